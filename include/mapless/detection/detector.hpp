@@ -1,0 +1,74 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include <mapless/detection/parameters.hpp>
+#include <mapless/detection/prepared_scan.hpp>
+#include <mapless/detection/stages.hpp>
+#include <mapless/trajectory/trajectory.hpp>
+
+namespace mapless {
+
+/// Wall time of each step for one scan [s].
+struct StageSeconds {
+  double compensation = 0;
+  double neighbours = 0;  ///< building the search structure
+  double normals = 0;
+  double comparison = 0;
+  double backward = 0;
+  double forward = 0;
+  double box_filter = 0;
+  double region_growth = 0;
+
+  [[nodiscard]] double total() const {
+    return compensation + neighbours + normals + comparison + backward + forward + box_filter + region_growth;
+  }
+};
+
+/// The answer for one scan. Vectors have one element per return of `scan`, in its order.
+struct Detection {
+  std::shared_ptr<const LidarScan> scan;
+  std::size_t sequence_number = 0;      ///< 0 for the first scan the detector was given
+  std::vector<StageTrace> trace;        ///< each stage's verdict
+  std::vector<std::uint16_t> object;    ///< 0 for static, else 1, 2, ...: one number per object of this scan
+  int objects = 0;
+  StageSeconds seconds;
+
+  [[nodiscard]] bool dynamic(std::size_t i) const { return object[i] != 0; }
+};
+
+/// Tells, online, which returns of each scan belong to things that move now (arXiv 1809.06972).
+///
+/// Scans go in one by one, by increasing time. The detection of a scan comes out `latency()` scans later, because the
+/// forward freespace check looks at a later scan; `flush` gives the rest, checked against the last scan there is.
+/// A scan with no earlier scan to compare with (the first) is static throughout.
+class Detector {
+ public:
+  explicit Detector(const DetectorParameters& parameters = {});
+
+  /// Throws InputError for a scan that starts before the last one, TrajectoryDomainError where the trajectory does not
+  /// cover it; the detector is then as it was before the call.
+  std::optional<Detection> process(std::shared_ptr<const LidarScan> scan, const Trajectory& trajectory);
+
+  /// The oldest detection not yet returned; empty when there is none left. The detector can then go on.
+  std::optional<Detection> flush();
+
+  /// Scans between a scan and its detection: forward_gap.
+  [[nodiscard]] int latency() const { return parameters_.forward_gap; }
+  [[nodiscard]] const DetectorParameters& parameters() const { return parameters_; }
+
+ private:
+  Detection detect(std::size_t number, const PreparedScan* later) const;
+  [[nodiscard]] const PreparedScan& scan_number(std::size_t number) const;
+
+  DetectorParameters parameters_;
+  std::deque<std::shared_ptr<const PreparedScan>> buffer_;  // consecutive scans, oldest first
+  std::size_t next_number_ = 0;                             // of the next scan in
+  std::size_t next_detection_ = 0;                          // of the next detection out
+};
+
+}  // namespace mapless

@@ -1,0 +1,156 @@
+#pragma once
+
+#include <string_view>
+#include <tuple>
+
+#include <mapless/core/parameters.hpp>
+#include <mapless/geometry/normals.hpp>
+
+namespace mapless {
+
+/// Step 2, pointcloud comparison.
+struct ComparisonParameters {
+  double error_threshold_m = 0.2;
+  double max_range_without_normal_m = 25;
+
+  static constexpr auto declarations() {
+    using P = ComparisonParameters;
+    return std::tuple{
+        declare(&P::error_threshold_m, "error_threshold_m", "m", 0.001, 10.0,
+                "a point farther than this from the reference scan (point-to-plane, else point-to-point) is dynamic",
+                "paper step 2"),
+        declare(&P::max_range_without_normal_m, "max_range_without_normal_m", "m", 0.0, 1000.0,
+                "a point beyond this range that has no normal is static: on far ground point-to-point proves nothing",
+                "method.md 2"),
+    };
+  }
+};
+
+/// Step 3, freespace check (paper Eq. 1 and 2).
+struct FreespaceParameters {
+  double backward_threshold_m = 0.2;
+  double forward_threshold_m = 0.1;
+  bool require_near_ray = true;
+  double max_ray_distance_m = 0.05;
+  double max_ray_distance_spacings = 1.0;
+  int border_window_rows = 3;
+  int border_window_columns = 5;
+  double border_radius_m = 0.2;
+  double border_radius_per_m = 0.006;
+  bool no_return_is_free = true;
+  int look_ahead_lasers = 3;
+
+  static constexpr auto declarations() {
+    using P = FreespaceParameters;
+    return std::tuple{
+        declare(&P::backward_threshold_m, "backward_threshold_m", "m", 0.001, 10.0,
+                "a ray of the reference scan that ends this near the plane of the point is on its border",
+                "paper step 3"),
+        declare(&P::forward_threshold_m, "forward_threshold_m", "m", 0.001, 10.0,
+                "the same for a ray of the later scan", "paper step 3; method.md 2"),
+        declare(&P::require_near_ray, "require_near_ray",
+                "answer unobserved, hence static, where no ray passes near the point", "method.md 2"),
+        declare(&P::max_ray_distance_m, "max_ray_distance_m", "m", 0.0, 10.0,
+                "a ray is near within max_ray_distance_m + max_ray_distance_spacings x laser spacing x range",
+                "method.md 2"),
+        declare(&P::max_ray_distance_spacings, "max_ray_distance_spacings", "laser spacings", 0.0, 100.0,
+                "see max_ray_distance_m", "method.md 2"),
+        declare(&P::border_window_rows, "border_window_rows", "lasers", 1, 15,
+                "height of the window of rays around the nearest one of which any can make a point border; odd, 1: "
+                "none but the nearest",
+                "method.md 2"),
+        declare(&P::border_window_columns, "border_window_columns", "columns", 1, 31, "width of that window; odd",
+                "method.md 2"),
+        declare(&P::border_radius_m, "border_radius_m", "m", 0.0, 10.0,
+                "a ray of the window makes a point border if it ends within border_radius_m + border_radius_per_m x "
+                "range of it",
+                "method.md 2"),
+        declare(&P::border_radius_per_m, "border_radius_per_m", "m/m", 0.0, 1.0, "see border_radius_m",
+                "method.md 2"),
+        declare(&P::no_return_is_free, "no_return_is_free",
+                "a ray recorded as 'nothing within range' proves free space up to the maximum range; recordings that "
+                "cannot tell it from a faulty return are not affected",
+                "paper V; method.md 2"),
+        declare(&P::look_ahead_lasers, "look_ahead_lasers", "lasers", 1, 16,
+                "lasers tried beyond one that is no nearer before the search stops: blocks may overlap in elevation",
+                "paper Eq. 2; method.md 2"),
+    };
+  }
+};
+
+/// Step 4, box filter.
+struct BoxFilterParameters {
+  ImageAlignment image = ImageAlignment::aligned;
+  int score_threshold = 10;
+
+  static constexpr auto declarations() {
+    using P = BoxFilterParameters;
+    return std::tuple{
+        declare(&P::image, "image",
+                "rows of the scan image as recorded, or shifted by each laser's azimuth offset so that neighbours in "
+                "the image are neighbours in space",
+                "method.md 2"),
+        declare(&P::score_threshold, "score_threshold", "pixels", 0, 12,
+                "a 3 x 4 window that matches the pattern in more pixels than this holds outliers; 12 switches the "
+                "filter off",
+                "paper step 4"),
+    };
+  }
+};
+
+/// Step 5, region growth.
+struct RegionGrowthParameters {
+  double link_m = 0.12;
+  double link_per_m = 0.015;
+  int min_cluster_points = 10;
+  double max_growth_m = 2.0;
+
+  static constexpr auto declarations() {
+    using P = RegionGrowthParameters;
+    return std::tuple{
+        declare(&P::link_m, "link_m", "m", 0.001, 10.0,
+                "two points are linked within link_m + link_per_m x range (of the nearer)",
+                "paper step 5; method.md 2"),
+        declare(&P::link_per_m, "link_per_m", "m/m", 0.0, 1.0, "see link_m", "method.md 2"),
+        declare(&P::min_cluster_points, "min_cluster_points", "points", 1, 10000,
+                "a cluster of fewer dynamic points is static and does not grow", "method.md 2"),
+        declare(&P::max_growth_m, "max_growth_m", "m", 0.0, 1000.0,
+                "growth stops this far from the nearest dynamic point of the cluster", "method.md 2"),
+    };
+  }
+};
+
+/// Everything the detector can be told.
+struct DetectorParameters {
+  int scan_gap = 8;
+  int forward_gap = 2;
+  NormalParameters normals;
+  ComparisonParameters comparison;
+  FreespaceParameters freespace;
+  BoxFilterParameters box_filter;
+  RegionGrowthParameters region_growth;
+
+  static constexpr auto declarations() {
+    using P = DetectorParameters;
+    return std::tuple{
+        declare(&P::scan_gap, "scan_gap", "scans", 1, 100,
+                "the reference scan is this many scans before the query scan, or the first of the recording",
+                "paper step 2"),
+        declare(&P::forward_gap, "forward_gap", "scans", 0, 100,
+                "the forward freespace check uses the scan this many after the query scan, which is also the latency; "
+                "0: causal, no forward check",
+                "paper step 3"),
+        group(&P::normals, "normals"),
+        group(&P::comparison, "comparison"),
+        group(&P::freespace, "freespace"),
+        group(&P::box_filter, "box_filter"),
+        group(&P::region_growth, "region_growth"),
+    };
+  }
+};
+
+/// "default", or "paper": the method as published, with the readings of method.md section 2 where it is silent and none
+/// of the improvements. Throws ParameterError for any other name.
+[[nodiscard]] DetectorParameters detector_profile(std::string_view name);
+
+}  // namespace mapless

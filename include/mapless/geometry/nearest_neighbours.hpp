@@ -1,0 +1,34 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace mapless {
+
+/// Exact Euclidean nearest neighbours of a fixed set of points (a k-d tree). The points are copied.
+class NearestNeighbours {
+ public:
+  explicit NearestNeighbours(std::vector<Eigen::Vector3d> points);
+  ~NearestNeighbours();
+  NearestNeighbours(NearestNeighbours&&) noexcept;
+  NearestNeighbours& operator=(NearestNeighbours&&) noexcept;
+
+  struct Neighbour {
+    std::int32_t index = -1;  ///< -1 where there is no point
+    double distance_m = 0;
+  };
+  /// Of equally near points the lowest index. Index -1 for an empty set.
+  [[nodiscard]] Neighbour nearest(const Eigen::Vector3d& q) const;
+  /// The k nearest (fewer if the set is smaller), nearest first.
+  [[nodiscard]] std::vector<Neighbour> nearest(const Eigen::Vector3d& q, int k) const;
+  /// All points within `radius_m` (inclusive), by increasing index; `out` is overwritten.
+  void within(const Eigen::Vector3d& q, double radius_m, std::vector<std::int32_t>& out) const;
+
+ private:
+  struct Tree;
+  std::unique_ptr<Tree> tree_;
+};
+
+}  // namespace mapless

@@ -1,0 +1,135 @@
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <Eigen/SVD>
+#include <cmath>
+
+#include <mapless/core/se3.hpp>
+
+namespace mapless {
+namespace {
+
+// Below this angle the closed forms divide by nearly nothing; the series kept are exact to double precision there.
+constexpr double kSmallAngle = 1e-4;
+
+// sin(x)/x, (1 - cos x)/x^2, (x - sin x)/x^3
+struct AngleTerms {
+  double a, b, c;
+};
+
+AngleTerms angle_terms(double x) {
+  const double x2 = x * x;
+  if (x < kSmallAngle) return {1 - x2 / 6, 0.5 - x2 / 24, 1.0 / 6 - x2 / 120};
+  return {std::sin(x) / x, (1 - std::cos(x)) / x2, (x - std::sin(x)) / (x2 * x)};
+}
+
+Eigen::Matrix3d so3_left_jacobian(const Eigen::Vector3d& phi) {
+  const AngleTerms k = angle_terms(phi.norm());
+  const Eigen::Matrix3d W = hat(phi);
+  return Eigen::Matrix3d::Identity() + k.b * W + k.c * W * W;
+}
+
+Eigen::Matrix3d so3_left_jacobian_inverse(const Eigen::Vector3d& phi) {
+  const double x = phi.norm();
+  const Eigen::Matrix3d W = hat(phi);
+  const double x2 = x * x;
+  const double half_cot = x < kSmallAngle ? 1.0 / 12 + x2 / 720
+                                          : 1 / x2 - (1 + std::cos(x)) / (2 * x * std::sin(x));
+  return Eigen::Matrix3d::Identity() - 0.5 * W + half_cot * W * W;
+}
+
+// The translation-rotation block Q of the left Jacobian (Barfoot, equation 7.86b).
+Eigen::Matrix3d jacobian_block_q(const Vector6d& xi) {
+  const Eigen::Matrix3d P = hat(xi.head<3>());
+  const Eigen::Matrix3d W = hat(xi.tail<3>());
+  const double x = xi.tail<3>().norm();
+  const double x2 = x * x;
+  double m2, m3, m4;
+  if (x < 1e-2) {
+    m2 = 1.0 / 6 - x2 / 120 + x2 * x2 / 5040;
+    m3 = 1.0 / 24 - x2 / 720 + x2 * x2 / 40320;
+    m4 = 1.0 / 120 - x2 / 2520 + x2 * x2 / 120960;
+  } else {
+    m2 = (x - std::sin(x)) / (x2 * x);
+    m3 = (x2 / 2 + std::cos(x) - 1) / (x2 * x2);
+    m4 = (2 * x - 3 * std::sin(x) + x * std::cos(x)) / (2 * x2 * x2 * x);
+  }
+  return 0.5 * P + m2 * (W * P + P * W + W * P * W) + m3 * (W * W * P + P * W * W - 3 * W * P * W) +
+         m4 * (W * P * W * W + W * W * P * W);
+}
+
+}  // namespace
+
+Eigen::Matrix3d hat(const Eigen::Vector3d& a) {
+  Eigen::Matrix3d W;
+  W << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
+  return W;
+}
+
+Eigen::Matrix3d rotation_z(double angle_rad) {
+  const double c = std::cos(angle_rad), s = std::sin(angle_rad);
+  Eigen::Matrix3d R;
+  R << c, -s, 0, s, c, 0, 0, 0, 1;
+  return R;
+}
+
+Eigen::Matrix3d so3_exp(const Eigen::Vector3d& phi) {
+  const AngleTerms k = angle_terms(phi.norm());
+  const Eigen::Matrix3d W = hat(phi);
+  return Eigen::Matrix3d::Identity() + k.a * W + k.b * W * W;
+}
+
+Eigen::Vector3d so3_log(const Eigen::Matrix3d& rotation) {
+  // Through the quaternion, which stays well conditioned up to an angle of pi.
+  Eigen::Quaterniond q(rotation);
+  if (q.w() < 0) q.coeffs() = -q.coeffs();
+  const double s = q.vec().norm();
+  const double scale = s < 1e-12 ? 2 / q.w() : 2 * std::atan2(s, q.w()) / s;
+  return scale * q.vec();
+}
+
+SE3 SE3::exp(const Vector6d& xi) {
+  return {so3_exp(xi.tail<3>()), so3_left_jacobian(xi.tail<3>()) * xi.head<3>()};
+}
+
+Vector6d SE3::log() const {
+  Vector6d xi;
+  xi.tail<3>() = so3_log(rotation_);
+  xi.head<3>() = so3_left_jacobian_inverse(xi.tail<3>()) * translation_;
+  return xi;
+}
+
+Eigen::Matrix4d SE3::matrix() const {
+  Eigen::Matrix4d T = Eigen::Matrix4d::Identity();
+  T.topLeftCorner<3, 3>() = rotation_;
+  T.topRightCorner<3, 1>() = translation_;
+  return T;
+}
+
+SE3 SE3::inverse() const {
+  const Eigen::Matrix3d C = rotation_.transpose();
+  return {C, -(C * translation_)};
+}
+
+SE3 SE3::normalized() const {
+  return {Eigen::Quaterniond(rotation_).normalized().toRotationMatrix(), translation_};
+}
+
+Matrix6d left_jacobian(const Vector6d& xi) {
+  const Eigen::Matrix3d J = so3_left_jacobian(xi.tail<3>());
+  Matrix6d out = Matrix6d::Zero();
+  out.topLeftCorner<3, 3>() = J;
+  out.bottomRightCorner<3, 3>() = J;
+  out.topRightCorner<3, 3>() = jacobian_block_q(xi);
+  return out;
+}
+
+Matrix6d left_jacobian_inverse(const Vector6d& xi) {
+  const Eigen::Matrix3d Ji = so3_left_jacobian_inverse(xi.tail<3>());
+  Matrix6d out = Matrix6d::Zero();
+  out.topLeftCorner<3, 3>() = Ji;
+  out.bottomRightCorner<3, 3>() = Ji;
+  out.topRightCorner<3, 3>() = -Ji * jacobian_block_q(xi) * Ji;
+  return out;
+}
+
+}  // namespace mapless
