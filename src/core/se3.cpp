@@ -1,14 +1,16 @@
+#include <cmath>
+
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <Eigen/SVD>
-#include <cmath>
 
 #include <mapless/core/se3.hpp>
 
 namespace mapless {
 namespace {
 
-// Below this angle the closed forms divide by nearly nothing; the series kept are exact to double precision there.
+// Below this angle the closed forms divide by nearly nothing; the series kept are exact to double precision
+// there.
 constexpr double kSmallAngle = 1e-4;
 
 // sin(x)/x, (1 - cos x)/x^2, (x - sin x)/x^3
@@ -32,8 +34,8 @@ Eigen::Matrix3d so3_left_jacobian_inverse(const Eigen::Vector3d& phi) {
   const double x = phi.norm();
   const Eigen::Matrix3d W = hat(phi);
   const double x2 = x * x;
-  const double half_cot = x < kSmallAngle ? 1.0 / 12 + x2 / 720
-                                          : 1 / x2 - (1 + std::cos(x)) / (2 * x * std::sin(x));
+  const double half_cot =
+      x < kSmallAngle ? 1.0 / 12 + x2 / 720 : 1 / x2 - (1 + std::cos(x)) / (2 * x * std::sin(x));
   return Eigen::Matrix3d::Identity() - 0.5 * W + half_cot * W * W;
 }
 

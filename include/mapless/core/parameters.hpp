@@ -11,9 +11,9 @@
 
 namespace mapless {
 
-/// The declaration of one parameter: the only place its name, unit, bounds, meaning and source are written; the default
-/// is the member's initialiser. The configuration reader, `--set`, the dumped configuration, `mapless config` and its
-/// schema all come from these declarations.
+/// The declaration of one parameter: the only place its name, unit, bounds, meaning and source are written;
+/// the default is the member's initialiser. The configuration reader, `--set`, the dumped configuration,
+/// `mapless config` and its schema all come from these declarations.
 ///
 /// A parameter struct `P` lists its members as
 ///
@@ -127,8 +127,8 @@ template <class Struct>
   return out;
 }
 
-/// Sets `key` from `text`. Throws ParameterError naming `where` for an unknown key (with the nearest known one), a text
-/// that is not a value of its type, or a value out of bounds.
+/// Sets `key` from `text`. Throws ParameterError naming `where` for an unknown key (with the nearest known
+/// one), a text that is not a value of its type, or a value out of bounds.
 void assign_parameter(const std::vector<ParameterReference>& parameters, std::string_view key,
                       std::string_view text, const std::string& where);
 

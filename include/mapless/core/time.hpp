@@ -5,7 +5,8 @@
 
 namespace mapless {
 
-/// A span of time in whole nanoseconds. There is no conversion from bare numbers: 2.0 and 2 must say what they are.
+/// A span of time in whole nanoseconds. There is no conversion from bare numbers: 2.0 and 2 must say what
+/// they are.
 class Duration {
  public:
   constexpr Duration() = default;

@@ -27,14 +27,19 @@ struct StageSeconds {
   [[nodiscard]] double total() const {
     return compensation + neighbours + normals + comparison + backward + forward + box_filter + region_growth;
   }
+  [[nodiscard]] StageSeconds operator+(const StageSeconds& o) const {
+    return {compensation + o.compensation, neighbours + o.neighbours,      normals + o.normals,
+            comparison + o.comparison,     backward + o.backward,          forward + o.forward,
+            box_filter + o.box_filter,     region_growth + o.region_growth};
+  }
 };
 
 /// The answer for one scan. Vectors have one element per return of `scan`, in its order.
 struct Detection {
   std::shared_ptr<const LidarScan> scan;
-  std::size_t sequence_number = 0;      ///< 0 for the first scan the detector was given
-  std::vector<StageTrace> trace;        ///< each stage's verdict
-  std::vector<std::uint16_t> object;    ///< 0 for static, else 1, 2, ...: one number per object of this scan
+  std::size_t sequence_number = 0;    ///< 0 for the first scan the detector was given
+  std::vector<StageTrace> trace;      ///< each stage's verdict
+  std::vector<std::uint16_t> object;  ///< 0 for static, else 1, 2, ...: one number per object of this scan
   int objects = 0;
   StageSeconds seconds;
 
@@ -43,15 +48,18 @@ struct Detection {
 
 /// Tells, online, which returns of each scan belong to things that move now (arXiv 1809.06972).
 ///
-/// Scans go in one by one, by increasing time. The detection of a scan comes out `latency()` scans later, because the
-/// forward freespace check looks at a later scan; `flush` gives the rest, checked against the last scan there is.
-/// A scan with no earlier scan to compare with (the first) is static throughout.
+/// Scans go in one by one, by increasing time. The detection of a scan comes out `latency()` scans later,
+/// because the forward freespace check looks at a later scan; `flush` gives the rest, checked against the
+/// last scan there is. A scan with no earlier scan to compare with (the first) is static throughout.
 class Detector {
  public:
   explicit Detector(const DetectorParameters& parameters = {});
+  ~Detector();
+  Detector(Detector&&) noexcept;
+  Detector& operator=(Detector&&) noexcept;
 
-  /// Throws InputError for a scan that starts before the last one, TrajectoryDomainError where the trajectory does not
-  /// cover it; the detector is then as it was before the call.
+  /// Throws InputError for a scan that starts before the last one, TrajectoryDomainError where the trajectory
+  /// does not cover it; the detector is then as it was before the call.
   std::optional<Detection> process(std::shared_ptr<const LidarScan> scan, const Trajectory& trajectory);
 
   /// The oldest detection not yet returned; empty when there is none left. The detector can then go on.
@@ -62,11 +70,18 @@ class Detector {
   [[nodiscard]] const DetectorParameters& parameters() const { return parameters_; }
 
  private:
-  Detection detect(std::size_t number, const PreparedScan* later) const;
+  struct BufferedScan;
+  [[nodiscard]] std::shared_ptr<const BufferedScan> prepare(std::shared_ptr<const LidarScan> scan,
+                                                            const Trajectory& trajectory) const;
+  [[nodiscard]] Detection detect(const PreparedScan& query, const PreparedScan* earlier,
+                                 const PreparedScan* later) const;
+  std::optional<Detection> next(const PreparedScan* later);
+  [[nodiscard]] std::size_t first_number() const { return next_number_ - buffer_.size(); }
+  [[nodiscard]] const BufferedScan& buffered(std::size_t number) const;
   [[nodiscard]] const PreparedScan& scan_number(std::size_t number) const;
 
   DetectorParameters parameters_;
-  std::deque<std::shared_ptr<const PreparedScan>> buffer_;  // consecutive scans, oldest first
+  std::deque<std::shared_ptr<const BufferedScan>> buffer_;  // consecutive scans, oldest first
   std::size_t next_number_ = 0;                             // of the next scan in
   std::size_t next_detection_ = 0;                          // of the next detection out
 };

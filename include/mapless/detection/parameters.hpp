@@ -17,10 +17,12 @@ struct ComparisonParameters {
     using P = ComparisonParameters;
     return std::tuple{
         declare(&P::error_threshold_m, "error_threshold_m", "m", 0.001, 10.0,
-                "a point farther than this from the reference scan (point-to-plane, else point-to-point) is dynamic",
+                "a point farther than this from the reference scan (point-to-plane, else point-to-point) is "
+                "dynamic",
                 "paper step 2"),
         declare(&P::max_range_without_normal_m, "max_range_without_normal_m", "m", 0.0, 1000.0,
-                "a point beyond this range that has no normal is static: on far ground point-to-point proves nothing",
+                "a point beyond this range that has no normal is static: on far ground point-to-point proves "
+                "nothing",
                 "method.md 2"),
     };
   }
@@ -35,7 +37,6 @@ struct FreespaceParameters {
   double max_ray_distance_spacings = 1.0;
   int border_window_rows = 3;
   int border_window_columns = 5;
-  double border_radius_m = 0.2;
   double border_radius_per_m = 0.006;
   bool no_return_is_free = true;
   int look_ahead_lasers = 3;
@@ -56,23 +57,25 @@ struct FreespaceParameters {
         declare(&P::max_ray_distance_spacings, "max_ray_distance_spacings", "laser spacings", 0.0, 100.0,
                 "see max_ray_distance_m", "method.md 2"),
         declare(&P::border_window_rows, "border_window_rows", "lasers", 1, 15,
-                "height of the window of rays around the nearest one of which any can make a point border; odd, 1: "
+                "height of the window of rays around the nearest one of which any can make a point border; "
+                "odd, 1: "
                 "none but the nearest",
                 "method.md 2"),
-        declare(&P::border_window_columns, "border_window_columns", "columns", 1, 31, "width of that window; odd",
-                "method.md 2"),
-        declare(&P::border_radius_m, "border_radius_m", "m", 0.0, 10.0,
-                "a ray of the window makes a point border if it ends within border_radius_m + border_radius_per_m x "
+        declare(&P::border_window_columns, "border_window_columns", "columns", 1, 31,
+                "width of that window; odd", "method.md 2"),
+        declare(&P::border_radius_per_m, "border_radius_per_m", "m/m", 0.0, 1.0,
+                "a ray of the window makes a point border if it ends within the threshold + "
+                "border_radius_per_m x "
                 "range of it",
                 "method.md 2"),
-        declare(&P::border_radius_per_m, "border_radius_per_m", "m/m", 0.0, 1.0, "see border_radius_m",
-                "method.md 2"),
         declare(&P::no_return_is_free, "no_return_is_free",
-                "a ray recorded as 'nothing within range' proves free space up to the maximum range; recordings that "
+                "a ray recorded as 'nothing within range' proves free space up to the maximum range; "
+                "recordings that "
                 "cannot tell it from a faulty return are not affected",
                 "paper V; method.md 2"),
         declare(&P::look_ahead_lasers, "look_ahead_lasers", "lasers", 1, 16,
-                "lasers tried beyond one that is no nearer before the search stops: blocks may overlap in elevation",
+                "lasers tried beyond one that is no nearer before the search stops: blocks may overlap in "
+                "elevation",
                 "paper Eq. 2; method.md 2"),
     };
   }
@@ -87,11 +90,13 @@ struct BoxFilterParameters {
     using P = BoxFilterParameters;
     return std::tuple{
         declare(&P::image, "image",
-                "rows of the scan image as recorded, or shifted by each laser's azimuth offset so that neighbours in "
+                "rows of the scan image as recorded, or shifted by each laser's azimuth offset so that "
+                "neighbours in "
                 "the image are neighbours in space",
                 "method.md 2"),
         declare(&P::score_threshold, "score_threshold", "pixels", 0, 12,
-                "a 3 x 4 window that matches the pattern in more pixels than this holds outliers; 12 switches the "
+                "a 3 x 4 window that matches the pattern in more pixels than this holds outliers; 12 "
+                "switches the "
                 "filter off",
                 "paper step 4"),
     };
@@ -104,6 +109,8 @@ struct RegionGrowthParameters {
   double link_per_m = 0.015;
   int min_cluster_points = 10;
   double max_growth_m = 2.0;
+  double concave_tolerance_m = 0.02;
+  double concave_tolerance_deg = 5.0;
 
   static constexpr auto declarations() {
     using P = RegionGrowthParameters;
@@ -115,7 +122,13 @@ struct RegionGrowthParameters {
         declare(&P::min_cluster_points, "min_cluster_points", "points", 1, 10000,
                 "a cluster of fewer dynamic points is static and does not grow", "method.md 2"),
         declare(&P::max_growth_m, "max_growth_m", "m", 0.0, 1000.0,
-                "growth stops this far from the nearest dynamic point of the cluster", "method.md 2"),
+                "growth stops this far from the nearest dynamic point of a cluster", "method.md 2"),
+        declare(&P::concave_tolerance_m, "concave_tolerance_m", "m", 0.0, 1.0,
+                "parallel or convex: neither point rises more than concave_tolerance_m + distance x "
+                "sin(concave_tolerance_deg) above the other's plane",
+                "paper step 5"),
+        declare(&P::concave_tolerance_deg, "concave_tolerance_deg", "deg", 0.0, 45.0,
+                "see concave_tolerance_m", "paper step 5"),
     };
   }
 };
@@ -137,7 +150,8 @@ struct DetectorParameters {
                 "the reference scan is this many scans before the query scan, or the first of the recording",
                 "paper step 2"),
         declare(&P::forward_gap, "forward_gap", "scans", 0, 100,
-                "the forward freespace check uses the scan this many after the query scan, which is also the latency; "
+                "the forward freespace check uses the scan this many after the query scan, which is also the "
+                "latency; "
                 "0: causal, no forward check",
                 "paper step 3"),
         group(&P::normals, "normals"),
@@ -149,8 +163,8 @@ struct DetectorParameters {
   }
 };
 
-/// "default", or "paper": the method as published, with the readings of method.md section 2 where it is silent and none
-/// of the improvements. Throws ParameterError for any other name.
+/// "default", or "paper": the method as published, with the readings of method.md section 2 where it is
+/// silent and none of the improvements. Throws ParameterError for any other name.
 [[nodiscard]] DetectorParameters detector_profile(std::string_view name);
 
 }  // namespace mapless

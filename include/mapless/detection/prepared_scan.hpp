@@ -1,7 +1,8 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <vector>
+
+#include <Eigen/Core>
 
 #include <mapless/geometry/compensated_scan.hpp>
 #include <mapless/geometry/nearest_neighbours.hpp>
@@ -12,7 +13,7 @@ namespace mapless {
 /// What the stages need of one scan, computed once when it arrives.
 struct PreparedScan {
   CompensatedScan compensated;
-  NearestNeighbours neighbours;           ///< of compensated.points_0
+  NearestNeighbours neighbours;            ///< of compensated.points_0
   std::vector<Eigen::Vector3f> normals_0;  ///< estimate_normals of compensated
 
   [[nodiscard]] const LidarScan& scan() const { return *compensated.scan; }

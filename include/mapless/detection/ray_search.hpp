@@ -1,7 +1,8 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <vector>
+
+#include <Eigen/Core>
 
 #include <mapless/geometry/compensated_scan.hpp>
 
@@ -11,17 +12,20 @@ namespace mapless {
 struct NearestRay {
   int laser = -1;  ///< -1: the scan has no ray
   int column = -1;
-  double distance_m = 0;        ///< of the point from the ray's line
-  double range_m = 0;           ///< of the point's foot along the ray, from the ray's own origin
+  double distance_m = 0;  ///< of the point from the ray's line
+  double range_m = 0;     ///< of the point's foot along the ray, from the ray's own origin
   [[nodiscard]] bool found() const { return laser >= 0; }
 };
 
-/// Finds the measured ray of one scan that passes nearest to a point: over lasers l and time t it minimises ||e_l(t)||,
-/// e_l(t) = D T_lh T_hv(t) T_v0(t) [q; 1] (paper Eq. 1 and 2), then takes the measured ray closest in time. Each ray has
-/// its laser's own pose and its own instant. Cells where the recording has no firing (ReturnCode::absent) are passed
-/// over. Of equally near rays the lower laser, then the lower column.
+/// Finds the measured ray of one scan that passes nearest to a point: over lasers l and time t it minimises
+/// ||e_l(t)||, e_l(t) = D T_lh T_hv(t) T_v0(t) [q; 1] (paper Eq. 1 and 2), then takes the measured ray
+/// closest in time. Each ray has its laser's own pose and its own instant, and goes forward only. Where the
+/// recording has no firing (ReturnCode::absent) the nearest column of that laser that has one is taken, up to
+/// kColumnReach away.
 class RaySearch {
  public:
+  static constexpr int kColumnReach = 4;
+
   /// Keeps a reference to `scan`. `look_ahead` as FreespaceParameters::look_ahead_lasers.
   RaySearch(const CompensatedScan& scan, int look_ahead);
 
@@ -29,13 +33,24 @@ class RaySearch {
   [[nodiscard]] NearestRay nearest(const Eigen::Vector3d& q_0) const;
 
  private:
-  struct LaserPose {
-    SE3 T_lh;
-    double elevation_rad;
+  // A point in the frame of one laser at the instant of one column: beam along x.
+  struct Sighting {
+    Eigen::Vector3d q_l;
+    double column;  // at which the beam would point at it, by the azimuth seen from this column
   };
+  [[nodiscard]] Sighting sight(const Eigen::Vector3d& q_0, int laser, int column) const;
+  [[nodiscard]] double column_of_direction(const Eigen::Vector3d& q_0) const;
+  [[nodiscard]] int laser_of_direction(const Eigen::Vector3d& q_0, int column) const;
+  [[nodiscard]] NearestRay nearest_of_laser(const Eigen::Vector3d& q_0, int laser, double hub_column) const;
+  [[nodiscard]] int nearest_fired_column(int laser, int column) const;
+  void descend(const Eigen::Vector3d& q_0, double hub_column, NearestRay& best) const;
+
   const CompensatedScan& scan_;
   int look_ahead_;
-  std::vector<LaserPose> lasers_;
+  double columns_per_rad_;        // with the sign of the spin
+  std::vector<SE3> column_T_h0_;  // T_hv(t) T_v0(t) at each column's instant
+  std::vector<SE3> laser_T_lh_;
+  std::vector<double> offset_columns_;  // of each laser's azimuth offset
 };
 
 }  // namespace mapless

@@ -1,8 +1,9 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <memory>
 #include <vector>
+
+#include <Eigen/Core>
 
 #include <mapless/core/se3.hpp>
 #include <mapless/lidar/lidar_scan.hpp>
@@ -10,8 +11,8 @@
 
 namespace mapless {
 
-/// A scan with the motion of its sensor accounted for (paper step 1): every return in the world frame 0, and the
-/// pose of the sensor at the instant of every column, so that each ray can be had from its own origin.
+/// A scan with the motion of its sensor accounted for (paper step 1): every return in the world frame 0, and
+/// the pose of the sensor at the instant of every column, so that each ray can be had from its own origin.
 struct CompensatedScan {
   std::shared_ptr<const LidarScan> scan;
   std::vector<TrajectoryState> column_states;  ///< at LidarScan::column_time, one per column
@@ -24,13 +25,14 @@ struct CompensatedScan {
   [[nodiscard]] Eigen::Vector3d ray_direction_0(int laser, int column) const;
 };
 
-/// Moves every return from the sensor frame at its own instant to frame 0. Throws InputError for a scan that somebody
-/// else compensated already (see restore_measured_rays), TrajectoryDomainError where the trajectory does not cover it.
+/// Moves every return from the sensor frame at its own instant to frame 0. Throws InputError for a scan that
+/// somebody else compensated already (see restore_measured_rays), TrajectoryDomainError where the trajectory
+/// does not cover it.
 [[nodiscard]] CompensatedScan compensate(std::shared_ptr<const LidarScan> scan, const Trajectory& trajectory);
 
-/// Undoes another system's motion compensation: from the sensor frame at `scan.compensated_to` back to the sensor frame
-/// at each point's own instant, p_v(t) = T_v0(t) T_v0(t_c)^-1 p. Returns a scan with `compensated_to` empty, its cells
-/// laid out anew.
+/// Undoes another system's motion compensation: from the sensor frame at `scan.compensated_to` back to the
+/// sensor frame at each point's own instant, p_v(t) = T_v0(t) T_v0(t_c)^-1 p. Returns a scan with
+/// `compensated_to` empty, its cells laid out anew.
 [[nodiscard]] LidarScan restore_measured_rays(const LidarScan& scan, const Trajectory& trajectory);
 
 }  // namespace mapless

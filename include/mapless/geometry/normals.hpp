@@ -1,10 +1,11 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <array>
 #include <string_view>
 #include <tuple>
 #include <vector>
+
+#include <Eigen/Core>
 
 #include <mapless/core/parameters.hpp>
 #include <mapless/geometry/compensated_scan.hpp>
@@ -35,20 +36,25 @@ struct NormalParameters {
     using P = NormalParameters;
     return std::tuple{
         declare(&P::method, "method",
-                "where a point's neighbours come from: a window of the aligned scan image, or the k nearest in space",
+                "where a point's neighbours come from: a window of the aligned scan image, or the k nearest "
+                "in space",
                 "paper step 2; method.md 2"),
-        declare(&P::window_rows, "window_rows", "lasers", 1, 15, "height of the image window, odd", "method.md 2"),
+        declare(&P::window_rows, "window_rows", "lasers", 1, 15, "height of the image window, odd",
+                "method.md 2"),
         declare(&P::window_columns, "window_columns", "columns", 1, 31, "width of the image window, odd",
                 "method.md 2"),
-        declare(&P::gate_m, "gate_m", "m", 0.0, 10.0,
-                "window points whose distance from the point exceeds gate_m + gate_per_m x range do not count",
-                "method.md 2"),
+        declare(
+            &P::gate_m, "gate_m", "m", 0.0, 10.0,
+            "window points whose distance from the point exceeds gate_m + gate_per_m x range do not count",
+            "method.md 2"),
         declare(&P::gate_per_m, "gate_per_m", "m/m", 0.0, 1.0, "see gate_m", "method.md 2"),
-        declare(&P::neighbours, "neighbours", "points", 3, 100, "k of method nearest_neighbours", "paper step 2"),
+        declare(&P::neighbours, "neighbours", "points", 3, 100, "k of method nearest_neighbours",
+                "paper step 2"),
         declare(&P::min_points, "min_points", "points", 3, 100,
                 "with fewer points, itself included, a point has no normal", "paper step 2"),
         declare(&P::max_thickness_ratio, "max_thickness_ratio", "", 0.0, 1.0,
-                "planar: smallest over middle standard deviation of the neighbours at most this", "method.md 2"),
+                "planar: smallest over middle standard deviation of the neighbours at most this",
+                "method.md 2"),
         declare(&P::min_width_ratio, "min_width_ratio", "", 0.0, 1.0,
                 "not line-like: middle over largest standard deviation of the neighbours at least this",
                 "method.md 2"),
@@ -56,8 +62,8 @@ struct NormalParameters {
   }
 };
 
-/// One normal per return, in the world frame, unit length, oriented towards the origin of the return's own ray; zero
-/// where the point has none.
+/// One normal per return, in the world frame, unit length, oriented towards the origin of the return's own
+/// ray; zero where the point has none.
 [[nodiscard]] std::vector<Eigen::Vector3f> estimate_normals(const CompensatedScan& scan,
                                                             const NearestNeighbours& neighbours,
                                                             const NormalParameters& parameters);

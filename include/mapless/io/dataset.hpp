@@ -15,8 +15,8 @@ namespace mapless {
 /// What `mapless info` says of how the rings, angles and origins of a bare cloud's lasers were found.
 struct ModelEstimate {
   int scans_used = 0;
-  double elevation_residual_m = 0;     ///< RMS distance of the points from their laser's fitted cone
-  double azimuth_residual_columns = 0; ///< RMS distance of the points from their column's centre, in columns
+  double elevation_residual_m = 0;      ///< RMS distance of the points from their laser's fitted cone
+  double azimuth_residual_columns = 0;  ///< RMS distance of the points from their column's centre, in columns
 };
 
 /// A recording: scans in time order, of one sensor.
@@ -36,8 +36,8 @@ class Dataset {
   [[nodiscard]] virtual std::filesystem::path scan_file(std::size_t k) const = 0;
   /// Throws InputError naming the file for anything unusable. Thread-safe.
   [[nodiscard]] virtual LidarScan read(std::size_t k) const = 0;
-  /// Truth of scan k, one label per input record (SemanticKITTI moving-object convention), where there is any. Throws
-  /// InputError for a file of the wrong length.
+  /// Truth of scan k, one label per input record (SemanticKITTI moving-object convention), where there is
+  /// any. Throws InputError for a file of the wrong length.
   [[nodiscard]] virtual std::optional<std::vector<std::uint32_t>> read_labels(std::size_t k) const = 0;
   /// The trajectory that comes with the recording; null where none does. Throws InputError.
   [[nodiscard]] virtual std::shared_ptr<const Trajectory> trajectory() const { return nullptr; }
@@ -51,8 +51,8 @@ struct DatasetOptions {
   std::filesystem::path labels;  ///< truth from this folder instead of the recording's own
 };
 
-/// Opens a recording. Throws InputError naming the folder and what was looked for where no format, or more than one,
-/// fits.
+/// Opens a recording. Throws InputError naming the folder and what was looked for where no format, or more
+/// than one, fits.
 [[nodiscard]] std::unique_ptr<Dataset> open_dataset(const std::filesystem::path& path,
                                                     const DatasetOptions& options = {});
 

@@ -14,13 +14,13 @@ namespace mapless {
 
 enum class PoseDirection { world_from_sensor, sensor_from_world };
 
-/// How the rows of a trajectory file are to be read. Nothing here is guessed: what is not stated is the default, and the
-/// command line prints what it used.
+/// How the rows of a trajectory file are to be read. Nothing here is guessed: what is not stated is the
+/// default, and the command line prints what it used.
 struct TrajectoryFileOptions {
   PoseDirection direction = PoseDirection::world_from_sensor;
-  /// Transform from the sensor to the frame the file's poses are of (KITTI's camera 0: Tr of calib.txt); identity where
-  /// they are of the sensor itself. The world is turned the same way, so that it stays what the sensor frame was at the
-  /// first pose of a KITTI file.
+  /// Transform from the sensor to the frame the file's poses are of (KITTI's camera 0: Tr of calib.txt);
+  /// identity where they are of the sensor itself. The world is turned the same way, so that it stays what
+  /// the sensor frame was at the first pose of a KITTI file.
   SE3 T_file_sensor;
   /// For files of one pose per scan (KITTI rows): the instant of each row, one per scan of the recording.
   std::vector<Time> row_times;
@@ -28,14 +28,15 @@ struct TrajectoryFileOptions {
   Duration max_extrapolation;
 };
 
-/// Reads a TUM file (t tx ty tz qx qy qz qw a row) or a KITTI file (12 numbers a row), told apart by the count of
-/// numbers. '#' starts a comment. Throws InputError naming file, row and value: not numbers, not finite, quaternion of
-/// norm 0 or matrix not a rotation (both to 1e-3), times not increasing, fewer or more KITTI rows than row_times.
+/// Reads a TUM file (t tx ty tz qx qy qz qw a row) or a KITTI file (12 numbers a row), told apart by the
+/// count of numbers. '#' starts a comment. Throws InputError naming file, row and value: not numbers, not
+/// finite, quaternion of norm 0 or matrix not a rotation (both to 1e-3), times not increasing, fewer or more
+/// KITTI rows than row_times.
 [[nodiscard]] SampledTrajectory read_trajectory_file(const std::filesystem::path& file,
                                                      const TrajectoryFileOptions& options);
 
-/// Tr (camera from velodyne) of KITTI odometry's calib.txt, or R and T of KITTI raw's calib_velo_to_cam.txt followed by
-/// R_rect_00 of calib_cam_to_cam.txt beside it where present. Throws InputError.
+/// Tr (camera from velodyne) of KITTI odometry's calib.txt, or R and T of KITTI raw's calib_velo_to_cam.txt
+/// followed by R_rect_00 of calib_cam_to_cam.txt beside it where present. Throws InputError.
 [[nodiscard]] SE3 read_kitti_calibration(const std::filesystem::path& file);
 
 /// Rows of T_0v (world from sensor), 12 numbers each, and TUM rows, at the given times.

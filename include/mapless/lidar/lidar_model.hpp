@@ -1,21 +1,23 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include <Eigen/Core>
 
 #include <mapless/core/se3.hpp>
 #include <mapless/core/time.hpp>
 
 namespace mapless {
 
-/// One laser of a spinning lidar, as it sits in the rotating hub (frame h: z along the spin axis, x where the hub's
-/// zero points).
+/// One laser of a spinning lidar, as it sits in the rotating hub (frame h: z along the spin axis, x where the
+/// hub's zero points).
 struct Laser {
-  double elevation_rad = 0;       ///< above the hub's x-y plane
-  double azimuth_offset_rad = 0;  ///< counter-clockwise positive; holds the hub's turn during firing_offset too
+  double elevation_rad = 0;  ///< above the hub's x-y plane
+  double azimuth_offset_rad =
+      0;  ///< counter-clockwise positive; holds the hub's turn during firing_offset too
   Eigen::Vector3d origin_h_m = Eigen::Vector3d::Zero();
   Duration firing_offset;  ///< after the instant of its column
 
@@ -50,12 +52,12 @@ struct LidarModel {
   [[nodiscard]] double largest_elevation_step() const;
 };
 
-/// Throws InputError naming `source` where a model cannot be one: no lasers, lasers not by increasing elevation,
-/// values not finite, columns or rates not positive, min_range >= max_range.
+/// Throws InputError naming `source` where a model cannot be one: no lasers, lasers not by increasing
+/// elevation, values not finite, columns or rates not positive, min_range >= max_range.
 void validate(const LidarModel& model, const std::string& source);
 
-/// Models by name: HDL-64E-S2, HDL-64E-S3, VLP-16, HDL-32E, OS1-64, OS1-128, Pandar64, XT-32 (case-insensitive).
-/// Throws ParameterError listing the names for any other.
+/// Models by name: HDL-64E-S2, HDL-64E-S3, VLP-16, HDL-32E, OS1-64, OS1-128, Pandar64, XT-32
+/// (case-insensitive). Throws ParameterError listing the names for any other.
 [[nodiscard]] LidarModel named_model(std::string_view name);
 [[nodiscard]] const std::vector<std::string>& named_models();
 

@@ -1,10 +1,11 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <vector>
+
+#include <Eigen/Core>
 
 #include <mapless/core/time.hpp>
 #include <mapless/lidar/lidar_model.hpp>
@@ -36,21 +37,22 @@ struct LidarReturn {
   std::uint32_t input_index;  ///< which record of the input it came from
 };
 
-/// One turn of the sensor as an image: rows are lasers by increasing elevation, columns consecutive firings. Columns
-/// wrap in azimuth, rows do not. Every usable record of the input is a return; where two fall into one cell (clouds
-/// whose columns had to be recovered), the cell shows the nearer.
+/// One turn of the sensor as an image: rows are lasers by increasing elevation, columns consecutive firings.
+/// Columns wrap in azimuth, rows do not. Every usable record of the input is a return; where two fall into
+/// one cell (clouds whose columns had to be recovered), the cell shows the nearer.
 struct LidarScan {
   std::shared_ptr<const LidarModel> model;
-  Time start;                          ///< of column 0
-  Duration column_period;              ///< between consecutive columns
-  int columns = 0;                     ///< of this scan; column c has the hub angle model->hub_angle(c)
-  std::size_t input_size = 0;          ///< records of the input, hits or not: the length of a label file
+  Time start;                  ///< of column 0
+  Duration column_period;      ///< between consecutive columns
+  int columns = 0;             ///< of this scan; column c has the hub angle model->hub_angle(c)
+  std::size_t input_size = 0;  ///< records of the input, hits or not: the length of a label file
   Provenance time_source = Provenance::none;
   Provenance ring_source = Provenance::none;
-  std::optional<Time> compensated_to;  ///< set where position_v was already moved to one instant by somebody else
+  std::optional<Time>
+      compensated_to;  ///< set where position_v was already moved to one instant by somebody else
 
-  std::vector<LidarReturn> returns;    ///< by laser, then column, then input index
-  std::vector<std::int32_t> cells;     ///< rows x columns, row-major: index into returns, or a negative code
+  std::vector<LidarReturn> returns;  ///< by laser, then column, then input index
+  std::vector<std::int32_t> cells;   ///< rows x columns, row-major: index into returns, or a negative code
 
   [[nodiscard]] int rows() const { return static_cast<int>(model->lasers.size()); }
   [[nodiscard]] Time column_time(int column) const {
@@ -81,9 +83,10 @@ struct LidarRecord {
   ReturnCode code;
 };
 
-/// Puts the records (record i is input i) into their cells. `scan` comes with everything but returns, cells and
-/// input_size. Records with code hit but a non-finite position, or nearer than 1 cm to their laser, count as faulty;
-/// cells no record names are absent. Throws InputError naming `source` for a laser, column or time out of range.
+/// Puts the records (record i is input i) into their cells. `scan` comes with everything but returns, cells
+/// and input_size. Records with code hit but a non-finite position, or nearer than 1 cm to their laser, count
+/// as faulty; cells no record names are absent. Throws InputError naming `source` for a laser, column or time
+/// out of range.
 [[nodiscard]] LidarScan organise(LidarScan scan, const std::vector<LidarRecord>& records,
                                  const std::string& source);
 

@@ -39,8 +39,8 @@ struct TimedPose {
   SE3 T_v0;
 };
 
-/// Poses at given times (ground truth, another system's output): constant body-centric velocity between two of them,
-/// T(t) = exp(r ln(T_2 T_1^-1)) T_1, and beyond the ends by at most `max_extrapolation`.
+/// Poses at given times (ground truth, another system's output): constant body-centric velocity between two
+/// of them, T(t) = exp(r ln(T_2 T_1^-1)) T_1, and beyond the ends by at most `max_extrapolation`.
 class SampledTrajectory final : public Trajectory {
  public:
   /// `poses` by strictly increasing time, at least two; throws InputError naming `source` otherwise.

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <vector>
+
+#include <mapless/lidar/lidar_scan.hpp>
+
+namespace mapless {
+
+/// The scan image with every row shifted by its laser's azimuth offset, in whole columns, so that neighbours
+/// in the image are neighbours in space. Columns are given for one scan and wrap.
+class AlignedImage {
+ public:
+  explicit AlignedImage(const LidarScan& scan);
+
+  /// Column in the aligned image, in [0, columns), of the firing `column` of `laser`.
+  [[nodiscard]] int aligned_column(int laser, int column) const {
+    return wrap(column + shift_[static_cast<std::size_t>(laser)]);
+  }
+  /// The inverse; `aligned` may lie up to a turn outside [0, columns).
+  [[nodiscard]] int scan_column(int laser, int aligned) const {
+    return wrap(aligned - shift_[static_cast<std::size_t>(laser)]);
+  }
+
+ private:
+  [[nodiscard]] int wrap(int column) const {
+    const int remainder = column % columns_;
+    return remainder < 0 ? remainder + columns_ : remainder;
+  }
+
+  int columns_;
+  std::vector<int> shift_;  // of each laser
+};
+
+}  // namespace mapless

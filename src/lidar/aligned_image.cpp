@@ -1,0 +1,16 @@
+#include <cmath>
+#include <numbers>
+
+#include <mapless/lidar/aligned_image.hpp>
+
+namespace mapless {
+
+AlignedImage::AlignedImage(const LidarScan& scan) : columns_(scan.columns) {
+  const LidarModel& model = *scan.model;
+  const double columns_per_rad = model.sign() * model.columns / (2 * std::numbers::pi);
+  for (const Laser& laser : model.lasers) {
+    shift_.push_back(static_cast<int>(std::lround(laser.azimuth_offset_rad * columns_per_rad)));
+  }
+}
+
+}  // namespace mapless
