@@ -1,0 +1,191 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <nanoflann.hpp>
+#include <numeric>
+#include <utility>
+
+#include <mapless/geometry/nearest_neighbours.hpp>
+
+namespace mapless {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// nanoflann prunes with lower bounds that carry rounding, and skips leaf points at exactly the distance of
+// the result set's worst. Telling it a bound this much wider keeps every tie; the result sets then compare
+// exactly.
+constexpr double kPruningSlack = 1 + 1e-9;
+constexpr std::size_t kLeafSize = 12;
+
+struct Points {
+  std::vector<Eigen::Vector3d> values;
+
+  [[nodiscard]] std::size_t kdtree_get_point_count() const { return values.size(); }
+  [[nodiscard]] double kdtree_get_pt(std::size_t i, std::size_t axis) const {
+    return values[i][static_cast<Eigen::Index>(axis)];
+  }
+  template <class Box>
+  bool kdtree_get_bbox(Box&) const {
+    return false;
+  }
+};
+
+// Squared distances are Eigen's, to the last bit, so that ties here are ties everywhere else.
+struct Metric {
+  using ElementType = double;
+  using DistanceType = double;
+  explicit Metric(const Points& points) : values(points.values) {}
+  [[nodiscard]] double evalMetric(const double* q, std::uint32_t i, std::size_t) const {
+    return (values[i] - Eigen::Map<const Eigen::Vector3d>(q)).squaredNorm();
+  }
+  [[nodiscard]] double accum_dist(double a, double b, std::size_t) const { return (a - b) * (a - b); }
+  const std::vector<Eigen::Vector3d>& values;
+};
+
+using Index = nanoflann::KDTreeSingleIndexAdaptor<Metric, Points, 3, std::uint32_t>;
+
+struct Candidate {
+  double squared_distance = kInfinity;
+  std::int32_t index = -1;
+
+  bool operator<(const Candidate& other) const {
+    return squared_distance < other.squared_distance ||
+           (squared_distance == other.squared_distance && index < other.index);
+  }
+};
+
+double pruning_bound(double squared_distance) {
+  return std::max(squared_distance * kPruningSlack, std::numeric_limits<double>::min());
+}
+
+class NearestOne {
+ public:
+  explicit NearestOne(const std::vector<std::int32_t>& original) : original_(original) {}
+  [[nodiscard]] bool full() const { return best_.index >= 0; }
+  [[nodiscard]] double worstDist() const { return bound_; }
+  bool addPoint(double squared_distance, std::uint32_t i) {
+    const Candidate candidate{squared_distance, original_[i]};
+    if (candidate < best_) {
+      best_ = candidate;
+      bound_ = pruning_bound(squared_distance);
+    }
+    return true;
+  }
+  [[nodiscard]] const Candidate& best() const { return best_; }
+
+ private:
+  const std::vector<std::int32_t>& original_;
+  Candidate best_;
+  double bound_ = kInfinity;
+};
+
+class NearestSeveral {
+ public:
+  NearestSeveral(const std::vector<std::int32_t>& original, std::size_t k) : original_(original), k_(k) {
+    best_.reserve(k + 1);
+  }
+  [[nodiscard]] bool full() const { return best_.size() == k_; }
+  [[nodiscard]] double worstDist() const {
+    return full() ? pruning_bound(best_.back().squared_distance) : kInfinity;
+  }
+  bool addPoint(double squared_distance, std::uint32_t i) {
+    const Candidate candidate{squared_distance, original_[i]};
+    if (full() && !(candidate < best_.back())) return true;
+    best_.insert(std::upper_bound(best_.begin(), best_.end(), candidate), candidate);
+    if (best_.size() > k_) best_.pop_back();
+    return true;
+  }
+  [[nodiscard]] const std::vector<Candidate>& best() const { return best_; }
+
+ private:
+  const std::vector<std::int32_t>& original_;
+  std::size_t k_;
+  std::vector<Candidate> best_;
+};
+
+class AllWithin {
+ public:
+  AllWithin(const std::vector<std::int32_t>& original, double squared_radius, std::vector<std::int32_t>& out)
+      : original_(original), squared_radius_(squared_radius), out_(out) {}
+  [[nodiscard]] bool full() const { return true; }
+  [[nodiscard]] double worstDist() const { return pruning_bound(squared_radius_); }
+  bool addPoint(double squared_distance, std::uint32_t i) {
+    if (squared_distance <= squared_radius_) out_.push_back(original_[i]);
+    return true;
+  }
+
+ private:
+  const std::vector<std::int32_t>& original_;
+  double squared_radius_;
+  std::vector<std::int32_t>& out_;
+};
+
+}  // namespace
+
+struct NearestNeighbours::Tree {
+  explicit Tree(std::vector<Eigen::Vector3d> all) : points{std::move(all)}, original(points.values.size()) {
+    std::iota(original.begin(), original.end(), 0);
+    drop_what_is_not_finite();
+    index.buildIndex();
+    lay_points_in_leaf_order();
+  }
+
+  // A NaN would break the splitting of the tree.
+  void drop_what_is_not_finite() {
+    std::erase_if(original,
+                  [this](std::int32_t i) { return !points.values[static_cast<std::size_t>(i)].allFinite(); });
+    std::erase_if(points.values, [](const Eigen::Vector3d& p) { return !p.allFinite(); });
+  }
+
+  // The points of one leaf are then read one after the other, instead of from all over the memory.
+  void lay_points_in_leaf_order() {
+    std::vector<Eigen::Vector3d> values(points.values.size());
+    std::vector<std::int32_t> numbers(values.size());
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      values[i] = points.values[index.vAcc[i]];
+      numbers[i] = original[index.vAcc[i]];
+      index.vAcc[i] = static_cast<std::uint32_t>(i);
+    }
+    points.values.swap(values);
+    original.swap(numbers);
+  }
+
+  Points points;
+  std::vector<std::int32_t> original;  // index, in the points given, of point i of the tree
+  Index index{3, points, {kLeafSize, nanoflann::KDTreeSingleIndexAdaptorFlags::SkipInitialBuildIndex}};
+};
+
+NearestNeighbours::NearestNeighbours(std::vector<Eigen::Vector3d> points)
+    : tree_(std::make_unique<Tree>(std::move(points))) {}
+NearestNeighbours::~NearestNeighbours() = default;
+NearestNeighbours::NearestNeighbours(NearestNeighbours&&) noexcept = default;
+NearestNeighbours& NearestNeighbours::operator=(NearestNeighbours&&) noexcept = default;
+
+NearestNeighbours::Neighbour NearestNeighbours::nearest(const Eigen::Vector3d& q) const {
+  NearestOne result(tree_->original);
+  tree_->index.findNeighbors(result, q.data(), {});
+  if (!result.full()) return {};
+  return {result.best().index, std::sqrt(result.best().squared_distance)};
+}
+
+std::vector<NearestNeighbours::Neighbour> NearestNeighbours::nearest(const Eigen::Vector3d& q, int k) const {
+  std::vector<Neighbour> neighbours;
+  if (k <= 0) return neighbours;
+  NearestSeveral result(tree_->original, std::min(static_cast<std::size_t>(k), tree_->original.size()));
+  tree_->index.findNeighbors(result, q.data(), {});
+  neighbours.reserve(result.best().size());
+  for (const Candidate& c : result.best()) neighbours.push_back({c.index, std::sqrt(c.squared_distance)});
+  return neighbours;
+}
+
+void NearestNeighbours::within(const Eigen::Vector3d& q, double radius_m,
+                               std::vector<std::int32_t>& out) const {
+  out.clear();
+  if (!(radius_m >= 0)) return;
+  AllWithin result(tree_->original, radius_m * radius_m, out);
+  tree_->index.findNeighbors(result, q.data(), {});
+  std::sort(out.begin(), out.end());
+}
+
+}  // namespace mapless
