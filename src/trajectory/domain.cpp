@@ -1,0 +1,42 @@
+#include "trajectory/domain.hpp"
+
+#include <fmt/format.h>
+
+#include <mapless/core/errors.hpp>
+
+namespace mapless {
+
+std::string decimal_seconds(Time t) {
+  constexpr std::uint64_t kNanosecondsPerSecond = 1'000'000'000;
+  const std::int64_t ns = t.nanoseconds();
+  // The magnitude of the most negative time does not fit the signed type.
+  const std::uint64_t magnitude = ns < 0 ? -static_cast<std::uint64_t>(ns) : static_cast<std::uint64_t>(ns);
+  return fmt::format("{}{}.{:09}", ns < 0 ? "-" : "", magnitude / kNanosecondsPerSecond,
+                     magnitude % kNanosecondsPerSecond);
+}
+
+void require_covered(Time t, Time begin, Time end, const std::string& source) {
+  if (begin <= t && t <= end) return;
+  throw TrajectoryDomainError(
+      {source, "time", decimal_seconds(t) + " s",
+       fmt::format("the trajectory covers {} s to {} s", decimal_seconds(begin), decimal_seconds(end)),
+       "give a trajectory of the whole recording, choose fewer scans or allow more extrapolation"});
+}
+
+void IncreasingTimes::add(Time t) {
+  if (count_ > 0 && t <= last_) {
+    throw InputError({source_, fmt::format("time of {} {}", what_, count_), decimal_seconds(t) + " s",
+                      fmt::format("not after the {} before it at {} s", what_, decimal_seconds(last_)),
+                      fmt::format("give every {} once, in order of time", what_)});
+  }
+  last_ = t;
+  ++count_;
+}
+
+void IncreasingTimes::finish() const {
+  if (count_ >= 2) return;
+  throw InputError({source_, what_ + "s", fmt::format("{}", count_), "a trajectory needs at least two",
+                    fmt::format("give a {} before and after the recording", what_)});
+}
+
+}  // namespace mapless

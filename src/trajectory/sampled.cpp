@@ -1,0 +1,35 @@
+#include <algorithm>
+
+#include "trajectory/domain.hpp"
+#include <mapless/trajectory/trajectory.hpp>
+
+namespace mapless {
+
+SampledTrajectory::SampledTrajectory(std::vector<TimedPose> poses, Duration max_extrapolation,
+                                     std::string source)
+    : poses_(std::move(poses)), max_extrapolation_(max_extrapolation), source_(std::move(source)) {
+  IncreasingTimes times(source_, "pose");
+  for (const TimedPose& pose : poses_) times.add(pose.time);
+  times.finish();
+  velocities_.reserve(poses_.size() - 1);
+  for (std::size_t i = 0; i + 1 < poses_.size(); ++i) {
+    const SE3 T_21 = poses_[i + 1].T_v0 * poses_[i].T_v0.inverse();
+    velocities_.push_back(T_21.log() / (poses_[i + 1].time - poses_[i].time).seconds());
+  }
+}
+
+Time SampledTrajectory::begin() const { return poses_.front().time - max_extrapolation_; }
+
+Time SampledTrajectory::end() const { return poses_.back().time + max_extrapolation_; }
+
+TrajectoryState SampledTrajectory::at(Time t) const {
+  require_covered(t, begin(), end(), source_);
+  // The first and the last segment also serve before and after them.
+  const auto after = std::upper_bound(poses_.begin() + 1, poses_.end() - 1, t,
+                                      [](Time time, const TimedPose& pose) { return time < pose.time; });
+  const auto i = static_cast<std::size_t>(after - poses_.begin()) - 1;
+  const Vector6d& varpi = velocities_[i];
+  return {SE3::exp((t - poses_[i].time).seconds() * varpi) * poses_[i].T_v0, varpi};
+}
+
+}  // namespace mapless

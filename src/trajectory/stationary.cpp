@@ -1,0 +1,18 @@
+#include <limits>
+
+#include <mapless/trajectory/trajectory.hpp>
+
+namespace mapless {
+
+// Half of what an int64 holds, 146 years either way, so that differences of times within do not overflow.
+Time StationaryTrajectory::begin() const {
+  return Time::from_nanoseconds(std::numeric_limits<std::int64_t>::min() / 2);
+}
+
+Time StationaryTrajectory::end() const {
+  return Time::from_nanoseconds(std::numeric_limits<std::int64_t>::max() / 2);
+}
+
+TrajectoryState StationaryTrajectory::at(Time) const { return {SE3(), Vector6d::Zero()}; }
+
+}  // namespace mapless
