@@ -1,16 +1,17 @@
 #include "oracle/box_filter_oracle.hpp"
 
-#include <Eigen/Core>
 #include <cmath>
 #include <numbers>
+
+#include <Eigen/Core>
 
 namespace mapless::test {
 namespace {
 
 int modulo(int a, int n) { return ((a % n) + n) % n; }
 
-/// Column of the image that shows the cell: with alignment the one that would have looked, with no azimuth offset, where
-/// this one looks.
+/// Column of the image that shows the cell: with alignment the one that would have looked, with no azimuth
+/// offset, where this one looks.
 int image_column(const LidarScan& scan, int laser, int column, ImageAlignment alignment) {
   if (alignment == ImageAlignment::raw) return column;
   const LidarModel& model = *scan.model;

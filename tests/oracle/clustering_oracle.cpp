@@ -1,11 +1,15 @@
 #include "oracle/clustering_oracle.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
+#include <numbers>
 #include <numeric>
 
 namespace mapless::test {
 namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
 
 class UnionFind {
  public:
@@ -29,10 +33,12 @@ bool near(const OraclePoint& a, const OraclePoint& b, const RegionGrowthParamete
   return (a.position_0 - b.position_0).norm() <= radius;
 }
 
-bool parallel_or_convex(const OraclePoint& a, const OraclePoint& b, double tolerance) {
+bool parallel_or_convex(const OraclePoint& a, const OraclePoint& b, const RegionGrowthParameters& p) {
   if (a.normal_0.squaredNorm() == 0 || b.normal_0.squaredNorm() == 0) return false;
   const Eigen::Vector3d step = b.position_0 - a.position_0;
-  return a.normal_0.cast<double>().dot(step) <= tolerance && b.normal_0.cast<double>().dot(-step) <= tolerance;
+  const double tolerance = p.concave_tolerance_m + step.norm() * std::sin(p.concave_tolerance_deg * kDegree);
+  return a.normal_0.cast<double>().dot(step) <= tolerance &&
+         b.normal_0.cast<double>().dot(-step) <= tolerance;
 }
 
 /// Dynamic points of clusters that are large enough.
@@ -49,12 +55,11 @@ std::vector<char> surviving_seeds(const std::vector<OraclePoint>& points, const 
   return seed;
 }
 
-/// Seeds, and the static points that growth may use.
+/// Seeds, and the other points that growth may use.
 std::vector<char> usable_points(const std::vector<OraclePoint>& points, const std::vector<char>& seed,
                                 const RegionGrowthParameters& p) {
   std::vector<char> usable = seed;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (points[i].dynamic) continue;
     for (std::size_t j = 0; j < points.size() && !usable[i]; ++j)
       usable[i] = seed[j] && (points[i].position_0 - points[j].position_0).norm() <= p.max_growth_m ? 1 : 0;
   }
@@ -63,15 +68,14 @@ std::vector<char> usable_points(const std::vector<OraclePoint>& points, const st
 
 }  // namespace
 
-OracleObjects objects_by_pairs(const std::vector<OraclePoint>& points, const RegionGrowthParameters& p,
-                               double convex_tolerance_m) {
+OracleObjects objects_by_pairs(const std::vector<OraclePoint>& points, const RegionGrowthParameters& p) {
   const std::vector<char> seed = surviving_seeds(points, p);
   const std::vector<char> usable = usable_points(points, seed, p);
   UnionFind regions(points.size());
   for (std::size_t i = 0; i < points.size(); ++i)
     for (std::size_t j = 0; j < i; ++j)
       if (usable[i] && usable[j] && near(points[i], points[j], p) &&
-          ((seed[i] && seed[j]) || parallel_or_convex(points[i], points[j], convex_tolerance_m)))
+          ((seed[i] && seed[j]) || parallel_or_convex(points[i], points[j], p)))
         regions.unite(i, j);
 
   std::map<std::size_t, std::uint16_t> numbers;  // by a region's lowest index, which is its root
@@ -84,8 +88,8 @@ OracleObjects objects_by_pairs(const std::vector<OraclePoint>& points, const Reg
     const bool reached = region != numbers.end();
     answer.object.push_back(reached ? region->second : std::uint16_t{0});
     answer.verdict.push_back(seed[i]             ? GrowthVerdict::seed
-                             : points[i].dynamic ? GrowthVerdict::too_small
                              : reached           ? GrowthVerdict::grown
+                             : points[i].dynamic ? GrowthVerdict::too_small
                                                  : GrowthVerdict::not_reached);
   }
   return answer;

@@ -1,8 +1,9 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <cstdint>
 #include <vector>
+
+#include <Eigen/Core>
 
 #include <mapless/detection/parameters.hpp>
 #include <mapless/detection/stages.hpp>
@@ -23,11 +24,11 @@ struct OracleObjects {
   int objects = 0;
 };
 
-/// Paper step 5 by union-find over all pairs of points. Two points are linked within link_m + link_per_m times the range
-/// of the nearer; unless both are dynamic they must also both have a normal and be parallel or convex to each other, to
-/// within `convex_tolerance_m` [m]. Dynamic points linked to fewer than min_cluster_points in all are too small.
-/// The others reach every point linked to them through points no farther than max_growth_m from one of them.
+/// Paper step 5 by union-find over all pairs of points, as region_growth.hpp states it. Two points are linked
+/// within link_m + link_per_m times the range of the nearer; unless both are seeds they must also both have a
+/// normal and be parallel or convex to each other. Dynamic points of clusters of fewer than
+/// min_cluster_points are no seeds; like static points they may be grown over.
 [[nodiscard]] OracleObjects objects_by_pairs(const std::vector<OraclePoint>& points,
-                                             const RegionGrowthParameters& parameters, double convex_tolerance_m);
+                                             const RegionGrowthParameters& parameters);
 
 }  // namespace mapless::test

@@ -1,7 +1,8 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <vector>
+
+#include <Eigen/Core>
 
 #include <mapless/detection/parameters.hpp>
 
@@ -15,7 +16,8 @@ struct OracleComparison {
 
 /// Paper step 2, with every reference point looked at. `normal_0` is zero where the point has none.
 [[nodiscard]] OracleComparison comparison_error(const Eigen::Vector3d& q_0, const Eigen::Vector3f& normal_0,
-                                                double range_m, const std::vector<Eigen::Vector3d>& reference_0,
+                                                double range_m,
+                                                const std::vector<Eigen::Vector3d>& reference_0,
                                                 const ComparisonParameters& parameters);
 
 }  // namespace mapless::test

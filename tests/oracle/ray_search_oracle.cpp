@@ -1,7 +1,8 @@
 #include "oracle/ray_search_oracle.hpp"
 
-#include <Eigen/Geometry>
 #include <cmath>
+
+#include <Eigen/Geometry>
 
 namespace mapless::test {
 

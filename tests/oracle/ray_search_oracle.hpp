@@ -1,7 +1,8 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <vector>
+
+#include <Eigen/Core>
 
 #include <mapless/lidar/lidar_scan.hpp>
 #include <mapless/trajectory/trajectory.hpp>
@@ -16,14 +17,14 @@ struct OracleRay {
   double range_m = 0;     ///< of the foot, along the ray
 };
 
-/// Brute force over every ray of a scan: each starts at its laser's own origin, at the instant that laser fired
-/// (column time and firing offset), and goes one way only. Absent cells hold no ray.
+/// Brute force over every ray of a scan: each starts at its laser's own origin, at the instant that laser
+/// fired (column time and firing offset), and goes one way only. Absent cells hold no ray.
 class RaySearchOracle {
  public:
   RaySearchOracle(const LidarScan& scan, const Trajectory& trajectory);
 
-  /// Least perpendicular distance of all rays whose foot is not behind their origin; of equals the lower laser, then the
-  /// lower column. Laser -1 where there is none.
+  /// Least perpendicular distance of all rays whose foot is not behind their origin; of equals the lower
+  /// laser, then the lower column. Laser -1 where there is none.
   [[nodiscard]] OracleRay nearest(const Eigen::Vector3d& q_0) const;
   /// The same for one ray, wherever its foot is.
   [[nodiscard]] OracleRay ray(int laser, int column, const Eigen::Vector3d& q_0) const;
