@@ -1,0 +1,132 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <fstream>
+#include <optional>
+#include <system_error>
+
+#include <mapless/core/errors.hpp>
+#include <mapless/io/atomic_file.hpp>
+#include <mapless/io/result_folder.hpp>
+
+namespace mapless {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string scan_name(std::size_t scan, const char* extension) { return fmt::format("{:06}{}", scan, extension); }
+
+std::optional<std::size_t> scan_of_name(const fs::path& file, const char* extension) {
+  if (file.extension() != extension) return std::nullopt;
+  const std::string stem = file.stem().string();
+  std::size_t scan = 0;
+  const auto [end, error] = std::from_chars(stem.data(), stem.data() + stem.size(), scan);
+  if (error != std::errc() || end != stem.data() + stem.size()) return std::nullopt;
+  // Only the name we would write ourselves: 7.label and 000007.label must not be one scan.
+  return file.filename() == scan_name(scan, extension) ? std::optional(scan) : std::nullopt;
+}
+
+[[noreturn]] void refuse(const fs::path& path, const std::string& problem, const std::string& remedy) {
+  throw OutputError({path.string(), "output folder", "", problem, remedy});
+}
+
+void check(const fs::path& path, const std::error_code& error, const char* what) {
+  if (error) refuse(path, fmt::format("cannot {}: {}", what, error.message()), "choose a folder you may write to");
+}
+
+bool begins_with(const fs::path& file, std::string_view text) {
+  std::ifstream stream(file, std::ios::binary);
+  std::string begin(text.size(), '\0');
+  stream.read(begin.data(), static_cast<std::streamsize>(begin.size()));
+  return stream && begin == text;
+}
+
+bool is_empty_folder(const fs::path& path) {
+  std::error_code error;
+  const bool empty = fs::is_empty(path, error);
+  check(path, error, "look into it");
+  return empty;
+}
+
+void remove_scan_files(const fs::path& folder, const char* extension) {
+  std::error_code error;
+  if (!fs::is_directory(folder, error)) return;
+  std::vector<fs::path> files;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+    if (scan_of_name(it->path(), extension)) files.push_back(it->path());
+  }
+  check(folder, error, "list it");
+  for (const fs::path& file : files) {
+    fs::remove(file, error);
+    check(file, error, "remove it");
+  }
+}
+
+}  // namespace
+
+fs::path ResultFolder::label_file(std::size_t scan) const { return labels() / scan_name(scan, ".label"); }
+fs::path ResultFolder::stage_file(std::size_t scan) const { return stages() / scan_name(scan, ".stages"); }
+
+void ResultFolder::require_free(bool overwrite) const {
+  std::error_code error;
+  const fs::file_status status = fs::status(path_, error);
+  if (status.type() == fs::file_type::not_found) return;
+  check(path_, error, "look at it");
+  if (!fs::is_directory(status)) refuse(path_, "is there and not a folder", "choose another name");
+  if (!overwrite) refuse(path_, "exists already", "choose another folder, or give --overwrite to replace its result");
+  if (!is_empty_folder(path_) && !begins_with(summary(), kSummaryBegin)) {
+    refuse(path_, "is neither empty nor the result of an earlier run: nothing in it is overwritten",
+           "choose another folder");
+  }
+}
+
+void ResultFolder::create(bool overwrite, std::string_view summary_text) const {
+  require_free(overwrite);
+  std::error_code error;
+  fs::create_directories(path_, error);
+  check(path_, error, "make it");
+  // The new summary replaces the old one before anything is removed: a run killed here leaves a folder that still
+  // says what it is, and that it is not complete.
+  write_file_atomically(summary(), summary_text);
+  remove_scan_files(labels(), ".label");
+  remove_scan_files(stages(), ".stages");
+  for (const fs::path& file : {kitti_poses(), trajectory(), config()}) {
+    fs::remove(file, error);
+    check(file, error, "remove it");
+  }
+  for (const fs::path& folder : {labels(), stages()}) {
+    fs::create_directories(folder, error);
+    check(folder, error, "make it");
+  }
+}
+
+std::vector<std::size_t> ResultFolder::labelled_scans() const {
+  std::error_code error;
+  std::vector<std::size_t> scans;
+  for (fs::directory_iterator it(labels(), error), end; !error && it != end; it.increment(error)) {
+    if (const auto scan = scan_of_name(it->path(), ".label")) scans.push_back(*scan);
+  }
+  if (error) {
+    throw InputError({path_.string(), "labels", "", "cannot list the folder of label files: " + error.message(),
+                      "give a folder written by mapless detect, or one with labels/NNNNNN.label"});
+  }
+  std::sort(scans.begin(), scans.end());
+  return scans;
+}
+
+void write_stage_file(const fs::path& file, const std::vector<std::uint8_t>& masks) {
+  write_file_atomically(file, std::string(masks.begin(), masks.end()));
+}
+
+std::vector<std::uint8_t> read_stage_file(const fs::path& file, std::size_t expected_count) {
+  const std::string bytes = read_whole_file(file);
+  if (bytes.size() != expected_count) {
+    throw InputError({file.string(), "length", fmt::format("{} bytes", bytes.size()),
+                      fmt::format("must be {}, one per record of the scan", expected_count),
+                      "run mapless detect again on this recording"});
+  }
+  return {bytes.begin(), bytes.end()};
+}
+
+}  // namespace mapless

@@ -1,0 +1,19 @@
+#include <gtest/gtest.h>
+
+#include <mapless/evaluation/quantile.hpp>
+
+namespace mapless {
+namespace {
+
+TEST(Quantile, InterpolatesBetweenRanks) {
+  EXPECT_DOUBLE_EQ(*quantile({4, 1, 3, 2}, 0.5), 2.5);
+  EXPECT_DOUBLE_EQ(*quantile({5, 1, 3}, 0.5), 3);
+  EXPECT_DOUBLE_EQ(*quantile({0, 10, 20, 30, 40}, 0.95), 38);
+  EXPECT_DOUBLE_EQ(*quantile({7}, 0.99), 7);
+  EXPECT_DOUBLE_EQ(*quantile({1, 9}, 1.0), 9);
+}
+
+TEST(Quantile, OfNothingIsAbsent) { EXPECT_FALSE(quantile({}, 0.5)); }
+
+}  // namespace
+}  // namespace mapless
