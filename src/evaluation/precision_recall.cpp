@@ -14,7 +14,8 @@ std::optional<double> ratio(std::int64_t numerator, std::int64_t denominator) {
 
 void require_length(const char* what, std::size_t found, std::size_t expected) {
   if (found == expected) return;
-  throw InputError({"evaluation", what, std::to_string(found), "truth has " + std::to_string(expected) + " points",
+  throw InputError({"evaluation", what, std::to_string(found),
+                    "truth has " + std::to_string(expected) + " points",
                     "compare results and truth of the same scan"});
 }
 

@@ -1,6 +1,6 @@
-#include <fmt/format.h>
-
 #include <filesystem>
+
+#include <fmt/format.h>
 
 #include <mapless/core/errors.hpp>
 #include <mapless/evaluation/result_evaluation.hpp>

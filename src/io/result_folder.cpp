@@ -1,10 +1,10 @@
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <charconv>
 #include <fstream>
 #include <optional>
 #include <system_error>
+
+#include <fmt/format.h>
 
 #include <mapless/core/errors.hpp>
 #include <mapless/io/atomic_file.hpp>
@@ -15,7 +15,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string scan_name(std::size_t scan, const char* extension) { return fmt::format("{:06}{}", scan, extension); }
+std::string scan_name(std::size_t scan, const char* extension) {
+  return fmt::format("{:06}{}", scan, extension);
+}
 
 std::optional<std::size_t> scan_of_name(const fs::path& file, const char* extension) {
   if (file.extension() != extension) return std::nullopt;
@@ -32,7 +34,8 @@ std::optional<std::size_t> scan_of_name(const fs::path& file, const char* extens
 }
 
 void check(const fs::path& path, const std::error_code& error, const char* what) {
-  if (error) refuse(path, fmt::format("cannot {}: {}", what, error.message()), "choose a folder you may write to");
+  if (error)
+    refuse(path, fmt::format("cannot {}: {}", what, error.message()), "choose a folder you may write to");
 }
 
 bool begins_with(const fs::path& file, std::string_view text) {
@@ -74,7 +77,8 @@ void ResultFolder::require_free(bool overwrite) const {
   if (status.type() == fs::file_type::not_found) return;
   check(path_, error, "look at it");
   if (!fs::is_directory(status)) refuse(path_, "is there and not a folder", "choose another name");
-  if (!overwrite) refuse(path_, "exists already", "choose another folder, or give --overwrite to replace its result");
+  if (!overwrite)
+    refuse(path_, "exists already", "choose another folder, or give --overwrite to replace its result");
   if (!is_empty_folder(path_) && !begins_with(summary(), kSummaryBegin)) {
     refuse(path_, "is neither empty nor the result of an earlier run: nothing in it is overwritten",
            "choose another folder");
@@ -86,8 +90,8 @@ void ResultFolder::create(bool overwrite, std::string_view summary_text) const {
   std::error_code error;
   fs::create_directories(path_, error);
   check(path_, error, "make it");
-  // The new summary replaces the old one before anything is removed: a run killed here leaves a folder that still
-  // says what it is, and that it is not complete.
+  // The new summary replaces the old one before anything is removed: a run killed here leaves a folder that
+  // still says what it is, and that it is not complete.
   write_file_atomically(summary(), summary_text);
   remove_scan_files(labels(), ".label");
   remove_scan_files(stages(), ".stages");
@@ -108,7 +112,8 @@ std::vector<std::size_t> ResultFolder::labelled_scans() const {
     if (const auto scan = scan_of_name(it->path(), ".label")) scans.push_back(*scan);
   }
   if (error) {
-    throw InputError({path_.string(), "labels", "", "cannot list the folder of label files: " + error.message(),
+    throw InputError({path_.string(), "labels", "",
+                      "cannot list the folder of label files: " + error.message(),
                       "give a folder written by mapless detect, or one with labels/NNNNNN.label"});
   }
   std::sort(scans.begin(), scans.end());

@@ -1,6 +1,6 @@
-#include <gtest/gtest.h>
-
 #include <vector>
+
+#include <gtest/gtest.h>
 
 #include <mapless/core/errors.hpp>
 #include <mapless/evaluation/precision_recall.hpp>
@@ -12,7 +12,8 @@ using Labels = std::vector<std::uint32_t>;
 using Mask = std::vector<std::uint8_t>;
 
 TEST(CountPoints, FollowsTheMovingObjectConvention) {
-  // truth: unlabelled, outlier, static, road, car, moving car, moving person, moving other with an object number
+  // truth: unlabelled, outlier, static, road, car, moving car, moving person, moving other with an object
+  // number
   const Labels truth = {0, 1, 9, 40, 10, 252, 254, 259u | 7u << 16};
   const Mask all(truth.size(), 1), none(truth.size(), 0);
   EXPECT_EQ(count_points(truth, all), (Counts{.tp = 3, .fp = 3, .fn = 0, .tn = 0}));
@@ -23,8 +24,9 @@ TEST(CountPoints, ObjectNumberInTheHighBitsIsNotAClass) {
   EXPECT_EQ(count_points(Labels{9u | 251u << 16, 0u | 251u << 16}, Mask{0, 1}), (Counts{0, 0, 0, 1}));
 }
 
-// semantic-kitti-api's iouEval builds conf[prediction, truth], sets the truth column of the ignored class 0 to zero and
-// takes IoU = TP / (TP + FP + FN). By hand, classes 0 unlabelled, 1 static, 2 moving, rows prediction, columns truth:
+// semantic-kitti-api's iouEval builds conf[prediction, truth], sets the truth column of the ignored class 0
+// to zero and takes IoU = TP / (TP + FP + FN). By hand, classes 0 unlabelled, 1 static, 2 moving, rows
+// prediction, columns truth:
 //     unlabelled [ 1 0 1 ]
 //     static     [ 1 4 2 ]
 //     moving     [ 2 1 3 ]
@@ -36,7 +38,7 @@ TEST(CountPoints, AgreesWithTheSemanticKittiDefinition) {
     truth.insert(truth.end(), static_cast<std::size_t>(times), t);
     dynamic.insert(dynamic.end(), static_cast<std::size_t>(times), d);
   };
-  add(1, 0, 0), add(1, 251, 0);               // predicted unlabelled: not called dynamic
+  add(1, 0, 0), add(1, 251, 0);                // predicted unlabelled: not called dynamic
   add(1, 0, 0), add(4, 9, 0), add(2, 251, 0);  // predicted static
   add(2, 0, 1), add(1, 9, 1), add(3, 251, 1);  // predicted moving
   const Counts counts = count_points(truth, dynamic);

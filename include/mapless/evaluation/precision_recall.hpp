@@ -7,7 +7,8 @@
 
 namespace mapless {
 
-/// Points by truth and prediction, "positive" meaning dynamic. A rate whose denominator is 0 is absent, never 0 or 1.
+/// Points by truth and prediction, "positive" meaning dynamic. A rate whose denominator is 0 is absent, never
+/// 0 or 1.
 struct Counts {
   std::int64_t tp = 0;
   std::int64_t fp = 0;
@@ -25,15 +26,17 @@ struct Counts {
   [[nodiscard]] std::optional<double> iou() const;
 };
 
-/// Compares one scan, point by point. `truth` are labels of the SemanticKITTI moving-object convention; points whose
-/// truth is unknown (0, 1) do not count. `predicted_dynamic` is not 0 where the point was called dynamic. `counted`, if
-/// not empty, is 0 where a point does not count (beyond a range limit). All of one length; throws InputError otherwise.
+/// Compares one scan, point by point. `truth` are labels of the SemanticKITTI moving-object convention;
+/// points whose truth is unknown (0, 1) do not count. `predicted_dynamic` is not 0 where the point was called
+/// dynamic. `counted`, if not empty, is 0 where a point does not count (beyond a range limit). All of one
+/// length; throws InputError otherwise.
 [[nodiscard]] Counts count_points(std::span<const std::uint32_t> truth,
                                   std::span<const std::uint8_t> predicted_dynamic,
                                   std::span<const std::uint8_t> counted = {});
 
-/// Precision and recall over scans as the paper reports them (its section V): *total* from the sums of TP, FP and FN,
-/// *average* as the mean over the scans whose own denominator is not 0 (N_p scans for precision, N_r for recall).
+/// Precision and recall over scans as the paper reports them (its section V): *total* from the sums of TP, FP
+/// and FN, *average* as the mean over the scans whose own denominator is not 0 (N_p scans for precision, N_r
+/// for recall).
 class PrecisionRecall {
  public:
   void add(const Counts& scan);

@@ -21,8 +21,8 @@ struct ResultEvaluation {
 };
 
 struct EvaluationOptions {
-  int stages = 0;                      ///< bits used in a stage file
-  std::optional<double> max_range_m;   ///< points farther from their laser do not count
+  int stages = 0;                     ///< bits used in a stage file
+  std::optional<double> max_range_m;  ///< points farther from their laser do not count
   std::function<void(std::size_t done, std::size_t of)> progress;
 };
 

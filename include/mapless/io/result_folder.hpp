@@ -11,15 +11,19 @@ namespace mapless {
 
 /// The folder a run of the detector writes. Scan numbers are those of the recording, from 0, six digits:
 ///
-///     labels/NNNNNN.label   one uint32 per input record, in input order (io/labels.hpp): 251 and the object's number
-///                           in the high 16 bits where dynamic, 9 where static, 0 for a record without a return
-///     stages/NNNNNN.stages  one uint8 per input record: bit s is 1 where the point counted as dynamic after stage s
-///                           (0 pointcloud comparison, 1 freespace backward, 2 freespace forward, 3 box filter,
-///                           4 region growth; detection/stages.hpp); 0 for a record without a return
-///     poses_kitti.txt       T_0v (world from sensor) at the start of each labelled scan, 12 numbers a row, in order
-///     trajectory.txt        the same instants, and the end of the last labelled scan, as TUM rows
+///     labels/NNNNNN.label   one uint32 per input record, in input order (io/labels.hpp): 251 and the
+///     object's number
+///                           in the high 16 bits where dynamic, 9 where static, 0 for a record without a
+///                           return
+///     stages/NNNNNN.stages  one uint8 per input record: bit s is 1 where the point counted as dynamic after
+///     stage s
+///                           (0 pointcloud comparison, 1 freespace backward, 2 freespace forward, 3 box
+///                           filter, 4 region growth; detection/stages.hpp); 0 for a record without a return
+///     poses_kitti.txt       T_0v (world from sensor) at the start of each labelled scan, 12 numbers a row,
+///     in order trajectory.txt        the same instants, and the end of the last labelled scan, as TUM rows
 ///     config.yaml           every parameter as it was used; `--config` reads it back
-///     summary.json          what was read, used and found; "complete" is false until the last scan is labelled
+///     summary.json          what was read, used and found; "complete" is false until the last scan is
+///     labelled
 ///
 /// Every file is written beside and renamed, so that whatever stops a run, the files there are whole.
 class ResultFolder {
@@ -36,16 +40,17 @@ class ResultFolder {
   [[nodiscard]] std::filesystem::path config() const { return path_ / "config.yaml"; }
   [[nodiscard]] std::filesystem::path summary() const { return path_ / "summary.json"; }
 
-  /// Throws OutputError where the folder cannot take a new result: it exists and `overwrite` is false, it is a file,
-  /// or it is neither empty nor an earlier result (of which summary.json is the sign). Changes nothing.
+  /// Throws OutputError where the folder cannot take a new result: it exists and `overwrite` is false, it is
+  /// a file, or it is neither empty nor an earlier result (of which summary.json is the sign). Changes
+  /// nothing.
   void require_free(bool overwrite) const;
 
-  /// Makes the folder anew, `summary` first: with `overwrite`, the files of an earlier result listed above are removed,
-  /// and nothing else. Throws OutputError as require_free does, or with the system's reason.
+  /// Makes the folder anew, `summary` first: with `overwrite`, the files of an earlier result listed above
+  /// are removed, and nothing else. Throws OutputError as require_free does, or with the system's reason.
   void create(bool overwrite, std::string_view summary) const;
 
-  /// The scans that have a label file, in order; the folder need not be one of ours. Throws InputError where there is
-  /// no folder `labels`.
+  /// The scans that have a label file, in order; the folder need not be one of ours. Throws InputError where
+  /// there is no folder `labels`.
   [[nodiscard]] std::vector<std::size_t> labelled_scans() const;
 
  private:
