@@ -1,0 +1,106 @@
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <tuple>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include "geometry/sensor_motion.hpp"
+#include <mapless/core/errors.hpp>
+#include <mapless/geometry/compensated_scan.hpp>
+
+namespace mapless {
+namespace {
+
+// Where a column and an instant were recovered from the azimuth of a compensated point, moving the point
+// changes the azimuth. Each pass leaves the ratio of the sensor's turn rate to its spin rate, below a
+// twentieth, of the error.
+constexpr int kPasses = 2;
+
+// The (fractional) column, any whole number of turns away, at which `laser` measures p_v.
+double column_of(const LidarModel& model, const Laser& laser, const Eigen::Vector3d& p_v) {
+  const Eigen::Vector2d beam(std::cos(laser.azimuth_offset_rad), std::sin(laser.azimuth_offset_rad));
+  const Eigen::Vector2d origin = laser.origin_h_m.head<2>();
+  // In the hub the point is origin + s beam, at the horizontal distance from the axis that p_v has.
+  const double b = origin.dot(beam);
+  const double s = -b + std::sqrt(std::max(0.0, b * b - origin.squaredNorm() + p_v.head<2>().squaredNorm()));
+  const Eigen::Vector2d p_h = origin + s * beam;
+  const double hub_angle = std::atan2(p_v.y(), p_v.x()) - std::atan2(p_h.y(), p_h.x());
+  return model.sign() * (hub_angle - model.start_azimuth_rad) * model.columns / (2 * std::numbers::pi);
+}
+
+// Of the columns a whole number of turns from `column`, the one within half a turn of `previous`; where the
+// scan does not hold that, the one on the other side of its seam.
+double unwrapped(double column, double previous, const LidarScan& scan) {
+  const double turn = scan.model->columns;
+  double c = column + turn * std::round((previous - column) / turn);
+  if (c < 0) c += turn;
+  if (c >= scan.columns) c -= turn;
+  return std::clamp(c, 0.0, static_cast<double>(scan.columns));
+}
+
+void recover_from_azimuth(const LidarScan& scan, const SensorMotion& motion, const Eigen::Vector3d& p_0,
+                          LidarReturn& r) {
+  const Laser& laser = scan.model->lasers[static_cast<std::size_t>(r.laser)];
+  double column = r.column;
+  for (int pass = 0; pass < kPasses; ++pass) {
+    const Eigen::Vector3d p_v = motion.to_sensor(p_0, r.column, r.time_ns);
+    column = unwrapped(column_of(*scan.model, laser, p_v), column, scan);
+    r.column = std::min(static_cast<int>(std::lround(column)), scan.columns - 1);
+    r.time_ns = static_cast<std::int32_t>(
+        std::llround(column * static_cast<double>(scan.column_period.nanoseconds())) +
+        laser.firing_offset.nanoseconds());
+  }
+}
+
+void restore(const LidarScan& scan, const SensorMotion& motion, const SE3& T_0c, LidarReturn& r) {
+  const Eigen::Vector3d p_0 = T_0c * r.position_v.cast<double>();
+  if (scan.time_source == Provenance::recovered_from_angle) recover_from_azimuth(scan, motion, p_0, r);
+  const Eigen::Vector3d p_v = motion.to_sensor(p_0, r.column, r.time_ns);
+  const Laser& laser = scan.model->lasers[static_cast<std::size_t>(r.laser)];
+  const Eigen::Vector3d origin_v = rotation_z(scan.model->hub_angle(r.column)) * laser.origin_h_m;
+  r.position_v = p_v.cast<float>();
+  r.range_m = static_cast<float>((p_v - origin_v).norm());
+}
+
+// Cells where nothing came back keep their codes, unless a return now falls there.
+void lay_out_cells(LidarScan& scan) {
+  std::sort(scan.returns.begin(), scan.returns.end(), [](const LidarReturn& a, const LidarReturn& b) {
+    return std::tie(a.laser, a.column, a.input_index) < std::tie(b.laser, b.column, b.input_index);
+  });
+  for (std::int32_t& cell : scan.cells) {
+    if (cell >= 0) cell = empty_cell(ReturnCode::absent);
+  }
+  for (std::size_t i = 0; i < scan.returns.size(); ++i) {
+    const LidarReturn& r = scan.returns[i];
+    std::int32_t& cell =
+        scan.cells[static_cast<std::size_t>(r.laser) * static_cast<std::size_t>(scan.columns) +
+                   static_cast<std::size_t>(r.column)];
+    if (cell < 0 || r.range_m < scan.returns[static_cast<std::size_t>(cell)].range_m) {
+      cell = static_cast<std::int32_t>(i);
+    }
+  }
+}
+
+}  // namespace
+
+LidarScan restore_measured_rays(const LidarScan& scan, const Trajectory& trajectory) {
+  if (!scan.compensated_to) {
+    throw InputError({"", "scan", "not compensated for motion", "there is no compensation to take back",
+                      "compensate it as it is"});
+  }
+  const SE3 T_0c = trajectory.at(*scan.compensated_to).T_v0.inverse();
+  const SensorMotion motion(scan, trajectory);
+  LidarScan restored = scan;
+  restored.compensated_to.reset();
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, restored.returns.size(), 1024),
+                    [&](const auto& range) {
+                      for (std::size_t i = range.begin(); i < range.end(); ++i)
+                        restore(scan, motion, T_0c, restored.returns[i]);
+                    });
+  lay_out_cells(restored);
+  return restored;
+}
+
+}  // namespace mapless
