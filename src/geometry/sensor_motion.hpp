@@ -4,6 +4,8 @@
 #include <cstdlib>
 #include <vector>
 
+#include <Eigen/Geometry>
+
 #include <mapless/lidar/lidar_scan.hpp>
 #include <mapless/trajectory/trajectory.hpp>
 
