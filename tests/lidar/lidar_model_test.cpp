@@ -2,6 +2,7 @@
 #include <limits>
 #include <numbers>
 
+#include <Eigen/LU>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
