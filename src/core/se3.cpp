@@ -1,17 +1,16 @@
 #include <cmath>
 
 #include <Eigen/Geometry>
-#include <Eigen/LU>
-#include <Eigen/SVD>
 
 #include <mapless/core/se3.hpp>
 
 namespace mapless {
 namespace {
 
-// Below this angle the closed forms divide by nearly nothing; the series kept are exact to double precision
-// there.
-constexpr double kSmallAngle = 1e-4;
+// Below these angles the closed forms lose digits to cancellation; the series kept are exact to double
+// precision there.
+constexpr double kSmallAngle = 1e-2;
+constexpr double kSmallAngleOfBlockQ = 0.1;
 
 // sin(x)/x, (1 - cos x)/x^2, (x - sin x)/x^3
 struct AngleTerms {
@@ -20,8 +19,12 @@ struct AngleTerms {
 
 AngleTerms angle_terms(double x) {
   const double x2 = x * x;
-  if (x < kSmallAngle) return {1 - x2 / 6, 0.5 - x2 / 24, 1.0 / 6 - x2 / 120};
-  return {std::sin(x) / x, (1 - std::cos(x)) / x2, (x - std::sin(x)) / (x2 * x)};
+  if (x < kSmallAngle) {
+    return {1 - x2 / 6 * (1 - x2 / 20 * (1 - x2 / 42)), 0.5 - x2 / 24 * (1 - x2 / 30 * (1 - x2 / 56)),
+            1.0 / 6 - x2 / 120 * (1 - x2 / 42 * (1 - x2 / 72))};
+  }
+  const double half_sine = std::sin(x / 2);
+  return {std::sin(x) / x, 2 * half_sine * half_sine / x2, (x - std::sin(x)) / (x2 * x)};
 }
 
 Eigen::Matrix3d so3_left_jacobian(const Eigen::Vector3d& phi) {
@@ -34,9 +37,10 @@ Eigen::Matrix3d so3_left_jacobian_inverse(const Eigen::Vector3d& phi) {
   const double x = phi.norm();
   const Eigen::Matrix3d W = hat(phi);
   const double x2 = x * x;
-  const double half_cot =
-      x < kSmallAngle ? 1.0 / 12 + x2 / 720 : 1 / x2 - (1 + std::cos(x)) / (2 * x * std::sin(x));
-  return Eigen::Matrix3d::Identity() - 0.5 * W + half_cot * W * W;
+  // tan(x / 2) keeps its digits up to pi, where sin(x) has none left.
+  const double k =
+      x < kSmallAngle ? 1.0 / 12 + x2 / 720 * (1 + x2 / 42) : (1 - x / (2 * std::tan(x / 2))) / x2;
+  return Eigen::Matrix3d::Identity() - 0.5 * W + k * W * W;
 }
 
 // The translation-rotation block Q of the left Jacobian (Barfoot, equation 7.86b).
@@ -46,10 +50,10 @@ Eigen::Matrix3d jacobian_block_q(const Vector6d& xi) {
   const double x = xi.tail<3>().norm();
   const double x2 = x * x;
   double m2, m3, m4;
-  if (x < 1e-2) {
-    m2 = 1.0 / 6 - x2 / 120 + x2 * x2 / 5040;
-    m3 = 1.0 / 24 - x2 / 720 + x2 * x2 / 40320;
-    m4 = 1.0 / 120 - x2 / 2520 + x2 * x2 / 120960;
+  if (x < kSmallAngleOfBlockQ) {
+    m2 = 1.0 / 6 - x2 / 120 * (1 - x2 / 42 * (1 - x2 / 72 * (1 - x2 / 110)));
+    m3 = 1.0 / 24 - x2 / 720 * (1 - x2 / 56 * (1 - x2 / 90 * (1 - x2 / 132)));
+    m4 = 1.0 / 120 - x2 / 2520 * (1 - x2 / 48 * (1 - 2 * x2 / 165));
   } else {
     m2 = (x - std::sin(x)) / (x2 * x);
     m3 = (x2 / 2 + std::cos(x) - 1) / (x2 * x2);

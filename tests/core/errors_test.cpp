@@ -1,0 +1,33 @@
+#include <gtest/gtest.h>
+
+#include <mapless/core/errors.hpp>
+
+namespace mapless {
+namespace {
+
+TEST(Errors, MessageIsOneLineOfAllParts) {
+  const InputError error({"a/times.txt", "line 3", "1.5", "not after 1.6", "sort the file"});
+  EXPECT_STREQ(error.what(), "a/times.txt: line 3 = 1.5: not after 1.6; sort the file");
+  EXPECT_EQ(error.detail().field, "line 3");
+}
+
+TEST(Errors, EmptyPartsLeaveNoTrace) {
+  EXPECT_STREQ(InputError({"", "", "", "no scans", ""}).what(), "no scans");
+  EXPECT_STREQ(InputError({"a.pcd", "", "", "empty", "record again"}).what(), "a.pcd: empty; record again");
+  EXPECT_STREQ(InputError({"a.pcd", "", "7", "too many", ""}).what(), "a.pcd: 7: too many");
+  EXPECT_STREQ(InputError({"a.pcd", "WIDTH", "", "missing", ""}).what(), "a.pcd: WIDTH: missing");
+}
+
+TEST(Errors, LineBreaksInValuesDoNotBreakTheLine) {
+  EXPECT_STREQ(InputError({"a", "b", "1\n2\r3", "bad", ""}).what(), "a: b = 1 2 3: bad");
+}
+
+TEST(Errors, EveryKindIsAnError) {
+  EXPECT_THROW(throw InputError({"", "", "", "p", ""}), Error);
+  EXPECT_THROW(throw ParameterError({"", "", "", "p", ""}), Error);
+  EXPECT_THROW(throw TrajectoryDomainError({"", "", "", "p", ""}), Error);
+  EXPECT_THROW(throw OutputError({"", "", "", "p", ""}), Error);
+}
+
+}  // namespace
+}  // namespace mapless
