@@ -1,0 +1,123 @@
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include <mapless/core/errors.hpp>
+#include <mapless/lidar/lidar_scan.hpp>
+
+namespace mapless {
+namespace {
+
+constexpr float kMinRangeM = 0.01f;
+
+[[noreturn]] void refuse(const std::string& source, std::size_t record, const char* field, std::int64_t value,
+                         std::int64_t first, std::int64_t last) {
+  throw InputError({source, fmt::format("record {} {}", record, field), std::to_string(value),
+                    fmt::format("not from {} to {}", first, last),
+                    "the sensor's description does not fit this scan"});
+}
+
+void require_in(std::int64_t value, std::int64_t first, std::int64_t last, const char* field,
+                std::size_t record, const std::string& source) {
+  if (value < first || value > last) refuse(source, record, field, value, first, last);
+}
+
+void validate_records(const LidarScan& scan, const std::vector<LidarRecord>& records,
+                      const std::string& source) {
+  const std::int64_t turn_ns = scan.column_period.nanoseconds() * scan.columns;
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    const LidarRecord& r = records[i];
+    require_in(r.laser, 0, scan.rows() - 1, "laser", i, source);
+    require_in(r.column, 0, scan.columns - 1, "column", i, source);
+    // A laser may fire a little before its column, and the hub may turn slower than its nominal rate; a time
+    // beyond that was read in the wrong unit or from the wrong field.
+    if (r.code == ReturnCode::hit) require_in(r.time_ns, -turn_ns, 2 * turn_ns, "time [ns]", i, source);
+  }
+}
+
+// Where each laser's beam starts, in the sensor frame, while the hub is at a column.
+class BeamOrigins {
+ public:
+  explicit BeamOrigins(const LidarScan& scan) : model_(*scan.model) {
+    for (int c = 0; c < scan.columns; ++c) {
+      const double angle = model_.hub_angle(c);
+      cos_sin_.emplace_back(std::cos(angle), std::sin(angle));
+    }
+  }
+  [[nodiscard]] Eigen::Vector3f at(std::int32_t laser, std::int32_t column) const {
+    const Eigen::Vector3d& o = model_.lasers[static_cast<std::size_t>(laser)].origin_h_m;
+    const Eigen::Vector2d& cs = cos_sin_[static_cast<std::size_t>(column)];
+    return Eigen::Vector3d(cs.x() * o.x() - cs.y() * o.y(), cs.y() * o.x() + cs.x() * o.y(), o.z())
+        .cast<float>();
+  }
+
+ private:
+  const LidarModel& model_;
+  std::vector<Eigen::Vector2d> cos_sin_;
+};
+
+// The records that are returns, in input order, and the codes of the others in their cells: where records
+// disagree the one that claims least (faulty, then nothing within range) stands.
+std::vector<LidarReturn> usable_returns(LidarScan& scan, const std::vector<LidarRecord>& records) {
+  const BeamOrigins origins(scan);
+  std::vector<LidarReturn> returns;
+  returns.reserve(records.size());
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    const LidarRecord& r = records[i];
+    ReturnCode code = r.code;
+    if (code == ReturnCode::hit) {
+      const float range_m = (r.position_v - origins.at(r.laser, r.column)).norm();
+      if (std::isfinite(range_m) && range_m >= kMinRangeM) {
+        returns.push_back(
+            {r.position_v, range_m, r.time_ns, r.column, r.laser, static_cast<std::uint32_t>(i)});
+        continue;
+      }
+      code = ReturnCode::faulty;
+    }
+    const std::size_t cell = static_cast<std::size_t>(r.laser) * static_cast<std::size_t>(scan.columns) +
+                             static_cast<std::size_t>(r.column);
+    scan.cells[cell] = std::max(scan.cells[cell], empty_cell(code));
+  }
+  return returns;
+}
+
+// Counting sort by cell: linear, and it keeps the input order within one.
+void place(LidarScan& scan, const std::vector<LidarReturn>& returns) {
+  const auto cell_of = [&scan](const LidarReturn& r) {
+    return static_cast<std::size_t>(r.laser) * static_cast<std::size_t>(scan.columns) +
+           static_cast<std::size_t>(r.column);
+  };
+  std::vector<std::uint32_t> next(scan.cells.size() + 1, 0);
+  for (const LidarReturn& r : returns) ++next[cell_of(r) + 1];
+  for (std::size_t c = 1; c < next.size(); ++c) next[c] += next[c - 1];
+  scan.returns.resize(returns.size());
+  for (const LidarReturn& r : returns) {
+    const std::size_t cell = cell_of(r);
+    const std::uint32_t at = next[cell]++;
+    scan.returns[at] = r;
+    const std::int32_t shown = scan.cells[cell];
+    if (shown < 0 || r.range_m < scan.returns[static_cast<std::size_t>(shown)].range_m) {
+      scan.cells[cell] = static_cast<std::int32_t>(at);
+    }
+  }
+}
+
+}  // namespace
+
+LidarScan organise(LidarScan scan, const std::vector<LidarRecord>& records, const std::string& source) {
+  if (scan.columns <= 0 || scan.column_period.nanoseconds() <= 0) {
+    throw InputError({source, "columns x period",
+                      fmt::format("{} x {} ns", scan.columns, scan.column_period.nanoseconds()),
+                      "a scan without extent", "correct the times of the recording"});
+  }
+  validate_records(scan, records, source);
+  scan.input_size = records.size();
+  scan.cells.assign(static_cast<std::size_t>(scan.rows()) * static_cast<std::size_t>(scan.columns),
+                    empty_cell(ReturnCode::absent));
+  const std::vector<LidarReturn> returns = usable_returns(scan, records);
+  place(scan, returns);
+  return scan;
+}
+
+}  // namespace mapless
