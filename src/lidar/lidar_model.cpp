@@ -1,0 +1,94 @@
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+
+#include <mapless/core/errors.hpp>
+#include <mapless/lidar/lidar_model.hpp>
+
+namespace mapless {
+namespace {
+
+[[noreturn]] void refuse(const std::string& source, const std::string& field, const std::string& value,
+                         const std::string& problem) {
+  throw InputError({source, field, value, problem, "correct the description of the sensor"});
+}
+
+void require_positive(double value, const std::string& field, const std::string& source) {
+  if (!(std::isfinite(value) && value > 0))
+    refuse(source, field, fmt::format("{}", value), "not a positive number");
+}
+
+void validate_laser(const Laser& laser, std::size_t index, const std::string& source) {
+  const std::string name = fmt::format("laser {}", index);
+  const auto require_finite = [&](double value, const char* field) {
+    if (!std::isfinite(value)) refuse(source, name + " " + field, fmt::format("{}", value), "not finite");
+  };
+  require_finite(laser.elevation_rad, "elevation");
+  require_finite(laser.azimuth_offset_rad, "azimuth offset");
+  for (const double coordinate : laser.origin_h_m) require_finite(coordinate, "origin");
+  if (std::abs(laser.elevation_rad) >= std::numbers::pi / 2) {
+    refuse(source, name + " elevation", fmt::format("{} rad", laser.elevation_rad),
+           "not between straight down and straight up");
+  }
+}
+
+}  // namespace
+
+Eigen::Vector3d Laser::direction_h() const {
+  const double c = std::cos(elevation_rad);
+  return {c * std::cos(azimuth_offset_rad), c * std::sin(azimuth_offset_rad), std::sin(elevation_rad)};
+}
+
+SE3 Laser::T_lh() const {
+  const Eigen::Vector3d x = direction_h();
+  // The hub's z cross x, written out: it stays a unit vector for a beam along the spin axis.
+  const Eigen::Vector3d y(-std::sin(azimuth_offset_rad), std::cos(azimuth_offset_rad), 0);
+  Eigen::Matrix3d C_lh;
+  C_lh << x.transpose(), y.transpose(), x.cross(y).transpose();
+  return {C_lh, -(C_lh * origin_h_m)};
+}
+
+double LidarModel::hub_angle(double column) const {
+  return start_azimuth_rad + sign() * 2 * std::numbers::pi * column / columns;
+}
+
+Eigen::Vector3d LidarModel::point_v(int laser, double column, double range_m) const {
+  const Laser& l = lasers[static_cast<std::size_t>(laser)];
+  return rotation_z(hub_angle(column)) * (l.origin_h_m + range_m * l.direction_h());
+}
+
+double LidarModel::largest_elevation_step() const {
+  double step = 0;
+  for (std::size_t i = 1; i < lasers.size(); ++i) {
+    step = std::max(step, lasers[i].elevation_rad - lasers[i - 1].elevation_rad);
+  }
+  return step;
+}
+
+void validate(const LidarModel& model, const std::string& source) {
+  if (model.lasers.empty()) refuse(source, "lasers", "", "none given");
+  if (model.columns <= 0) refuse(source, "columns", std::to_string(model.columns), "not a positive number");
+  require_positive(model.rotation_rate_hz, "rate_hz", source);
+  require_positive(model.max_range_m, "max_range_m", source);
+  if (!(model.min_range_m >= 0 && model.min_range_m < model.max_range_m)) {
+    refuse(source, "min_range_m", fmt::format("{}", model.min_range_m),
+           fmt::format("not between 0 and max_range_m = {}", model.max_range_m));
+  }
+  if (!std::isfinite(model.start_azimuth_rad)) {
+    refuse(source, "start_azimuth", fmt::format("{}", model.start_azimuth_rad), "not finite");
+  }
+  for (std::size_t i = 0; i < model.lasers.size(); ++i) {
+    validate_laser(model.lasers[i], i, source);
+    if (i > 0 && model.lasers[i].elevation_rad < model.lasers[i - 1].elevation_rad) {
+      refuse(source, fmt::format("laser {} elevation", i),
+             fmt::format("{} rad", model.lasers[i].elevation_rad),
+             fmt::format("below the laser before it ({} rad): lasers go by increasing elevation",
+                         model.lasers[i - 1].elevation_rad));
+    }
+  }
+}
+
+}  // namespace mapless

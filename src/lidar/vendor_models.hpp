@@ -1,0 +1,41 @@
+#pragma once
+
+#include <mapless/lidar/lidar_model.hpp>
+
+namespace mapless {
+
+// The tables of the named models, one file per vendor.
+[[nodiscard]] LidarModel hdl_64e_s2();
+[[nodiscard]] LidarModel hdl_64e_s3();
+[[nodiscard]] LidarModel vlp_16();
+[[nodiscard]] LidarModel hdl_32e();
+[[nodiscard]] LidarModel os1_64();
+[[nodiscard]] LidarModel os1_128();
+[[nodiscard]] LidarModel pandar_64();
+[[nodiscard]] LidarModel xt_32();
+
+/// One laser of a Velodyne calibration file, in the terms of that file.
+struct VelodyneCorrection {
+  double vert_rad = 0;        ///< elevation
+  double rot_rad = 0;         ///< azimuth, counter-clockwise positive
+  double vert_offset_m = 0;   ///< of the beam, upwards and at a right angle to it
+  double horiz_offset_m = 0;  ///< of the beam, to its left
+};
+
+/// The laser whose hit at `range` from its origin is where Velodyne's own formula puts it (method.md section
+/// 4, mdlidar).
+[[nodiscard]] Laser velodyne_laser(const VelodyneCorrection& correction);
+
+/// Timing, columns and ranges of the Velodyne sensor with as many lasers (16, 32, 64 or 128), with the firing
+/// offsets of its lasers in the order of their ids and every other value of a laser 0. No lasers for any
+/// other count.
+[[nodiscard]] LidarModel velodyne_timing(std::size_t laser_count);
+
+/// Turns azimuths and origins, given as if all lasers fired with their column, by what the hub turns during
+/// each laser's firing offset at the model's rate, and puts the lasers by increasing elevation (equal ones
+/// keep their order).
+[[nodiscard]] LidarModel assembled(LidarModel model);
+
+[[nodiscard]] constexpr double radians(double degrees) { return degrees * (3.14159265358979323846 / 180); }
+
+}  // namespace mapless
