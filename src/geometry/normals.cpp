@@ -11,8 +11,9 @@
 namespace mapless {
 namespace {
 
-// Below this share of the largest variance the middle one is rounding, not width.
-constexpr double kRounding = 1e-12;
+// Below this share of the largest variance the middle one is rounding, not width: the closed form loses half
+// the digits where two eigenvalues coincide.
+constexpr double kRounding = 1e-6;
 
 // First and second moments of points about a reference near them, so that world coordinates of kilometres
 // cost no digits.
