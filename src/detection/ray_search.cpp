@@ -2,6 +2,8 @@
 #include <cmath>
 #include <numbers>
 
+#include <Eigen/Geometry>
+
 #include <mapless/detection/ray_search.hpp>
 
 namespace mapless {
@@ -28,14 +30,26 @@ RaySearch::RaySearch(const CompensatedScan& scan, int look_ahead) : scan_(scan),
   column_T_h0_.reserve(scan.column_states.size());
   for (std::size_t c = 0; c < scan.column_states.size(); ++c) {
     const SE3 T_hv(rotation_z(-model.hub_angle(static_cast<double>(c))), Eigen::Vector3d::Zero());
-    column_T_h0_.push_back(T_hv * scan.column_states[c].T_v0);
+    const TrajectoryState& state = scan.column_states[c];
+    column_T_h0_.push_back(T_hv * state.T_v0);
+    column_varpi_h_.emplace_back();
+    column_varpi_h_.back() << T_hv.rotation() * state.varpi.head<3>(),
+        T_hv.rotation() * state.varpi.tail<3>();
   }
 }
 
 RaySearch::Sighting RaySearch::sight(const Eigen::Vector3d& q_0, int laser, int column) const {
   const SE3& T_lh = laser_T_lh_[static_cast<std::size_t>(laser)];
-  const Eigen::Vector3d q_h = column_T_h0_[static_cast<std::size_t>(column)] * q_0;
-  const Eigen::Vector3d q_l = T_lh * q_h;
+  const auto c = static_cast<std::size_t>(column);
+  const Eigen::Vector3d q_h = column_T_h0_[c] * q_0;
+  // Between the column's instant and its own the laser goes along with the sensor, to first order. Its turn
+  // with the hub is part of its azimuth offset.
+  const double firing_s = scan_.scan->model->lasers[static_cast<std::size_t>(laser)].firing_offset.seconds();
+  const Vector6d& varpi_h = column_varpi_h_[c];
+  const Eigen::Vector3d q_l =
+      T_lh * (firing_s == 0
+                  ? q_h
+                  : Eigen::Vector3d(q_h + firing_s * (varpi_h.head<3>() + varpi_h.tail<3>().cross(q_h))));
   // The hub has to turn until y vanishes; about its axis the point moves on a circle of its horizontal
   // distance.
   const double horizontal = std::hypot(q_h.x(), q_h.y());
@@ -77,15 +91,35 @@ int RaySearch::laser_of_direction(const Eigen::Vector3d& q_0, int column) const 
   return static_cast<int>(found);
 }
 
-int RaySearch::nearest_fired_column(int laser, int column) const {
+NearestRay RaySearch::measured_ray(const Eigen::Vector3d& q_0, int laser, int column) const {
   const LidarScan& scan = *scan_.scan;
-  for (int reach = 0; reach <= kColumnReach; ++reach) {
+  if (column < 0 || column >= scan.columns) return {};
+  if (code_of_cell(scan.cell(laser, column)) == ReturnCode::absent) return {};
+  const Eigen::Vector3d q_l = sight(q_0, laser, column).q_l;
+  if (q_l.x() <= 0) return {};
+  return {laser, column, std::hypot(q_l.y(), q_l.z()), q_l.x()};
+}
+
+// The measured ray of one laser nearest to the point, from the column that its solution rounds to. The
+// sensor's own motion makes the columns wider or narrower than the solution took them for, so that a
+// neighbour may be nearer.
+NearestRay RaySearch::nearest_about(const Eigen::Vector3d& q_0, int laser, int column) const {
+  NearestRay best = measured_ray(q_0, laser, column);
+  for (int reach = 1; !best.found() && reach <= kColumnReach; ++reach) {
     for (const int c : {column - reach, column + reach}) {
-      if (c < 0 || c >= scan.columns) continue;
-      if (code_of_cell(scan.cell(laser, c)) != ReturnCode::absent) return c;
+      const NearestRay ray = measured_ray(q_0, laser, c);
+      if (nearer(ray, best)) best = ray;
     }
   }
-  return -1;
+  if (!best.found()) return best;
+  for (const int step : {-1, 1}) {
+    NearestRay next = measured_ray(q_0, laser, best.column + step);
+    while (nearer(next, best)) {
+      best = next;
+      next = measured_ray(q_0, laser, best.column + step);
+    }
+  }
+  return best;
 }
 
 NearestRay RaySearch::nearest_of_laser(const Eigen::Vector3d& q_0, int laser, double hub_column) const {
@@ -99,11 +133,7 @@ NearestRay RaySearch::nearest_of_laser(const Eigen::Vector3d& q_0, int laser, do
     if (next == column) break;
     column = next;
   }
-  column = nearest_fired_column(laser, column);
-  if (column < 0) return {};
-  const Eigen::Vector3d q_l = sight(q_0, laser, column).q_l;
-  if (q_l.x() <= 0) return {};
-  return {laser, column, std::hypot(q_l.y(), q_l.z()), q_l.x()};
+  return nearest_about(q_0, laser, column);
 }
 
 void RaySearch::descend(const Eigen::Vector3d& q_0, double hub_column, NearestRay& best) const {
