@@ -27,6 +27,11 @@ RaySearch::RaySearch(const CompensatedScan& scan, int look_ahead) : scan_(scan),
     // A beam ahead of the hub (in the direction of spin) points somewhere at an earlier column.
     offset_columns_.push_back(-laser.azimuth_offset_rad * columns_per_rad_);
   }
+  for (const Laser& laser : model.lasers)
+    centre_h_ += laser.origin_h_m / static_cast<double>(model.lasers.size());
+  for (const Laser& laser : model.lasers) {
+    origin_spread_m_ = std::max(origin_spread_m_, (laser.origin_h_m - centre_h_).norm());
+  }
   column_T_h0_.reserve(scan.column_states.size());
   for (std::size_t c = 0; c < scan.column_states.size(); ++c) {
     const SE3 T_hv(rotation_z(-model.hub_angle(static_cast<double>(c))), Eigen::Vector3d::Zero());
@@ -141,6 +146,15 @@ void RaySearch::descend(const Eigen::Vector3d& q_0, double hub_column, NearestRa
   const int columns = scan_.scan->columns;
   const int at = static_cast<int>(std::clamp(std::round(hub_column), 0.0, columns - 1.0));
   const int start = laser_of_direction(q_0, at);
+  const Eigen::Vector3d from_centre = column_T_h0_[static_cast<std::size_t>(at)] * q_0 - centre_h_;
+  const double range = from_centre.norm();
+  const double elevation = std::atan2(from_centre.z(), std::hypot(from_centre.x(), from_centre.y()));
+  // A beam passes its laser's offset from the centre, so it cannot come nearer than this.
+  const auto least_distance = [&](int l) {
+    const double apart =
+        std::abs(scan_.scan->model->lasers[static_cast<std::size_t>(l)].elevation_rad - elevation);
+    return range * std::sin(std::min(apart, std::numbers::pi / 2)) - origin_spread_m_;
+  };
   NearestRay nearest = nearest_of_laser(q_0, start, hub_column);
   for (const int step : {-1, 1}) {
     int without_gain = 0;
@@ -149,7 +163,7 @@ void RaySearch::descend(const Eigen::Vector3d& q_0, double hub_column, NearestRa
       if (nearer(ray, nearest)) {
         nearest = ray;
         without_gain = 0;
-      } else {
+      } else if (nearest.found() && least_distance(l) > nearest.distance_m) {
         ++without_gain;
       }
     }

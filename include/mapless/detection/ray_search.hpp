@@ -52,7 +52,9 @@ class RaySearch {
   std::vector<SE3> column_T_h0_;          // T_hv(t) T_v0(t) at each column's instant
   std::vector<Vector6d> column_varpi_h_;  // the sensor's velocity then, in the hub's frame
   std::vector<SE3> laser_T_lh_;
-  std::vector<double> offset_columns_;  // of each laser's azimuth offset
+  Eigen::Vector3d centre_h_ = Eigen::Vector3d::Zero();  // mean of the lasers' origins
+  double origin_spread_m_ = 0;                          // how far any of them is from it
+  std::vector<double> offset_columns_;                  // of each laser's azimuth offset
 };
 
 }  // namespace mapless
