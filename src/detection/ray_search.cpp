@@ -2,6 +2,8 @@
 #include <cmath>
 #include <numbers>
 
+#include <Eigen/Geometry>
+
 #include <mapless/detection/ray_search.hpp>
 
 namespace mapless {
@@ -25,17 +27,34 @@ RaySearch::RaySearch(const CompensatedScan& scan, int look_ahead) : scan_(scan),
     // A beam ahead of the hub (in the direction of spin) points somewhere at an earlier column.
     offset_columns_.push_back(-laser.azimuth_offset_rad * columns_per_rad_);
   }
+  for (const Laser& laser : model.lasers)
+    centre_h_ += laser.origin_h_m / static_cast<double>(model.lasers.size());
+  for (const Laser& laser : model.lasers) {
+    origin_spread_m_ = std::max(origin_spread_m_, (laser.origin_h_m - centre_h_).norm());
+  }
   column_T_h0_.reserve(scan.column_states.size());
   for (std::size_t c = 0; c < scan.column_states.size(); ++c) {
     const SE3 T_hv(rotation_z(-model.hub_angle(static_cast<double>(c))), Eigen::Vector3d::Zero());
-    column_T_h0_.push_back(T_hv * scan.column_states[c].T_v0);
+    const TrajectoryState& state = scan.column_states[c];
+    column_T_h0_.push_back(T_hv * state.T_v0);
+    column_varpi_h_.emplace_back();
+    column_varpi_h_.back() << T_hv.rotation() * state.varpi.head<3>(),
+        T_hv.rotation() * state.varpi.tail<3>();
   }
 }
 
 RaySearch::Sighting RaySearch::sight(const Eigen::Vector3d& q_0, int laser, int column) const {
   const SE3& T_lh = laser_T_lh_[static_cast<std::size_t>(laser)];
-  const Eigen::Vector3d q_h = column_T_h0_[static_cast<std::size_t>(column)] * q_0;
-  const Eigen::Vector3d q_l = T_lh * q_h;
+  const auto c = static_cast<std::size_t>(column);
+  const Eigen::Vector3d q_h = column_T_h0_[c] * q_0;
+  // Between the column's instant and its own the laser goes along with the sensor, to first order. Its turn
+  // with the hub is part of its azimuth offset.
+  const double firing_s = scan_.scan->model->lasers[static_cast<std::size_t>(laser)].firing_offset.seconds();
+  const Vector6d& varpi_h = column_varpi_h_[c];
+  const Eigen::Vector3d q_l =
+      T_lh * (firing_s == 0
+                  ? q_h
+                  : Eigen::Vector3d(q_h + firing_s * (varpi_h.head<3>() + varpi_h.tail<3>().cross(q_h))));
   // The hub has to turn until y vanishes; about its axis the point moves on a circle of its horizontal
   // distance.
   const double horizontal = std::hypot(q_h.x(), q_h.y());
@@ -77,15 +96,35 @@ int RaySearch::laser_of_direction(const Eigen::Vector3d& q_0, int column) const 
   return static_cast<int>(found);
 }
 
-int RaySearch::nearest_fired_column(int laser, int column) const {
+NearestRay RaySearch::measured_ray(const Eigen::Vector3d& q_0, int laser, int column) const {
   const LidarScan& scan = *scan_.scan;
-  for (int reach = 0; reach <= kColumnReach; ++reach) {
+  if (column < 0 || column >= scan.columns) return {};
+  if (code_of_cell(scan.cell(laser, column)) == ReturnCode::absent) return {};
+  const Eigen::Vector3d q_l = sight(q_0, laser, column).q_l;
+  if (q_l.x() <= 0) return {};
+  return {laser, column, std::hypot(q_l.y(), q_l.z()), q_l.x()};
+}
+
+// The measured ray of one laser nearest to the point, from the column that its solution rounds to. The
+// sensor's own motion makes the columns wider or narrower than the solution took them for, so that a
+// neighbour may be nearer.
+NearestRay RaySearch::nearest_about(const Eigen::Vector3d& q_0, int laser, int column) const {
+  NearestRay best = measured_ray(q_0, laser, column);
+  for (int reach = 1; !best.found() && reach <= kColumnReach; ++reach) {
     for (const int c : {column - reach, column + reach}) {
-      if (c < 0 || c >= scan.columns) continue;
-      if (code_of_cell(scan.cell(laser, c)) != ReturnCode::absent) return c;
+      const NearestRay ray = measured_ray(q_0, laser, c);
+      if (nearer(ray, best)) best = ray;
     }
   }
-  return -1;
+  if (!best.found()) return best;
+  for (const int step : {-1, 1}) {
+    NearestRay next = measured_ray(q_0, laser, best.column + step);
+    while (nearer(next, best)) {
+      best = next;
+      next = measured_ray(q_0, laser, best.column + step);
+    }
+  }
+  return best;
 }
 
 NearestRay RaySearch::nearest_of_laser(const Eigen::Vector3d& q_0, int laser, double hub_column) const {
@@ -99,11 +138,7 @@ NearestRay RaySearch::nearest_of_laser(const Eigen::Vector3d& q_0, int laser, do
     if (next == column) break;
     column = next;
   }
-  column = nearest_fired_column(laser, column);
-  if (column < 0) return {};
-  const Eigen::Vector3d q_l = sight(q_0, laser, column).q_l;
-  if (q_l.x() <= 0) return {};
-  return {laser, column, std::hypot(q_l.y(), q_l.z()), q_l.x()};
+  return nearest_about(q_0, laser, column);
 }
 
 void RaySearch::descend(const Eigen::Vector3d& q_0, double hub_column, NearestRay& best) const {
@@ -111,6 +146,15 @@ void RaySearch::descend(const Eigen::Vector3d& q_0, double hub_column, NearestRa
   const int columns = scan_.scan->columns;
   const int at = static_cast<int>(std::clamp(std::round(hub_column), 0.0, columns - 1.0));
   const int start = laser_of_direction(q_0, at);
+  const Eigen::Vector3d from_centre = column_T_h0_[static_cast<std::size_t>(at)] * q_0 - centre_h_;
+  const double range = from_centre.norm();
+  const double elevation = std::atan2(from_centre.z(), std::hypot(from_centre.x(), from_centre.y()));
+  // A beam passes its laser's offset from the centre, so it cannot come nearer than this.
+  const auto least_distance = [&](int l) {
+    const double apart =
+        std::abs(scan_.scan->model->lasers[static_cast<std::size_t>(l)].elevation_rad - elevation);
+    return range * std::sin(std::min(apart, std::numbers::pi / 2)) - origin_spread_m_;
+  };
   NearestRay nearest = nearest_of_laser(q_0, start, hub_column);
   for (const int step : {-1, 1}) {
     int without_gain = 0;
@@ -119,7 +163,7 @@ void RaySearch::descend(const Eigen::Vector3d& q_0, double hub_column, NearestRa
       if (nearer(ray, nearest)) {
         nearest = ray;
         without_gain = 0;
-      } else {
+      } else if (nearest.found() && least_distance(l) > nearest.distance_m) {
         ++without_gain;
       }
     }

@@ -42,15 +42,19 @@ class RaySearch {
   [[nodiscard]] double column_of_direction(const Eigen::Vector3d& q_0) const;
   [[nodiscard]] int laser_of_direction(const Eigen::Vector3d& q_0, int column) const;
   [[nodiscard]] NearestRay nearest_of_laser(const Eigen::Vector3d& q_0, int laser, double hub_column) const;
-  [[nodiscard]] int nearest_fired_column(int laser, int column) const;
+  [[nodiscard]] NearestRay measured_ray(const Eigen::Vector3d& q_0, int laser, int column) const;
+  [[nodiscard]] NearestRay nearest_about(const Eigen::Vector3d& q_0, int laser, int column) const;
   void descend(const Eigen::Vector3d& q_0, double hub_column, NearestRay& best) const;
 
   const CompensatedScan& scan_;
   int look_ahead_;
-  double columns_per_rad_;        // with the sign of the spin
-  std::vector<SE3> column_T_h0_;  // T_hv(t) T_v0(t) at each column's instant
+  double columns_per_rad_;                // with the sign of the spin
+  std::vector<SE3> column_T_h0_;          // T_hv(t) T_v0(t) at each column's instant
+  std::vector<Vector6d> column_varpi_h_;  // the sensor's velocity then, in the hub's frame
   std::vector<SE3> laser_T_lh_;
-  std::vector<double> offset_columns_;  // of each laser's azimuth offset
+  Eigen::Vector3d centre_h_ = Eigen::Vector3d::Zero();  // mean of the lasers' origins
+  double origin_spread_m_ = 0;                          // how far any of them is from it
+  std::vector<double> offset_columns_;                  // of each laser's azimuth offset
 };
 
 }  // namespace mapless
