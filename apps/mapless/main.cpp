@@ -1,1 +1,51 @@
-int main() { return 0; }
+#include <algorithm>
+#include <cstdio>
+#include <exception>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "verbs.hpp"
+#include <mapless/core/errors.hpp>
+
+namespace {
+
+constexpr int kFailure = 1;
+constexpr int kUsage = 2;
+
+int report(std::string message, int exit_code) {
+  std::replace(message.begin(), message.end(), '\n', ' ');
+  fmt::print(stderr, "mapless: error: {}\n", message);
+  return exit_code;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App command{
+      "Tells which points of a spinning 3D lidar are moving now, without a map (arXiv 1809.06972).",
+      "mapless"};
+  command.set_version_flag("--version", "mapless " MAPLESS_VERSION);
+  command.require_subcommand(1);
+  command.footer(
+      "Exit code 0 success, 1 failure, 2 wrong usage, 130 interrupted. 'mapless VERB --help' has every "
+      "option.");
+  int exit_code = 0;
+  mapless::app::add_detect(command, exit_code);
+  mapless::app::add_evaluate(command, exit_code);
+  mapless::app::add_info(command, exit_code);
+  mapless::app::add_render(command, exit_code);
+  mapless::app::add_config(command, exit_code);
+  try {
+    command.parse(argc, argv);
+    return exit_code;
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return command.exit(error);  // --help, --version
+    return report(std::string(error.what()) + "; see mapless --help", kUsage);
+  } catch (const mapless::ParameterError& error) {
+    return report(error.what(), kUsage);
+  } catch (const std::exception& error) {
+    return report(error.what(), kFailure);
+  }
+}

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <sstream>
 #include <string_view>
 
@@ -70,6 +71,11 @@ SE3 file_from_sensor(const TrajectoryRequest& request) {
 
 TrajectorySource open_file(const Dataset& dataset, const TrajectoryRequest& request) {
   const bool per_scan = has_one_row_per_scan(request.file);
+  if (request.max_extrapolation_s &&
+      !(std::isfinite(*request.max_extrapolation_s) && *request.max_extrapolation_s >= 0)) {
+    throw ParameterError({"--max-extrapolation-s", "", fmt::format("{}", *request.max_extrapolation_s),
+                          "must be a number of seconds, at least 0", "give 0 to forbid any"});
+  }
   TrajectoryFileOptions options;
   options.direction = request.direction;
   options.T_file_sensor = file_from_sensor(request);

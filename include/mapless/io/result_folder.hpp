@@ -58,6 +58,7 @@ class ResultFolder {
 };
 
 /// summary.json begins with this, which is how an earlier result is told from anybody else's folder.
+inline constexpr std::string_view kProgramName = "mapless detect";
 inline constexpr std::string_view kSummaryBegin = "{\n  \"program\": \"mapless detect\"";
 
 /// Writes beside and renames. Throws OutputError.

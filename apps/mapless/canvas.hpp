@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string_view>
+#include <vector>
+
+namespace mapless::app {
+
+/// sRGB, 0 to 255.
+struct Color {
+  float red = 0, green = 0, blue = 0;
+};
+
+/// A picture to draw on. Coordinates are pixels, x to the right, y down, (0, 0) the upper left corner; shapes
+/// have soft edges, and what lies outside is cut off. `opacity` is 0 to 1.
+class Canvas {
+ public:
+  Canvas(int width, int height, Color background);
+
+  [[nodiscard]] int width() const { return width_; }
+  [[nodiscard]] int height() const { return height_; }
+
+  /// Limits drawing to a rectangle until the next call.
+  void clip(int x, int y, int width, int height);
+  void unclip() { clip(0, 0, width_, height_); }
+
+  void rectangle(int x, int y, int width, int height, Color color, float opacity = 1);
+  void disc(float x, float y, float radius, Color color, float opacity = 1);
+  void ring(float x, float y, float radius, float line_width, Color color, float opacity = 1);
+  /// A triangle that points to the right, its middle at (x, y).
+  void arrow_right(float x, float y, float size, Color color);
+  /// Letters of 5 x 7 dots of `scale` pixels, upper left corner at (x, y); returns the x after the last one.
+  int text(int x, int y, std::string_view text, int scale, Color color, float opacity = 1);
+  [[nodiscard]] static int text_width(std::string_view text, int scale);
+
+  /// Writes a PNG beside the file and renames it. Throws OutputError.
+  void write_png(const std::filesystem::path& file) const;
+
+ private:
+  void blend(int x, int y, Color color, float opacity);
+
+  int width_, height_;
+  int clip_left_ = 0, clip_top_ = 0, clip_right_ = 0, clip_bottom_ = 0;
+  std::vector<Color> pixels_;
+};
+
+}  // namespace mapless::app

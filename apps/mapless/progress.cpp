@@ -1,0 +1,60 @@
+#include "progress.hpp"
+
+#include <cstdio>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+namespace mapless::app {
+namespace {
+
+constexpr std::size_t kBarWidth = 30;
+
+std::string clock_text(double seconds) {
+  const auto s = static_cast<long>(seconds + 0.5);
+  return s < 3600 ? fmt::format("{}:{:02}", s / 60, s % 60)
+                  : fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60);
+}
+
+}  // namespace
+
+Progress::Progress(std::string what, std::size_t total)
+    : what_(std::move(what)),
+      total_(total),
+      terminal_(isatty(STDERR_FILENO) == 1),
+      start_(std::chrono::steady_clock::now()) {}
+
+Progress::~Progress() { clear(); }
+
+void Progress::update(std::size_t done) {
+  if (total_ == 0 || done == last_done_) return;
+  if (terminal_) {
+    draw_bar(done, rate(done));
+    drawn_ = true;
+  } else if (const std::size_t tenth = 10 * done / total_; last_done_ == 0 || tenth > last_tenth_) {
+    last_tenth_ = tenth;
+    fmt::print(stderr, "mapless: {} of {} {} ({} %), {:.1f} {}/s\n", done, total_, what_, 100 * done / total_,
+               rate(done), what_);
+  }
+  last_done_ = done;
+}
+
+void Progress::clear() {
+  if (drawn_) fmt::print(stderr, "\r\033[K");
+  drawn_ = false;
+}
+
+double Progress::rate(std::size_t done) const {
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  return seconds > 0 ? static_cast<double>(done) / seconds : 0;
+}
+
+void Progress::draw_bar(std::size_t done, double rate) const {
+  const std::size_t filled = kBarWidth * done / total_;
+  const double left = rate > 0 ? static_cast<double>(total_ - done) / rate : 0;
+  fmt::print(stderr, "\r\033[K[{:#<{}}{:.<{}}] {}/{} {}  {:.1f}/s  {} left", "", filled, "",
+             kBarWidth - filled, done, total_, what_, rate, clock_text(left));
+  std::fflush(stderr);
+}
+
+}  // namespace mapless::app

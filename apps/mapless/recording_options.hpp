@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <CLI/App.hpp>
+
+#include <mapless/io/dataset.hpp>
+#include <mapless/io/trajectory_source.hpp>
+
+namespace mapless::app {
+
+/// The recording a verb reads, and how.
+struct RecordingOptions {
+  std::string path;
+  DatasetOptions dataset;
+
+  [[nodiscard]] std::unique_ptr<Dataset> open() const;
+};
+
+/// Adds IN, --format, --sensor, --labels.
+void add_recording_options(CLI::App& verb, RecordingOptions& options);
+
+/// Adds --trajectory, --stationary and how a trajectory file is to be read.
+void add_trajectory_options(CLI::App& verb, TrajectoryRequest& request);
+
+}  // namespace mapless::app

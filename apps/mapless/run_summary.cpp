@@ -1,0 +1,141 @@
+#include "run_summary.hpp"
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include <mapless/evaluation/quantile.hpp>
+#include <mapless/io/result_folder.hpp>
+
+namespace mapless::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct TimingRow {
+  std::string_view name;
+  double (*seconds)(const StageSeconds&);
+};
+
+constexpr std::array<TimingRow, 9> kTimingRows = {{
+    {"compensation", [](const StageSeconds& s) { return s.compensation; }},
+    {"neighbours", [](const StageSeconds& s) { return s.neighbours; }},
+    {"normals", [](const StageSeconds& s) { return s.normals; }},
+    {"comparison", [](const StageSeconds& s) { return s.comparison; }},
+    {"backward", [](const StageSeconds& s) { return s.backward; }},
+    {"forward", [](const StageSeconds& s) { return s.forward; }},
+    {"box_filter", [](const StageSeconds& s) { return s.box_filter; }},
+    {"region_growth", [](const StageSeconds& s) { return s.region_growth; }},
+    {"total", [](const StageSeconds& s) { return s.total(); }},
+}};
+
+std::vector<double> milliseconds(const std::vector<StageSeconds>& scans, const TimingRow& row) {
+  std::vector<double> out(scans.size());
+  std::transform(scans.begin(), scans.end(), out.begin(),
+                 [&](const StageSeconds& s) { return row.seconds(s) * 1e3; });
+  return out;
+}
+
+Json number_or_null(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
+
+double peak_memory_mb() {
+  rusage usage = {};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024;
+}
+
+}  // namespace
+
+std::string provenance_text(Provenance provenance) {
+  switch (provenance) {
+    case Provenance::none:
+      return "none";
+    case Provenance::sensor:
+      return "in the recording";
+    case Provenance::recovered_from_angle:
+      return "recovered from the azimuth of the points";
+    case Provenance::recovered_from_order:
+      return "recovered from the order of the points";
+  }
+  return "none";
+}
+
+RunSummary::RunSummary(const Dataset& dataset, std::string recording, const TrajectorySource& trajectory,
+                       std::string profile, std::size_t first_scan, std::size_t selected_scans)
+    : recording_(std::move(recording)),
+      format_(dataset.format()),
+      sensor_(dataset.model()->name),
+      profile_(std::move(profile)),
+      trajectory_(trajectory.conventions),
+      notes_(dataset.notes()),
+      first_scan_(first_scan),
+      selected_scans_(selected_scans) {}
+
+void RunSummary::add_input(const LidarScan& scan) {
+  times_ = provenance_text(scan.time_source);
+  rings_ = provenance_text(scan.ring_source);
+  motion_compensation_ =
+      scan.compensated_to ? "of the recording, undone before detection" : "none in the recording";
+}
+
+void RunSummary::add(const Detection& detection) {
+  records_ += detection.scan->input_size;
+  points_ += detection.object.size();
+  dynamic_points_ += static_cast<std::size_t>(std::count_if(
+      detection.object.begin(), detection.object.end(), [](std::uint16_t object) { return object != 0; }));
+  objects_ += static_cast<std::size_t>(detection.objects);
+  seconds_.push_back(detection.seconds);
+}
+
+Json RunSummary::timing() const {
+  Json rows = Json::object();
+  for (const TimingRow& row : kTimingRows) {
+    const std::vector<double> ms = milliseconds(seconds_, row);
+    rows[std::string(row.name)] = {{"median_ms", number_or_null(quantile(ms, 0.5))},
+                                   {"p95_ms", number_or_null(quantile(ms, 0.95))},
+                                   {"p99_ms", number_or_null(quantile(ms, 0.99))}};
+  }
+  return rows;
+}
+
+Json RunSummary::json() const {
+  Json trajectory = Json::object();
+  for (const auto& [name, value] : trajectory_) trajectory[name] = value;
+  Json out = {{"program", kProgramName},
+              {"version", MAPLESS_VERSION},
+              {"complete", complete_},
+              {"recording", recording_},
+              {"format", format_},
+              {"sensor", sensor_},
+              {"first_scan", first_scan_},
+              {"selected_scans", selected_scans_},
+              {"scans", seconds_.size()},
+              {"records", records_},
+              {"points", points_},
+              {"dynamic_points", dynamic_points_},
+              {"objects", objects_},
+              {"profile", profile_},
+              {"times", times_},
+              {"rings", rings_},
+              {"motion_compensation", motion_compensation_},
+              {"trajectory", trajectory},
+              {"notes", notes_},
+              {"timing", timing()},
+              {"peak_memory_mb", peak_memory_mb()}};
+  if (!stopped_.empty()) out["stopped"] = stopped_;
+  return out;
+}
+
+std::string RunSummary::lines() const {
+  const std::vector<double> ms = milliseconds(seconds_, kTimingRows.back());
+  return fmt::format(
+      "{} scans, {} points, {} of them dynamic, {} objects (counted scan by scan)\n"
+      "{:.1f} ms a scan (median), {:.1f} ms (95 %), peak memory {:.0f} MB\n",
+      seconds_.size(), points_, dynamic_points_, objects_, quantile(ms, 0.5).value_or(0),
+      quantile(ms, 0.95).value_or(0), peak_memory_mb());
+}
+
+}  // namespace mapless::app

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include <mapless/detection/detector.hpp>
+#include <mapless/io/dataset.hpp>
+#include <mapless/io/trajectory_source.hpp>
+
+namespace mapless::app {
+
+/// What a run of `mapless detect` read, used and found: the contents of summary.json.
+class RunSummary {
+ public:
+  RunSummary(const Dataset& dataset, std::string recording, const TrajectorySource& trajectory,
+             std::string profile, std::size_t first_scan, std::size_t selected_scans);
+
+  /// Where the times and rings of the scans come from, and whether motion compensation was undone; `scan` as
+  /// it was read.
+  void add_input(const LidarScan& scan);
+  void add(const Detection& detection);
+  void set_complete() { complete_ = true; }
+  void set_stopped(std::string reason) { stopped_ = std::move(reason); }
+
+  [[nodiscard]] std::size_t scans() const { return seconds_.size(); }
+  [[nodiscard]] nlohmann::ordered_json json() const;
+  /// Text of summary.json.
+  [[nodiscard]] std::string text() const { return json().dump(2) + "\n"; }
+  /// A few lines for people.
+  [[nodiscard]] std::string lines() const;
+
+ private:
+  [[nodiscard]] nlohmann::ordered_json timing() const;
+
+  std::string recording_, format_, sensor_, profile_;
+  std::vector<std::pair<std::string, std::string>> trajectory_;
+  std::vector<std::string> notes_;
+  std::size_t first_scan_, selected_scans_;
+  std::string times_, rings_, motion_compensation_;
+  std::size_t records_ = 0, points_ = 0, dynamic_points_ = 0, objects_ = 0;
+  std::vector<StageSeconds> seconds_;
+  bool complete_ = false;
+  std::string stopped_;
+};
+
+/// "from the sensor", "recovered from the azimuth" ...
+[[nodiscard]] std::string provenance_text(Provenance provenance);
+
+}  // namespace mapless::app
