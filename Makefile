@@ -1,0 +1,47 @@
+# `make demo` and `make test` are all there is to know; `make help` lists the rest.
+JOBS ?= $(shell nproc)
+PREFIX ?= /usr/local
+OUT ?= out/demo
+export JOBS RECORDING ARGS OUT
+
+.PHONY: help build demo test lint install clean
+.NOTPARALLEL:
+
+help:
+	@echo 'make demo      build, label a small scene of its own, evaluate it, draw it: $(OUT)'
+	@echo '               RECORDING=path: label that recording; ARGS="--trajectory F ...": more options of mapless detect'
+	@echo 'make test      everything that is checked: formatting, lint, tests, sanitizers, the installed package'
+	@echo 'make build     the release command alone: build/mapless'
+	@echo 'make lint      formatting, layers, documents, clang-tidy'
+	@echo 'make install   library, headers and command to PREFIX ($(PREFIX))'
+	@echo 'make clean     remove build and out'
+	@echo 'JOBS=$(JOBS) is how many processes build and test at once. Missing Debian packages are installed.'
+
+build:
+	@scripts/install_dependencies.sh
+	@cmake --preset release -DMAPLESS_BUILD_TESTS=OFF -DMAPLESS_BUILD_BENCHMARKS=OFF -DMAPLESS_BUILD_CHECKS=OFF
+	@cmake --build --preset release -j $(JOBS)
+	@ln -sfn release/apps/mapless/mapless build/mapless
+
+demo: build
+	@scripts/demo.sh
+
+# The sanitizer builds, the linters and the installed package are tests of the one ctest run at the end.
+test:
+	@scripts/install_dependencies.sh test
+	@cmake --preset release -DMAPLESS_BUILD_TESTS=ON -DMAPLESS_BUILD_BENCHMARKS=ON -DMAPLESS_BUILD_CHECKS=ON
+	@cmake --build --preset release -j $(JOBS)
+	@ln -sfn release/apps/mapless/mapless build/mapless
+	@ctest --preset release -j $(JOBS)
+
+lint:
+	@scripts/install_dependencies.sh test
+	@cmake --preset release -DMAPLESS_BUILD_TESTS=ON -DMAPLESS_BUILD_BENCHMARKS=ON -DMAPLESS_BUILD_CHECKS=ON
+	@cmake --build --preset release -j $(JOBS) --target mapless
+	@ctest --preset release -j $(JOBS) -R '^lint\.'
+
+install: build
+	@cmake --install build/release --prefix $(PREFIX)
+
+clean:
+	rm -rf build out

@@ -1,0 +1,30 @@
+# What is checked beside the unit tests, as tests of the same ctest run, so that one summary tells all.
+find_package(Python3 REQUIRED COMPONENTS Interpreter)
+find_program(MAPLESS_CLANG_FORMAT NAMES clang-format clang-format-14 REQUIRED)
+find_program(MAPLESS_RUN_CLANG_TIDY NAMES run-clang-tidy run-clang-tidy-14 REQUIRED)
+cmake_host_system_information(RESULT cores QUERY NUMBER_OF_LOGICAL_CORES)
+set(MAPLESS_CHECK_JOBS ${cores} CACHE STRING "Processes of a check that uses the whole machine")
+set(scripts ${PROJECT_SOURCE_DIR}/scripts)
+
+function(mapless_check name)
+  add_test(NAME ${name} COMMAND ${ARGN} WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
+  set_tests_properties(${name} PROPERTIES TIMEOUT 1800)
+endfunction()
+
+# Such a check has the machine to itself.
+function(mapless_parallel_check name)
+  mapless_check(${name} ${ARGN})
+  set_tests_properties(${name} PROPERTIES RUN_SERIAL ON ENVIRONMENT JOBS=${MAPLESS_CHECK_JOBS})
+endfunction()
+
+mapless_check(lint.format ${scripts}/check_format.sh ${MAPLESS_CLANG_FORMAT})
+mapless_check(lint.layers ${Python3_EXECUTABLE} ${scripts}/check_layers.py)
+mapless_check(lint.documents ${Python3_EXECUTABLE} ${scripts}/check_documents.py)
+mapless_check(lint.checks ${Python3_EXECUTABLE} -m unittest discover -s tests/scripts -p "*_test.py")
+mapless_parallel_check(lint.tidy ${scripts}/check_tidy.sh ${MAPLESS_RUN_CLANG_TIDY} ${PROJECT_BINARY_DIR})
+
+mapless_parallel_check(package.example ${scripts}/check_package.sh ${PROJECT_BINARY_DIR}
+                       $<$<TARGET_EXISTS:mapless_make_scene>:$<TARGET_FILE:mapless_make_scene>>)
+
+mapless_parallel_check(sanitizer.address_undefined ${scripts}/check_sanitizer.sh asan)
+mapless_parallel_check(sanitizer.thread ${scripts}/check_sanitizer.sh tsan)

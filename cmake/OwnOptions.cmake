@@ -1,0 +1,18 @@
+# Flags of our own targets only: a project that links mapless chooses its own. Nothing here is specific to the
+# machine that builds, so that one build runs on any machine of its architecture and gives the same bytes.
+add_library(mapless_options INTERFACE)
+target_compile_options(mapless_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor
+                                                 -Woverloaded-virtual -Wconversion -Wno-sign-conversion)
+if(MAPLESS_WARNINGS_AS_ERRORS)
+  target_compile_options(mapless_options INTERFACE -Werror)
+endif()
+
+if(MAPLESS_SANITIZE)
+  # maybe-uninitialized is wrong about instrumented Eigen code too often to be of use.
+  target_compile_options(mapless_options INTERFACE -fsanitize=${MAPLESS_SANITIZE} -fno-omit-frame-pointer
+                                                   -fno-sanitize-recover=all -Wno-maybe-uninitialized)
+  target_link_options(mapless_options INTERFACE -fsanitize=${MAPLESS_SANITIZE})
+endif()
+if(MAPLESS_SANITIZE STREQUAL "thread")
+  target_include_directories(mapless_options BEFORE INTERFACE ${PROJECT_SOURCE_DIR}/tests/thread_sanitizer)
+endif()

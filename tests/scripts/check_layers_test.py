@@ -1,0 +1,90 @@
+"""The checks must find what they are there to find."""
+
+import pathlib
+import sys
+import tempfile
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "scripts"))
+import check_documents
+import check_layers
+
+
+class Tree(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.root = pathlib.Path(folder.name)
+
+    def write(self, path, text):
+        (self.root / path).parent.mkdir(parents=True, exist_ok=True)
+        (self.root / path).write_text(text, encoding="utf-8")
+
+    def faults(self):
+        return list(check_layers.check_tree(self.root))
+
+
+class Layers(Tree):
+    def test_upwards_and_foreign_includes_pass(self):
+        self.write("src/io/a.cpp", '#include <vector>\n#include <mapless/core/time.hpp>\n#include "lidar/b.hpp"\n')
+        self.assertEqual(self.faults(), [])
+
+    def test_downwards_include_fails(self):
+        self.write("include/mapless/geometry/a.hpp", "#include <mapless/detection/detector.hpp>\n")
+        self.assertEqual(len(self.faults()), 1)
+        self.assertIn("a.hpp:1", self.faults()[0])
+
+    def test_own_include_without_prefix_counts(self):
+        self.write("src/core/a.cpp", '#include "lidar/b.hpp"\n')
+        self.assertEqual(len(self.faults()), 1)
+
+    def test_evaluation_and_simulation_never_include_detection(self):
+        self.write("src/evaluation/a.cpp", "#include <mapless/detection/stages.hpp>\n")
+        self.write("src/simulation/a.cpp", "#include <mapless/detection/stages.hpp>\n")
+        self.assertEqual(len(self.faults()), 2)
+
+    def test_unknown_room_fails(self):
+        self.write("src/misc/a.cpp", "\n")
+        self.assertEqual(len(self.faults()), 1)
+
+
+class Lengths(Tree):
+    def function(self, head, lines):
+        return head + " {\n" + "  work();\n" * (lines - head.count("\n") - 2) + "}\n"
+
+    def test_function_of_60_lines_passes_and_of_61_fails(self):
+        self.write("src/core/a.cpp", self.function("void f()", 60))
+        self.assertEqual(self.faults(), [])
+        self.write("src/core/a.cpp", self.function("void f()", 61))
+        self.assertEqual(len(self.faults()), 1)
+
+    def test_signature_over_two_lines_counts(self):
+        self.write("src/core/a.cpp", "namespace n {\n\n" + self.function("void f(int a,\n       int b)", 61) + "\n}\n")
+        self.assertEqual(len(self.faults()), 1)
+
+    def test_blank_lines_inside_do_not_end_a_function(self):
+        self.write("src/core/a.cpp", "void f() {\n" + "  work();\n\n" * 40 + "}\n")
+        self.assertEqual(len(self.faults()), 1)
+
+    def test_long_type_is_not_a_function(self):
+        self.write("src/core/a.hpp", "struct S {\n" + "  int a;\n" * 100 + "};\n")
+        self.assertEqual(self.faults(), [])
+
+    def test_file_of_401_lines_fails(self):
+        self.write("tests/core/a_test.cpp", "int a;\n" * 401)
+        self.assertEqual(len(self.faults()), 1)
+
+
+class Documents(Tree):
+    def test_missing_file_and_unknown_name_fail(self):
+        self.write("src/core/a.cpp", "void present();\n")
+        self.write("docs/paper_map.md", "`src/core/a.cpp` `src/core/b.cpp` `present` `absent` [x](nowhere.png)\n")
+        missing = list(check_documents.check_paths(self.root, self.root / "docs/paper_map.md"))
+        self.assertEqual(len(missing), 2)
+        unknown = list(check_documents.check_paper_map(self.root))
+        self.assertEqual(len(unknown), 1)
+        self.assertIn("absent", unknown[0])
+
+
+if __name__ == "__main__":
+    unittest.main()
