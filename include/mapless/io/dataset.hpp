@@ -8,16 +8,10 @@
 #include <vector>
 
 #include <mapless/lidar/lidar_scan.hpp>
+#include <mapless/lidar/model_estimation.hpp>
 #include <mapless/trajectory/trajectory.hpp>
 
 namespace mapless {
-
-/// What `mapless info` says of how the rings, angles and origins of a bare cloud's lasers were found.
-struct ModelEstimate {
-  int scans_used = 0;
-  double elevation_residual_m = 0;      ///< RMS distance of the points from their laser's fitted cone
-  double azimuth_residual_columns = 0;  ///< RMS distance of the points from their column's centre, in columns
-};
 
 /// A recording: scans in time order, of one sensor.
 class Dataset {

@@ -1,0 +1,337 @@
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <cstdint>
+#include <cstdlib>
+#include <numbers>
+
+#include <tbb/parallel_for.h>
+
+#include "lidar/ring_points.hpp"
+
+namespace mapless {
+namespace {
+
+constexpr double kTwoPi = 2 * std::numbers::pi;
+constexpr double kLargestAcross_m = 0.04;  // HDL-64E: 0.026
+constexpr double kConcentrated = 0.6;      // of at most 1: the azimuths of a ring are on the grid
+constexpr double kWholeTurnOfOffsets_rad =
+    0.35;  // offsets of two lasers differ by less (HDL-64E: 18.5 degrees)
+constexpr std::size_t kPointsPerRing = 1500;
+
+// asin(across / rho), to 1e-8 for all but points on the spin axis.
+double across_angle(double across_m, double rho_m) {
+  const double x = std::clamp(across_m / rho_m, -1.0, 1.0);
+  return x + x * x * x / 6;
+}
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// Steps of azimuth between stored neighbours at about the same distance: free of offsets and horizontal
+// origins.
+std::vector<double> azimuth_steps(const std::vector<RingPoints>& rings) {
+  std::vector<double> steps;
+  for (const RingPoints& ring : rings) {
+    for (std::size_t i = 1; i < ring.size(); ++i) {
+      const double step = ring[i].azimuth_rad - ring[i - 1].azimuth_rad;
+      if (ring[i].scan != ring[i - 1].scan || step <= 1e-6 || step > 0.1) continue;
+      if (std::abs(ring[i].rho_m - ring[i - 1].rho_m) < 0.01 * ring[i].rho_m) steps.push_back(step);
+    }
+  }
+  return steps;
+}
+
+double mean_cosine(const std::vector<double>& steps, double spacing) {
+  double sum = 0;
+  for (const double step : steps) sum += std::cos(kTwoPi * step / spacing);
+  return sum / static_cast<double>(steps.size());
+}
+
+// The widest spacing of which nearly all steps are multiples; 0 where there is none.
+double grid_spacing(std::vector<double> steps, double median_step) {
+  std::erase_if(steps, [&](double s) { return s > 4.5 * median_step; });
+  const std::size_t stride = std::max<std::size_t>(1, steps.size() / 5000);
+  std::vector<double> sample;
+  for (std::size_t i = 0; i < steps.size(); i += stride) sample.push_back(steps[i]);
+  std::vector<double> spacings;
+  std::vector<double> scores;
+  for (double s = 1.3 * median_step; s > 0.2 * median_step; s *= 0.995) {
+    spacings.push_back(s);
+    scores.push_back(mean_cosine(sample, s));
+  }
+  const double best = *std::max_element(scores.begin(), scores.end());
+  if (best < 0.5) return 0;
+  std::size_t i = 0;
+  while (scores[i] < 0.85 * best) ++i;
+  while (i + 1 < scores.size() && scores[i + 1] > scores[i]) ++i;
+  return spacings[i];
+}
+
+std::vector<const RingPoint*> sample_of(const RingPoints& ring, std::size_t most) {
+  std::vector<const RingPoint*> sample;
+  const std::size_t stride =
+      std::max<std::size_t>(1, (ring.size() + most - 1) / std::max<std::size_t>(most, 1));
+  for (std::size_t i = 0; i < ring.size(); i += stride) sample.push_back(&ring[i]);
+  return sample;
+}
+
+// Mean of exp(i 2 pi (azimuth - across part) / spacing): 1 in size where all azimuths are on one grid.
+std::complex<double> concentration(const std::vector<const RingPoint*>& ring, double across_m,
+                                   double start_azimuth_rad, int steps) {
+  std::complex<double> sum;
+  for (const RingPoint* p : ring) {
+    const double azimuth = p->azimuth_rad - start_azimuth_rad - across_angle(across_m, p->rho_m);
+    sum += std::polar(1.0, azimuth * steps);
+  }
+  return ring.empty() ? 0 : sum / static_cast<double>(ring.size());
+}
+
+struct Placement {
+  double across_m = 0;
+  std::complex<double> mean;
+};
+
+Placement best_placement(const std::vector<const RingPoint*>& ring, double start_azimuth_rad, int steps,
+                         double around_m, double reach_m, double resolution_m) {
+  // None, unless another is clearly better: with all points at one distance, the two cannot be told apart.
+  Placement best{around_m, concentration(ring, around_m, start_azimuth_rad, steps)};
+  double to_beat = std::abs(best.mean) + (around_m == 0 ? 0.005 : 0);
+  const auto reach = static_cast<int>(std::lround(reach_m / resolution_m));
+  for (int i = -reach; i <= reach; ++i) {
+    const double across = around_m + i * resolution_m;
+    const std::complex<double> mean = concentration(ring, across, start_azimuth_rad, steps);
+    if (std::abs(mean) <= to_beat) continue;
+    best = {across, mean};
+    to_beat = std::abs(mean);
+  }
+  return best;
+}
+
+// Whole number of grid positions in a turn near the spacing found, from the rings with the most points.
+int grid_positions(const std::vector<RingPoints>& rings, double spacing, double start_azimuth_rad) {
+  std::vector<const RingPoints*> by_size;
+  for (const RingPoints& ring : rings) by_size.push_back(&ring);
+  std::stable_sort(by_size.begin(), by_size.end(), [](auto* a, auto* b) { return a->size() > b->size(); });
+  if (by_size.size() > 6) by_size.resize(6);
+  std::vector<std::vector<const RingPoint*>> samples;
+  for (const RingPoints* ring : by_size) samples.push_back(sample_of(*ring, 300));
+  const auto middle = static_cast<int>(std::lround(kTwoPi / spacing));
+  const int reach = std::max(2, middle / 80);
+  int best = 0;
+  double best_score = 0;
+  for (int n = middle - reach; n <= middle + reach; ++n) {
+    double score = 0;
+    for (const auto& sample : samples) {
+      score += std::abs(best_placement(sample, start_azimuth_rad, n, 0, kLargestAcross_m, 0.002).mean);
+    }
+    if (score > best_score) {
+      best = n;
+      best_score = score;
+    }
+  }
+  return best_score > kConcentrated * static_cast<double>(samples.size()) ? best : 0;
+}
+
+// Grid positions of the points of every ring, counted in the direction of spin from the seam, one row per
+// scan.
+class FiringPositions {
+ public:
+  FiringPositions(const std::vector<RingPoints>& rings, const AzimuthGrid& grid, double start_azimuth_rad,
+                  double sign)
+      : steps_(grid.encoder_steps), positions_(rings.size()) {
+    for (std::size_t i = 0; i < rings.size(); ++i) {
+      if (!grid.rings[i].known) continue;
+      for (const RingPoint& p : rings[i]) {
+        const double hub = p.azimuth_rad - grid.rings[i].offset_rad -
+                           across_angle(grid.rings[i].across_m, p.rho_m) - start_azimuth_rad;
+        scans_ = std::max(scans_, p.scan + 1);
+        positions_[i].push_back(
+            {p.scan, wrapped(static_cast<int>(std::lround(sign * hub * steps_ / kTwoPi)))});
+      }
+    }
+  }
+
+  [[nodiscard]] int scans() const { return scans_; }
+
+  // +1 where the ring fired, -1 where it could not have, 0 where it may have fired without a return. Both
+  // neighbours of an unused position are used ones: the sensor fires at every position or at every second.
+  [[nodiscard]] std::vector<std::int8_t> marks_of_ring(std::size_t ring) const {
+    std::vector<std::int8_t> marks(size(), 0);
+    for (const auto& [scan, j] : positions_[ring]) marks[index(scan, j)] = 1;
+    for (int scan = 0; scan < scans_; ++scan) {
+      for (int j = 0; j < steps_; ++j) {
+        const bool between =
+            marks[index(scan, wrapped(j - 1))] == 1 && marks[index(scan, wrapped(j + 1))] == 1;
+        if (marks[index(scan, j)] == 0 && between) marks[index(scan, j)] = -1;
+      }
+    }
+    return marks;
+  }
+
+  // +1 where at least three lasers fired, -1 elsewhere, every ring shifted by its own whole steps.
+  [[nodiscard]] std::vector<std::int8_t> marks_of_all(const std::vector<int>& shifts) const {
+    std::vector<int> lasers(size(), 0);
+    for (std::size_t i = 0; i < positions_.size(); ++i) {
+      for (const auto& [scan, j] : positions_[i]) ++lasers[index(scan, wrapped(j + shifts[i]))];
+    }
+    std::vector<std::int8_t> marks(size(), -1);
+    for (std::size_t k = 0; k < marks.size(); ++k) {
+      if (lasers[k] >= 3) marks[k] = 1;
+    }
+    return marks;
+  }
+
+  // Mean mark under the points of a ring shifted by `shift`.
+  [[nodiscard]] double agreement(std::size_t ring, int shift, const std::vector<std::int8_t>& marks) const {
+    const std::size_t stride = positions_[ring].size() / 2500 + 1;
+    long sum = 0;
+    long count = 0;
+    for (std::size_t i = 0; i < positions_[ring].size(); i += stride) {
+      sum += marks[index(positions_[ring][i].scan, wrapped(positions_[ring][i].j + shift))];
+      ++count;
+    }
+    return count == 0 ? 0 : static_cast<double>(sum) / static_cast<double>(count);
+  }
+
+  // Firings of the fullest scan.
+  [[nodiscard]] int most_firings(const std::vector<std::int8_t>& marks) const {
+    long most = 0;
+    for (int scan = 0; scan < scans_; ++scan) {
+      const auto begin = marks.begin() + static_cast<std::ptrdiff_t>(index(scan, 0));
+      most = std::max<long>(most, std::count(begin, begin + steps_, 1));
+    }
+    return static_cast<int>(most);
+  }
+
+ private:
+  struct Position {
+    int scan;
+    int j;
+  };
+  [[nodiscard]] std::size_t size() const {
+    return static_cast<std::size_t>(scans_) * static_cast<std::size_t>(steps_);
+  }
+  [[nodiscard]] std::size_t index(int scan, int j) const {
+    return static_cast<std::size_t>(scan * steps_ + j);
+  }
+  [[nodiscard]] int wrapped(int j) const { return ((j % steps_) + steps_) % steps_; }
+
+  int steps_;
+  int scans_ = 0;
+  std::vector<std::vector<Position>> positions_;
+};
+
+int best_shift(const FiringPositions& positions, std::size_t ring, const std::vector<std::int8_t>& marks,
+               int reach, double& agreement) {
+  int best = 0;
+  agreement = positions.agreement(ring, 0, marks);
+  for (int shift = -reach; shift <= reach; ++shift) {
+    const double a = positions.agreement(ring, shift, marks);
+    if (a <= agreement) continue;
+    agreement = a;
+    best = shift;
+  }
+  return best;
+}
+
+// Whole steps of every ring, from the firing positions all lasers share: first against the fullest ring, then
+// against all rings together.
+std::vector<int> whole_shifts(const FiringPositions& positions, AzimuthGrid& grid, std::size_t fullest) {
+  const auto reach = static_cast<int>(kWholeTurnOfOffsets_rad * grid.encoder_steps / kTwoPi);
+  std::vector<int> shifts(grid.rings.size(), 0);
+  double agreement = 0;
+  const std::vector<std::int8_t> one = positions.marks_of_ring(fullest);
+  for (std::size_t i = 0; i < shifts.size(); ++i) {
+    if (grid.rings[i].known) shifts[i] = best_shift(positions, i, one, reach, agreement);
+  }
+  const std::vector<std::int8_t> all = positions.marks_of_all(shifts);
+  for (std::size_t i = 0; i < shifts.size(); ++i) {
+    if (!grid.rings[i].known) continue;
+    shifts[i] = best_shift(positions, i, all, reach, agreement);
+    // 0.9: one point in twenty off the firings. Anything less is chance.
+    if (agreement < 0.9) grid.rings[i].known = false;
+  }
+  return shifts;
+}
+
+void place_rings(const std::vector<RingPoints>& rings, double start_azimuth_rad, AzimuthGrid& grid) {
+  tbb::parallel_for(std::size_t{0}, rings.size(), [&](std::size_t i) {
+    if (rings[i].size() < 20) return;
+    const auto sample = sample_of(rings[i], kPointsPerRing);
+    Placement p = best_placement(sample, start_azimuth_rad, grid.encoder_steps, 0, kLargestAcross_m, 0.001);
+    if (p.across_m != 0) {
+      p = best_placement(sample, start_azimuth_rad, grid.encoder_steps, p.across_m, 0.001, 0.0001);
+    }
+    if (std::abs(p.mean) < kConcentrated) return;
+    grid.rings[i] = {std::arg(p.mean) / grid.encoder_steps, p.across_m, true};
+  });
+}
+
+void take_whole_offsets(const std::vector<RingPoints>& rings, double start_azimuth_rad, double sign,
+                        std::size_t fullest, AzimuthGrid& grid) {
+  const FiringPositions positions(rings, grid, start_azimuth_rad, sign);
+  const std::vector<int> shifts = whole_shifts(positions, grid, fullest);
+  int least = 0;
+  int most = 0;
+  bool first = true;
+  for (std::size_t i = 0; i < shifts.size(); ++i) {
+    if (!grid.rings[i].known) continue;
+    least = first ? shifts[i] : std::min(least, shifts[i]);
+    most = first ? shifts[i] : std::max(most, shifts[i]);
+    first = false;
+  }
+  const int centre = (least + most) / 2;
+  for (std::size_t i = 0; i < shifts.size(); ++i) {
+    // A point found at position j fired at j + shift: its laser looks back by the shift, against the spin.
+    if (grid.rings[i].known) {
+      grid.rings[i].offset_rad -= sign * (shifts[i] - centre) * kTwoPi / grid.encoder_steps;
+    } else {
+      grid.rings[i] = {};
+    }
+  }
+  const int firings = positions.most_firings(positions.marks_of_all(shifts));
+  grid.columns = firings + (firings + 999) / 1000;  // room for scans with a few more
+  grid.absolute = true;
+}
+
+}  // namespace
+
+AzimuthGrid find_azimuth_grid(const std::vector<RingPoints>& rings, double start_azimuth_rad, double sign) {
+  AzimuthGrid grid;
+  grid.rings.resize(rings.size());
+  const std::vector<double> steps = azimuth_steps(rings);
+  if (steps.empty()) return grid;
+  const double median_step = median(steps);
+  double sum = 0;
+  double count = 0;
+  for (const double step : steps) {
+    if (step > 1.5 * median_step) continue;  // a missing return
+    sum += step;
+    ++count;
+  }
+  grid.columns = static_cast<int>(std::lround(kTwoPi * count / sum));
+  const double spacing = grid_spacing(steps, median_step);
+  if (spacing == 0) return grid;
+  grid.encoder_steps = grid_positions(rings, spacing, start_azimuth_rad);
+  if (grid.encoder_steps == 0) return grid;
+  place_rings(rings, start_azimuth_rad, grid);
+  std::size_t fullest = 0;
+  for (std::size_t i = 0; i < rings.size(); ++i) {
+    if (grid.rings[i].known && (!grid.rings[fullest].known || rings[i].size() > rings[fullest].size()))
+      fullest = i;
+  }
+  if (!grid.rings[fullest].known) {
+    grid.encoder_steps = 0;
+  } else if (grid.columns > 0.95 * grid.encoder_steps) {
+    grid.columns = grid.encoder_steps;  // fires at every position: nothing to tell one from the next
+  } else {
+    take_whole_offsets(rings, start_azimuth_rad, sign, fullest, grid);
+  }
+  return grid;
+}
+
+}  // namespace mapless

@@ -1,0 +1,213 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <numeric>
+
+#include <mapless/core/errors.hpp>
+#include <mapless/lidar/ring_recovery.hpp>
+
+namespace mapless {
+namespace {
+
+constexpr double kTwoPi = 2 * std::numbers::pi;
+// Steps back inside a ring come from horizontal origins (below 2 degrees) or from compensation at the seam (a
+// few degrees while turning); a new ring starts at the front again.
+constexpr double kRingDrop_rad = 0.5;
+// A firing position is one at which several lasers had a return; a single one may be a stray.
+constexpr int kFiringLasers = 3;
+
+double turn_from_zero(double angle_rad) {
+  const double a = std::fmod(angle_rad, kTwoPi);
+  return std::signbit(a) ? a + kTwoPi : a;  // -0, just before the front, too
+}
+
+// Angle between a point and the beam of a laser, in the plane through the spin axis.
+double elevation_error(const Eigen::Vector3f& p, const Laser& laser) {
+  const double rho = std::hypot(p.x(), p.y());
+  return std::atan2(p.z() - laser.origin_h_m.z(), rho) - laser.elevation_rad;
+}
+
+// Cheapest assignment of points to rings whose number never falls along the stored order (dynamic
+// programming).
+std::vector<std::int32_t> nearest_rings_in_order(const std::vector<Eigen::Vector3f>& points,
+                                                 const LidarModel& model, const std::vector<int>& row_of_ring,
+                                                 double largest_error_rad, double& mean_error) {
+  const std::size_t rings = row_of_ring.size();
+  std::vector<double> cost(rings, 0);
+  std::vector<bool> entered(points.size() * rings, false);
+  std::size_t usable = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    for (std::size_t k = 1; k < rings; ++k) {
+      if (cost[k - 1] >= cost[k]) continue;
+      cost[k] = cost[k - 1];
+      entered[i * rings + k] = true;
+    }
+    if (!is_usable(points[i])) continue;
+    ++usable;
+    for (std::size_t k = 0; k < rings; ++k) {
+      const Laser& laser = model.lasers[static_cast<std::size_t>(row_of_ring[k])];
+      cost[k] += std::min(std::abs(elevation_error(points[i], laser)), largest_error_rad);
+    }
+  }
+  std::size_t ring = static_cast<std::size_t>(std::min_element(cost.begin(), cost.end()) - cost.begin());
+  mean_error = usable == 0 ? 0 : cost[ring] / static_cast<double>(usable);
+  std::vector<std::int32_t> rows(points.size());
+  for (std::size_t i = points.size(); i-- > 0;) {
+    rows[i] = row_of_ring[ring];
+    while (entered[i * rings + ring]) --ring;
+  }
+  return rows;
+}
+
+// Column of every encoder position at which the sensor fired: the nearest, no two the same; -1 where it did
+// not fire.
+std::vector<std::int32_t> columns_of_firings(const std::vector<int>& lasers_at, int columns) {
+  std::vector<std::size_t> firings;
+  for (std::size_t j = 0; j < lasers_at.size(); ++j) {
+    if (lasers_at[j] >= kFiringLasers) firings.push_back(j);
+  }
+  const auto count = static_cast<std::int32_t>(firings.size());
+  std::vector<std::int32_t> column_of(lasers_at.size(), -1);
+  if (count > columns) return column_of;
+  const double columns_per_step = columns / static_cast<double>(lasers_at.size());
+  std::int32_t next_free = 0;
+  for (std::int32_t i = 0; i < count; ++i) {
+    const std::size_t j = firings[static_cast<std::size_t>(i)];
+    const auto nearest = static_cast<std::int32_t>(std::lround(static_cast<double>(j) * columns_per_step));
+    const std::int32_t column = std::min(std::max(nearest, next_free), columns - (count - i));
+    column_of[j] = column;
+    next_free = column + 1;
+  }
+  return column_of;
+}
+
+std::int32_t rounded_modulo(double x, int n) {
+  return static_cast<std::int32_t>(((std::lround(x) % n) + n) % n);
+}
+
+double hub_turn(const Eigen::Vector3f& p, const Laser& laser, const LidarModel& model) {
+  // Horizontal origin: across the beam, so it turns the azimuth by asin(h / rho).
+  const double across = laser.origin_h_m.y() * std::cos(laser.azimuth_offset_rad) -
+                        laser.origin_h_m.x() * std::sin(laser.azimuth_offset_rad);
+  const double rho = std::sqrt(p.head<2>().cast<double>().squaredNorm());
+  const double hub =
+      std::atan2(p.y(), p.x()) - laser.azimuth_offset_rad - std::asin(std::clamp(across / rho, -1.0, 1.0));
+  const double turn = turn_from_zero(model.sign() * (hub - model.start_azimuth_rad)) / kTwoPi;
+  return turn < 1 ? turn : 0;
+}
+
+void give_firings_their_columns(const std::vector<Eigen::Vector3f>& points, int encoder_steps, int columns,
+                                RecoveredFirings& firings) {
+  std::vector<int> lasers_at(static_cast<std::size_t>(encoder_steps), 0);
+  const auto position = [&](std::size_t i) {
+    return static_cast<std::size_t>(rounded_modulo(firings.turn[i] * encoder_steps, encoder_steps));
+  };
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (is_usable(points[i])) ++lasers_at[position(i)];
+  }
+  const std::vector<std::int32_t> column_of = columns_of_firings(lasers_at, columns);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const std::size_t j = position(i);
+    if (column_of[j] < 0) continue;
+    firings.columns[i] = column_of[j];
+  }
+}
+
+}  // namespace
+
+BareCloudLayout top_first_layout(const LidarModel& model) {
+  BareCloudLayout layout;
+  layout.row_of_ring.resize(model.lasers.size());
+  std::iota(layout.row_of_ring.rbegin(), layout.row_of_ring.rend(), 0);
+  return layout;
+}
+
+bool is_usable(const Eigen::Vector3f& point) {
+  return point.allFinite() && point.head<2>().squaredNorm() >= 1e-4F;
+}
+
+std::vector<std::size_t> ring_starts(const std::vector<Eigen::Vector3f>& points) {
+  std::vector<std::size_t> starts;
+  double before = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (!is_usable(points[i])) continue;
+    const double y = points[i].y();
+    const double azimuth = turn_from_zero(std::atan2(y, static_cast<double>(points[i].x())));
+    if (azimuth < before - kRingDrop_rad) starts.push_back(starts.empty() ? 0 : i);
+    before = azimuth;
+  }
+  return starts;
+}
+
+std::vector<std::int32_t> recover_lasers(const std::vector<Eigen::Vector3f>& points, const LidarModel& model,
+                                         const BareCloudLayout& layout, const std::string& source) {
+  std::vector<std::int32_t> rows(points.size(), 0);
+  const std::vector<std::size_t> starts = ring_starts(points);
+  if (starts.empty()) return rows;
+  if (starts.size() == model.lasers.size()) {
+    for (std::size_t ring = 0; ring < starts.size(); ++ring) {
+      const std::size_t end = ring + 1 < starts.size() ? starts[ring + 1] : points.size();
+      std::fill(rows.begin() + static_cast<std::ptrdiff_t>(starts[ring]),
+                rows.begin() + static_cast<std::ptrdiff_t>(end), layout.row_of_ring[ring]);
+    }
+    return rows;
+  }
+  const double step = model.largest_elevation_step();
+  double mean_error = 0;
+  rows = nearest_rings_in_order(points, model, layout.row_of_ring, step, mean_error);
+  if (mean_error > 0.25 * step) {
+    throw InputError({source, "rings", std::to_string(starts.size()),
+                      "the sensor has " + std::to_string(model.lasers.size()) +
+                          " lasers, and the points do not lie on their beams in stored order",
+                      "the points must be stored ring after ring; name the sensor if it is another"});
+  }
+  return rows;
+}
+
+RecoveredFirings recover_firings(const std::vector<Eigen::Vector3f>& points,
+                                 const std::vector<std::int32_t>& lasers, const LidarModel& model,
+                                 int encoder_steps) {
+  RecoveredFirings firings;
+  firings.columns.assign(points.size(), 0);
+  firings.turn.assign(points.size(), 0);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (is_usable(points[i])) {
+      firings.turn[i] = hub_turn(points[i], model.lasers[static_cast<std::size_t>(lasers[i])], model);
+    } else if (i > 0) {
+      firings.turn[i] = firings.turn[i - 1];  // nothing is known of it but its neighbours in the file
+    }
+    firings.columns[i] = rounded_modulo(firings.turn[i] * model.columns, model.columns);
+  }
+  if (encoder_steps > 0) give_firings_their_columns(points, encoder_steps, model.columns, firings);
+  double sum = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double off = std::remainder(firings.turn[i] * model.columns - firings.columns[i], model.columns);
+    sum += off * off;
+  }
+  // Firings come at a steady rate; the encoder's positions are rounded.
+  if (encoder_steps > 0) {
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      firings.turn[i] = static_cast<double>(firings.columns[i]) / model.columns;
+    }
+  }
+  if (!points.empty()) firings.residual_columns_rms = std::sqrt(sum / static_cast<double>(points.size()));
+  return firings;
+}
+
+std::vector<LidarRecord> recover_records(const std::vector<Eigen::Vector3f>& points, const LidarModel& model,
+                                         const BareCloudLayout& layout, Duration turn_duration,
+                                         const std::string& source) {
+  const std::vector<std::int32_t> lasers = recover_lasers(points, model, layout, source);
+  const RecoveredFirings firings = recover_firings(points, lasers, model, layout.encoder_steps);
+  std::vector<LidarRecord> records(points.size());
+  const auto duration_ns = static_cast<double>(turn_duration.nanoseconds());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    records[i] = {points[i], lasers[i], firings.columns[i],
+                  static_cast<std::int32_t>(firings.turn[i] * duration_ns),
+                  is_usable(points[i]) ? ReturnCode::hit : ReturnCode::faulty};
+  }
+  return records;
+}
+
+}  // namespace mapless
