@@ -1,0 +1,95 @@
+#include <atomic>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <utility>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <mapless/core/errors.hpp>
+#include <mapless/io/atomic_file.hpp>
+
+namespace mapless {
+namespace {
+
+class FileDescriptor {
+ public:
+  FileDescriptor(const std::filesystem::path& file, int flags)
+      : fd_(open(file.c_str(), flags | O_CLOEXEC, 0666)) {}
+  ~FileDescriptor() {
+    if (fd_ >= 0) close(fd_);
+  }
+  FileDescriptor(const FileDescriptor&) = delete;
+  FileDescriptor& operator=(const FileDescriptor&) = delete;
+  [[nodiscard]] bool valid() const { return fd_ >= 0; }
+  [[nodiscard]] int get() const { return fd_; }
+  // A full disk may only show when the file is closed.
+  [[nodiscard]] bool close_checked() { return close(std::exchange(fd_, -1)) == 0; }
+
+ private:
+  int fd_;
+};
+
+std::string system_reason() { return std::strerror(errno); }
+
+std::filesystem::path beside(const std::filesystem::path& file) {
+  static std::atomic<unsigned> count = 0;
+  return file.parent_path() / fmt::format(".{}.partial-{}-{}", file.filename().string(), getpid(), count++);
+}
+
+bool write_all(int fd, std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = write(fd, bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) return false;
+    bytes.remove_prefix(static_cast<std::size_t>(written));
+  }
+  return true;
+}
+
+}  // namespace
+
+void write_file_atomically(const std::filesystem::path& file, std::string_view bytes) {
+  const std::filesystem::path partial = beside(file);
+  const auto refuse = [&file](const std::string& reason) {
+    throw OutputError(
+        {file.string(), "", "", "cannot be written: " + reason, "check the folder and the disk"});
+  };
+  FileDescriptor out(partial, O_WRONLY | O_CREAT | O_EXCL);
+  if (!out.valid()) refuse(system_reason());
+  if (write_all(out.get(), bytes) && out.close_checked() && std::rename(partial.c_str(), file.c_str()) == 0)
+    return;
+  const std::string reason = system_reason();
+  unlink(partial.c_str());
+  refuse(reason);
+}
+
+std::string read_whole_file(const std::filesystem::path& file) {
+  const auto refuse = [&file](const std::string& reason) {
+    throw InputError(
+        {file.string(), "", "", "cannot be read: " + reason, "check the path and its permissions"});
+  };
+  const FileDescriptor in(file, O_RDONLY);
+  if (!in.valid()) refuse(system_reason());
+  struct stat status {};
+  if (fstat(in.get(), &status) != 0) refuse(system_reason());
+  if (S_ISDIR(status.st_mode)) refuse("it is a folder");
+  // One byte more than the size, so that the end is seen without growing.
+  std::string bytes(static_cast<std::size_t>(status.st_size) + 1, '\0');
+  std::size_t size = 0;
+  for (;;) {
+    if (size == bytes.size()) bytes.resize(2 * size);
+    const ssize_t got = read(in.get(), bytes.data() + size, bytes.size() - size);
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) refuse(system_reason());
+    if (got == 0) break;
+    size += static_cast<std::size_t>(got);
+  }
+  bytes.resize(size);
+  return bytes;
+}
+
+}  // namespace mapless

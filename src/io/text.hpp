@@ -1,0 +1,28 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <mapless/core/time.hpp>
+
+namespace mapless {
+
+/// Decimal seconds ("1317042272.283701593", "1.5e-3") as whole nanoseconds, exactly; further digits round
+/// half away from 0. Nothing for text that is not one number, or beyond 292 years. A double would be off by
+/// 0.2 microseconds.
+[[nodiscard]] std::optional<Time> parse_decimal_seconds(std::string_view text);
+/// The inverse, with nine decimals.
+[[nodiscard]] std::string decimal_seconds(Time time);
+
+/// The whole text as a number (not finite ones included), or nothing.
+[[nodiscard]] std::optional<double> parse_double(std::string_view text);
+[[nodiscard]] std::optional<long long> parse_integer(std::string_view text);
+
+/// The lines of a text, without their ends (\n or \r\n); none after the last end.
+[[nodiscard]] std::vector<std::string_view> split_lines(std::string_view text);
+/// The words of a line: what stands between blanks and tabs.
+[[nodiscard]] std::vector<std::string_view> split_words(std::string_view line);
+
+}  // namespace mapless

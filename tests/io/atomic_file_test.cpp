@@ -1,0 +1,87 @@
+#include <filesystem>
+#include <thread>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include "support/temporary_folder.hpp"
+#include <mapless/core/errors.hpp>
+#include <mapless/io/atomic_file.hpp>
+
+namespace mapless {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+std::size_t entries(const std::filesystem::path& folder) {
+  return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder), {}));
+}
+
+template <class Error, class Action>
+std::string message_of(Action action) {
+  try {
+    action();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(AtomicFile, WrittenBytesReadBackAndReplaceWhatWasThere) {
+  const test::TemporaryFolder folder;
+  const std::string bytes("a\0b\n\xff", 5);
+  write_file_atomically(folder / "f", "an older and longer content");
+  write_file_atomically(folder / "f", bytes);
+  EXPECT_EQ(read_whole_file(folder / "f"), bytes);
+  EXPECT_EQ(entries(folder.path()), 1u);
+  write_file_atomically(folder / "empty", "");
+  EXPECT_EQ(read_whole_file(folder / "empty"), "");
+}
+
+TEST(AtomicFile, LargeFilesAreWhole) {
+  const test::TemporaryFolder folder;
+  std::string bytes(3'000'001, 'x');
+  bytes.back() = 'y';
+  write_file_atomically(folder / "f", bytes);
+  EXPECT_EQ(read_whole_file(folder / "f"), bytes);
+  EXPECT_FALSE(read_whole_file("/proc/self/status").empty());  // a file that says its size is 0
+}
+
+TEST(AtomicFile, FailureNamesTheFileAndLeavesNothing) {
+  const test::TemporaryFolder folder;
+  EXPECT_THAT(message_of<OutputError>([&] { write_file_atomically(folder / "no/such/f", "x"); }),
+              AllOf(HasSubstr("no/such/f"), HasSubstr("No such file")));
+  std::filesystem::create_directories(folder / "taken/by");
+  EXPECT_THAT(message_of<OutputError>([&] { write_file_atomically(folder / "taken", "x"); }),
+              HasSubstr("taken"));
+  EXPECT_EQ(entries(folder.path()), 1u);
+  EXPECT_THAT(message_of<OutputError>([&] { write_file_atomically("/dev/full/x", "x"); }),
+              HasSubstr("/dev/full/x"));
+}
+
+TEST(AtomicFile, UnreadableFilesSayWhy) {
+  const test::TemporaryFolder folder;
+  EXPECT_THAT(message_of<InputError>([&] { (void)read_whole_file(folder / "none"); }),
+              AllOf(HasSubstr("none"), HasSubstr("No such file")));
+  EXPECT_THAT(message_of<InputError>([&] { (void)read_whole_file(folder.path()); }), HasSubstr("a folder"));
+}
+
+TEST(AtomicFile, ManyWritersLeaveOneWholeFile) {
+  const test::TemporaryFolder folder;
+  std::vector<std::thread> writers;
+  for (char c = 'a'; c < 'e'; ++c) {
+    writers.emplace_back([&, c] {
+      for (int i = 0; i < 50; ++i) write_file_atomically(folder / "f", std::string(10'000, c));
+    });
+  }
+  for (std::thread& writer : writers) writer.join();
+  const std::string bytes = read_whole_file(folder / "f");
+  EXPECT_EQ(bytes, std::string(10'000, bytes[0]));
+  EXPECT_EQ(entries(folder.path()), 1u);
+}
+
+}  // namespace
+}  // namespace mapless
