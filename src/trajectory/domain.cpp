@@ -6,7 +6,10 @@
 
 namespace mapless {
 
-std::string decimal_seconds(Time t) {
+namespace {
+
+// Seconds with all nine decimals.
+std::string seconds_text(Time t) {
   constexpr std::uint64_t kNanosecondsPerSecond = 1'000'000'000;
   const std::int64_t ns = t.nanoseconds();
   // The magnitude of the most negative time does not fit the signed type.
@@ -15,18 +18,20 @@ std::string decimal_seconds(Time t) {
                      magnitude % kNanosecondsPerSecond);
 }
 
+}  // namespace
+
 void require_covered(Time t, Time begin, Time end, const std::string& source) {
   if (begin <= t && t <= end) return;
   throw TrajectoryDomainError(
-      {source, "time", decimal_seconds(t) + " s",
-       fmt::format("the trajectory covers {} s to {} s", decimal_seconds(begin), decimal_seconds(end)),
+      {source, "time", seconds_text(t) + " s",
+       fmt::format("the trajectory covers {} s to {} s", seconds_text(begin), seconds_text(end)),
        "give a trajectory of the whole recording, choose fewer scans or allow more extrapolation"});
 }
 
 void IncreasingTimes::add(Time t) {
   if (count_ > 0 && t <= last_) {
-    throw InputError({source_, fmt::format("time of {} {}", what_, count_), decimal_seconds(t) + " s",
-                      fmt::format("not after the {} before it at {} s", what_, decimal_seconds(last_)),
+    throw InputError({source_, fmt::format("time of {} {}", what_, count_), seconds_text(t) + " s",
+                      fmt::format("not after the {} before it at {} s", what_, seconds_text(last_)),
                       fmt::format("give every {} once, in order of time", what_)});
   }
   last_ = t;

@@ -6,9 +6,6 @@
 
 namespace mapless {
 
-/// Seconds with all nine decimals, for messages.
-[[nodiscard]] std::string decimal_seconds(Time t);
-
 /// Throws TrajectoryDomainError naming `source` and the three times unless begin <= t <= end.
 void require_covered(Time t, Time begin, Time end, const std::string& source);
 
