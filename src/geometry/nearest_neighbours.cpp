@@ -16,7 +16,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // the result set's worst. Telling it a bound this much wider keeps every tie; the result sets then compare
 // exactly.
 constexpr double kPruningSlack = 1 + 1e-9;
-constexpr std::size_t kLeafSize = 12;
+constexpr std::size_t kLeafSize = 16;
 
 struct Points {
   std::vector<Eigen::Vector3d> values;
@@ -128,7 +128,6 @@ struct NearestNeighbours::Tree {
     std::iota(original.begin(), original.end(), 0);
     drop_what_is_not_finite();
     index.buildIndex();
-    lay_points_in_leaf_order();
   }
 
   // A NaN would break the splitting of the tree.
@@ -136,19 +135,6 @@ struct NearestNeighbours::Tree {
     std::erase_if(original,
                   [this](std::int32_t i) { return !points.values[static_cast<std::size_t>(i)].allFinite(); });
     std::erase_if(points.values, [](const Eigen::Vector3d& p) { return !p.allFinite(); });
-  }
-
-  // The points of one leaf are then read one after the other, instead of from all over the memory.
-  void lay_points_in_leaf_order() {
-    std::vector<Eigen::Vector3d> values(points.values.size());
-    std::vector<std::int32_t> numbers(values.size());
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      values[i] = points.values[index.vAcc[i]];
-      numbers[i] = original[index.vAcc[i]];
-      index.vAcc[i] = static_cast<std::uint32_t>(i);
-    }
-    points.values.swap(values);
-    original.swap(numbers);
   }
 
   Points points;

@@ -212,10 +212,14 @@ TEST_P(NormalsOfBothMethods, EmptyScansAndWindowsWiderThanTheScanAreFine) {
   EXPECT_EQ(normals_of(small, wide).size(), small.points_0.size());
 }
 
-// In the raw image, columns of neighbouring lasers look several columns (7.5 degrees) apart: the window must
-// follow the azimuth offsets to find neighbours in space, also across the seam.
+// In the raw image, neighbouring lasers look 15 or 60 degrees apart here: the window must follow the azimuth
+// offsets to find neighbours in space, also across the seam.
 TEST(Normals, TheWindowFollowsTheAzimuthOffsetsAcrossTheSeam) {
-  const CompensatedScan scan = scan_of(kRoom, StationaryTrajectory());
+  auto model = std::make_shared<LidarModel>(*awkward_model(32, 720));
+  for (Laser& laser : model->lasers) laser.azimuth_offset_rad *= 6;
+  const StationaryTrajectory still;
+  const CompensatedScan scan =
+      compensate(std::make_shared<LidarScan>(cast_rays(model, kStart, still, planes_of(kRoom))), still);
   const auto normals = normals_of(scan, with(NormalMethod::image_window));
   int at_seam = 0, found = 0;
   for (std::size_t i = 0; i < normals.size(); ++i) {
