@@ -59,6 +59,24 @@ TEST(RingStarts, UnusablePointsStayInTheirRing) {
   EXPECT_TRUE(ring_starts({{kNaN, kNaN, kNaN}}).empty());
 }
 
+TEST(RingStarts, PointsRoundedAcrossTheFrontStayInTheirRing) {
+  // Every ring has a point on the front, here a hair to its right: at the start of its ring or at the end.
+  for (const bool at_start : {true, false}) {
+    SCOPED_TRACE(at_start);
+    Cloud cloud;
+    for (int ring = 0; ring < 3; ++ring) {
+      const float z = -0.1F * static_cast<float>(ring);
+      if (at_start) cloud.emplace_back(1, -1e-5F, z);
+      for (int i = 1; i < 20; ++i) {
+        const float a = static_cast<float>(i) * 0.3F;
+        cloud.emplace_back(std::cos(a), std::sin(a), z);
+      }
+      if (!at_start) cloud.emplace_back(1, 1e-5F, z);
+    }
+    EXPECT_EQ(ring_starts(cloud), (std::vector<std::size_t>{0, 20, 40}));
+  }
+}
+
 TEST(RecoverLasers, FromTheOrderAlone) {
   const LidarModel model = make_bare_cloud_model(16, 500);
   const Cloud cloud = make_bare_cloud(model, 0);
