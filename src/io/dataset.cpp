@@ -1,6 +1,8 @@
 #include <functional>
 
+#include "io/kitti_odometry_dataset.hpp"
 #include "io/kitti_raw_dataset.hpp"
+#include "io/mdlidar_dataset.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/io/dataset.hpp>
 
@@ -19,6 +21,8 @@ struct Format {
 const std::vector<Format>& formats() {
   static const std::vector<Format> all = {
       {"kitti-raw", "velodyne_points/data", looks_kitti_raw, open_kitti_raw},
+      {"kitti", "velodyne/*.bin", looks_kitti_odometry, open_kitti_odometry},
+      {"mdlidar", "header and frame/", looks_mdlidar, open_mdlidar},
   };
   return all;
 }

@@ -14,12 +14,47 @@ constexpr double kTwoPi = 2 * std::numbers::pi;
 // Steps back inside a ring come from horizontal origins (below 2 degrees) or from compensation at the seam (a
 // few degrees while turning); a new ring starts at the front again.
 constexpr double kRingDrop_rad = 0.5;
+// Rounding and compensation move points this little across the front, where rings begin.
+constexpr double kFrontJitter_rad = 2e-4;
 // A firing position is one at which several lasers had a return; a single one may be a stray.
 constexpr int kFiringLasers = 3;
 
 double turn_from_zero(double angle_rad) {
   const double a = std::fmod(angle_rad, kTwoPi);
   return std::signbit(a) ? a + kTwoPi : a;  // -0, just before the front, too
+}
+
+double azimuth_of(const Eigen::Vector3f& p) {
+  return turn_from_zero(std::atan2(static_cast<double>(p.y()), static_cast<double>(p.x())));
+}
+
+float slope_of(const Eigen::Vector3f& p) { return p.z() / p.head<2>().norm(); }
+
+// True where point i lies at the elevation of `a` rather than of `b`.
+bool belongs_to(const std::vector<Eigen::Vector3f>& points, std::size_t i, std::size_t a, std::size_t b) {
+  if (!is_usable(points[i]) || !is_usable(points[a]) || !is_usable(points[b])) return false;
+  const float slope = slope_of(points[i]);
+  return std::abs(slope - slope_of(points[a])) < std::abs(slope - slope_of(points[b]));
+}
+
+// Gives points that lie on the front itself, on the wrong side of it, back to their ring.
+void settle_points_on_the_front(const std::vector<Eigen::Vector3f>& points,
+                                std::vector<std::size_t>& starts) {
+  const auto before_front = [&](std::size_t i) { return azimuth_of(points[i]) > kTwoPi - kFrontJitter_rad; };
+  if (starts.size() > 1) {
+    std::size_t i = 0;
+    while (i < starts[1] && (!is_usable(points[i]) || before_front(i))) ++i;
+    if (i == starts[1]) starts.erase(starts.begin() + 1);
+  }
+  for (std::size_t k = 1; k < starts.size(); ++k) {
+    std::size_t& s = starts[k];
+    if (s < 2 || s + 1 >= points.size()) continue;
+    if (before_front(s - 1) && belongs_to(points, s - 1, s, s - 2)) {
+      --s;
+    } else if (azimuth_of(points[s]) < kFrontJitter_rad && belongs_to(points, s, s - 1, s + 1)) {
+      ++s;
+    }
+  }
 }
 
 // Angle between a point and the beam of a laser, in the plane through the spin axis.
@@ -132,11 +167,11 @@ std::vector<std::size_t> ring_starts(const std::vector<Eigen::Vector3f>& points)
   double before = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (!is_usable(points[i])) continue;
-    const double y = points[i].y();
-    const double azimuth = turn_from_zero(std::atan2(y, static_cast<double>(points[i].x())));
+    const double azimuth = azimuth_of(points[i]);
     if (azimuth < before - kRingDrop_rad) starts.push_back(starts.empty() ? 0 : i);
     before = azimuth;
   }
+  settle_points_on_the_front(points, starts);
   return starts;
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include <mapless/io/trajectory_file.hpp>
 #include <mapless/lidar/lidar_scan.hpp>
 #include <mapless/lidar/model_estimation.hpp>
 #include <mapless/trajectory/trajectory.hpp>
@@ -43,6 +44,8 @@ struct DatasetOptions {
   std::string format;  ///< empty: recognised from the folder's contents
   std::string sensor;  ///< a named model, or a calibration file; empty: the recording's own, else estimated
   std::filesystem::path labels;  ///< truth from this folder instead of the recording's own
+  /// How an mdlidar recording's own poses are to be read; its documentation does not say.
+  PoseDirection pose_direction = PoseDirection::world_from_sensor;
 };
 
 /// Opens a recording. Throws InputError naming the folder and what was looked for where no format, or more
