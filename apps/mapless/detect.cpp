@@ -65,7 +65,7 @@ class DetectionRun {
         summary_(summary),
         first_(first),
         count_(count),
-        progress_("scans", count) {}
+        progress_("scans") {}
 
   /// False where it was interrupted: what is finished is written, what is not is not.
   bool run() {
@@ -106,7 +106,7 @@ class DetectionRun {
     summary_.add(detection);
     poses_.push_back({detection.scan->start, trajectory_.at(detection.scan->start).T_v0});
     last_end_ = std::min(detection.scan->end(), trajectory_.end());
-    progress_.update(summary_.scans());
+    progress_.update(summary_.scans(), count_);
   }
 
   const Dataset& dataset_;

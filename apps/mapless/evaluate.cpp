@@ -89,13 +89,10 @@ int evaluate(const EvaluateOptions& options) {
   EvaluationOptions how;
   how.stages = kStageCount;
   how.max_range_m = options.max_range_m;
-  std::optional<Progress> progress;
-  how.progress = [&progress](std::size_t done, std::size_t of) {
-    if (!progress) progress.emplace("scans", of);
-    progress->update(done);
-  };
+  Progress progress("scans");
+  how.progress = [&progress](std::size_t done, std::size_t of) { progress.update(done, of); };
   const ResultEvaluation evaluation = evaluate_result(*dataset, ResultFolder(options.result), how);
-  progress.reset();
+  progress.clear();
   const std::string json = to_json(evaluation, options.max_range_m).dump(2) + "\n";
   if (options.json == "-") {
     fmt::print("{}", json);

@@ -1,5 +1,4 @@
 #include <memory>
-#include <optional>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -129,10 +128,10 @@ std::string lines(const Dataset& dataset, const RecordingSurvey& s) {
 
 int info(const InfoOptions& options) {
   const auto dataset = options.recording.open();
-  std::optional<Progress> progress(std::in_place, "scans", dataset->size());
-  const RecordingSurvey survey =
-      survey_recording(*dataset, [&progress](std::size_t done, std::size_t) { progress->update(done); });
-  progress.reset();
+  Progress progress("scans");
+  const RecordingSurvey survey = survey_recording(
+      *dataset, [&progress](std::size_t done, std::size_t of) { progress.update(done, of); });
+  progress.clear();
   if (options.json) {
     fmt::print("{}\n", to_json(*dataset, survey).dump(2));
   } else {

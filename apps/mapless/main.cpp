@@ -27,7 +27,7 @@ int main(int argc, char** argv) {
       "Tells which points of a spinning 3D lidar are moving now, without a map (arXiv 1809.06972).",
       "mapless"};
   command.set_version_flag("--version", "mapless " MAPLESS_VERSION);
-  command.require_subcommand(1);
+  command.require_subcommand(0, 1);
   command.footer(
       "Exit code 0 success, 1 failure, 2 wrong usage, 130 interrupted. 'mapless VERB --help' has every "
       "option.");
@@ -39,6 +39,7 @@ int main(int argc, char** argv) {
   mapless::app::add_config(command, exit_code);
   try {
     command.parse(argc, argv);
+    if (command.get_subcommands().empty()) return report("no verb given; see mapless --help", kUsage);
     return exit_code;
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return command.exit(error);  // --help, --version

@@ -18,22 +18,21 @@ std::string clock_text(double seconds) {
 
 }  // namespace
 
-Progress::Progress(std::string what, std::size_t total)
+Progress::Progress(std::string what)
     : what_(std::move(what)),
-      total_(total),
       terminal_(isatty(STDERR_FILENO) == 1),
       start_(std::chrono::steady_clock::now()) {}
 
 Progress::~Progress() { clear(); }
 
-void Progress::update(std::size_t done) {
-  if (total_ == 0 || done == last_done_) return;
+void Progress::update(std::size_t done, std::size_t total) {
+  if (total == 0 || done == last_done_) return;
   if (terminal_) {
-    draw_bar(done, rate(done));
+    draw_bar(done, total);
     drawn_ = true;
-  } else if (const std::size_t tenth = 10 * done / total_; last_done_ == 0 || tenth > last_tenth_) {
+  } else if (const std::size_t tenth = 10 * done / total; last_done_ == 0 || tenth > last_tenth_) {
     last_tenth_ = tenth;
-    fmt::print(stderr, "mapless: {} of {} {} ({} %), {:.1f} {}/s\n", done, total_, what_, 100 * done / total_,
+    fmt::print(stderr, "mapless: {} of {} {} ({} %), {:.1f} {}/s\n", done, total, what_, 100 * done / total,
                rate(done), what_);
   }
   last_done_ = done;
@@ -49,11 +48,11 @@ double Progress::rate(std::size_t done) const {
   return seconds > 0 ? static_cast<double>(done) / seconds : 0;
 }
 
-void Progress::draw_bar(std::size_t done, double rate) const {
-  const std::size_t filled = kBarWidth * done / total_;
-  const double left = rate > 0 ? static_cast<double>(total_ - done) / rate : 0;
+void Progress::draw_bar(std::size_t done, std::size_t total) const {
+  const std::size_t filled = kBarWidth * done / total;
+  const double left = rate(done) > 0 ? static_cast<double>(total - done) / rate(done) : 0;
   fmt::print(stderr, "\r\033[K[{:#<{}}{:.<{}}] {}/{} {}  {:.1f}/s  {} left", "", filled, "",
-             kBarWidth - filled, done, total_, what_, rate, clock_text(left));
+             kBarWidth - filled, done, total, what_, rate(done), clock_text(left));
   std::fflush(stderr);
 }
 

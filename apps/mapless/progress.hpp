@@ -11,21 +11,20 @@ namespace mapless::app {
 class Progress {
  public:
   /// `what` is the unit of the work: "scans".
-  Progress(std::string what, std::size_t total);
+  explicit Progress(std::string what);
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  void update(std::size_t done);
+  void update(std::size_t done, std::size_t total);
   /// Removes the bar, so that something else can be printed.
   void clear();
 
  private:
-  void draw_bar(std::size_t done, double rate) const;
+  void draw_bar(std::size_t done, std::size_t total) const;
   [[nodiscard]] double rate(std::size_t done) const;
 
   std::string what_;
-  std::size_t total_;
   bool terminal_;
   bool drawn_ = false;
   std::size_t last_tenth_ = 0;

@@ -13,7 +13,7 @@ namespace mapless::app {
 namespace {
 
 constexpr int kWidth = 1600, kMargin = 20, kInnerWidth = kWidth - 2 * kMargin;
-constexpr int kBirdViewHeight = 900, kTitleHeight = 34, kTextScale = 2, kTextHeight = 7 * kTextScale;
+constexpr int kBirdViewHeight = 780, kTitleHeight = 34, kTextScale = 2, kTextHeight = 7 * kTextScale;
 constexpr int kRangeImageHeight = 256;
 constexpr Color kBackground{13, 16, 22}, kPanel{20, 25, 33}, kText{205, 212, 222}, kFaint{96, 108, 124};
 constexpr Color kHit{64, 220, 120}, kFalse{255, 76, 66}, kMissed{72, 150, 255}, kUnjudged{250, 190, 60};
@@ -104,7 +104,7 @@ void draw_range_image(Canvas& canvas, const Rectangle& area, const LidarScan& sc
     const float nearness =
         1 - std::clamp(std::log(std::max(1.0F, p.r->range_m)) / std::log(100.0F), 0.0F, 1.0F);
     canvas.rectangle(x, area.y + y * row_height, cell_width + (still ? 0 : 1), row_height,
-                     still ? grey(42 + 150 * nearness) : color_of(p));
+                     still ? grey(34 + 190 * nearness) : color_of(p));
   }
   canvas.unclip();
 }

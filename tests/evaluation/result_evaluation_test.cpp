@@ -1,0 +1,98 @@
+#include <filesystem>
+
+#include <gtest/gtest.h>
+
+#include "support/memory_dataset.hpp"
+#include "support/temporary_folder.hpp"
+#include <mapless/core/errors.hpp>
+#include <mapless/evaluation/result_evaluation.hpp>
+#include <mapless/io/labels.hpp>
+
+namespace mapless {
+namespace {
+
+using test::MemoryDataset;
+using test::regular_starts;
+
+constexpr std::uint32_t kMoving = 252, kStill = 9;
+
+class ResultEvaluationTest : public testing::Test {
+ protected:
+  ResultEvaluationTest() : dataset(regular_starts(3), 4), result(folder / "out") {
+    std::filesystem::create_directories(result.labels());
+    std::filesystem::create_directories(result.stages());
+  }
+
+  // Records 1, 2, 3, 4 m away: moving, moving, still, unknown.
+  void add_scan(std::size_t k) {
+    dataset.labels[k] = {kMoving, kMoving, kStill, 0};
+    write_label_file(result.label_file(k),
+                     {kLabelDynamic | 1u << 16, kLabelStatic, kLabelStatic, kLabelDynamic});
+  }
+
+  test::TemporaryFolder folder;
+  MemoryDataset dataset;
+  ResultFolder result;
+  EvaluationOptions options{.stages = 5, .max_range_m = {}, .progress = {}};
+};
+
+TEST_F(ResultEvaluationTest, CountsOnlyScansWithTruthAndResult) {
+  add_scan(0);
+  add_scan(2);
+  dataset.labels[1] = {kStill, kStill, kStill, kStill};  // no result
+  dataset.labels.erase(2);                               // no truth
+  const ResultEvaluation e = evaluate_result(dataset, result, options);
+  EXPECT_EQ(e.labelled_scans, 2u);
+  EXPECT_EQ(e.scans_without_truth, 1u);
+  EXPECT_EQ(e.scans, std::vector<std::size_t>{0});
+  EXPECT_EQ(e.final.total(), (Counts{.tp = 1, .fp = 0, .fn = 1, .tn = 1}));
+}
+
+TEST_F(ResultEvaluationTest, ReadsEachStageFromItsBit) {
+  add_scan(0);
+  add_scan(1);
+  // After comparison all four are dynamic, after backward the first and the third, after forward none, then
+  // the first.
+  write_stage_file(result.stage_file(1), {0b11011, 0b00001, 0b00011, 0b00001});
+  const ResultEvaluation e = evaluate_result(dataset, result, options);
+  EXPECT_EQ(e.final.scans(), 2);
+  ASSERT_EQ(e.after_stage.size(), 5u);
+  EXPECT_EQ(e.after_stage[0].scans(), 1) << "scan 0 has no stage file";
+  EXPECT_EQ(e.after_stage[0].total(), (Counts{.tp = 2, .fp = 1, .fn = 0, .tn = 0}));
+  EXPECT_EQ(e.after_stage[1].total(), (Counts{.tp = 1, .fp = 1, .fn = 1, .tn = 0}));
+  EXPECT_EQ(e.after_stage[2].total(), (Counts{.tp = 0, .fp = 0, .fn = 2, .tn = 1}));
+  EXPECT_EQ(e.after_stage[4].total(), (Counts{.tp = 1, .fp = 0, .fn = 1, .tn = 1}));
+}
+
+TEST_F(ResultEvaluationTest, LeavesOutPointsBeyondTheRange) {
+  add_scan(0);
+  options.max_range_m = 1.5;
+  EXPECT_EQ(evaluate_result(dataset, result, options).final.total(),
+            (Counts{.tp = 1, .fp = 0, .fn = 0, .tn = 0}));
+  options.max_range_m = 2.0;
+  EXPECT_EQ(evaluate_result(dataset, result, options).final.total(),
+            (Counts{.tp = 1, .fp = 0, .fn = 1, .tn = 0}));
+}
+
+TEST_F(ResultEvaluationTest, RefusesResultsOfAnotherRecording) {
+  add_scan(0);
+  write_label_file(result.label_file(7), {kLabelStatic});
+  EXPECT_THROW((void)evaluate_result(dataset, result, options), InputError);
+}
+
+TEST_F(ResultEvaluationTest, RefusesFilesOfAnotherLength) {
+  add_scan(0);
+  write_stage_file(result.stage_file(0), {0, 0, 0});
+  EXPECT_THROW((void)evaluate_result(dataset, result, options), InputError);
+  std::filesystem::remove(result.stage_file(0));
+  write_label_file(result.label_file(0), {kLabelStatic});
+  EXPECT_THROW((void)evaluate_result(dataset, result, options), InputError);
+}
+
+TEST_F(ResultEvaluationTest, SaysSoWhereNothingCanBeCompared) {
+  EXPECT_THROW((void)evaluate_result(dataset, result, options), InputError);
+  EXPECT_THROW((void)evaluate_result(dataset, ResultFolder(folder / "nowhere"), options), InputError);
+}
+
+}  // namespace
+}  // namespace mapless

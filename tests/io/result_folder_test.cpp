@@ -1,0 +1,97 @@
+#include <filesystem>
+#include <fstream>
+
+#include <gtest/gtest.h>
+
+#include "support/temporary_folder.hpp"
+#include <mapless/core/errors.hpp>
+#include <mapless/io/atomic_file.hpp>
+#include <mapless/io/labels.hpp>
+#include <mapless/io/result_folder.hpp>
+
+namespace mapless {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string summary_text() { return std::string(kSummaryBegin) + "\n}\n"; }
+
+class ResultFolderTest : public testing::Test {
+ protected:
+  test::TemporaryFolder folder;
+  ResultFolder result{folder / "deep" / "out"};
+};
+
+TEST_F(ResultFolderTest, IsMadeWithItsSummary) {
+  result.create(false, summary_text());
+  EXPECT_EQ(read_whole_file(result.summary()), summary_text());
+  EXPECT_TRUE(fs::is_directory(result.labels()));
+  EXPECT_TRUE(fs::is_directory(result.stages()));
+  EXPECT_EQ(result.label_file(42), result.path() / "labels" / "000042.label");
+  EXPECT_EQ(result.stage_file(1234567), result.path() / "stages" / "1234567.stages");
+}
+
+TEST_F(ResultFolderTest, ThatExistsIsRefusedWithoutOverwrite) {
+  result.create(false, summary_text());
+  EXPECT_THROW(result.require_free(false), OutputError);
+  EXPECT_NO_THROW(result.require_free(true));
+}
+
+TEST_F(ResultFolderTest, OverwritingRemovesTheEarlierResultAndNothingElse) {
+  result.create(false, summary_text());
+  write_label_file(result.label_file(3), {9});
+  write_stage_file(result.stage_file(3), {0});
+  write_file_atomically(result.config(), "a");
+  write_file_atomically(result.path() / "picture.png", "mine");
+  write_file_atomically(result.labels() / "notes.txt", "mine");
+  write_file_atomically(result.labels() / "3.label", "mine");
+  result.create(true, summary_text());
+  EXPECT_FALSE(fs::exists(result.label_file(3)));
+  EXPECT_FALSE(fs::exists(result.stage_file(3)));
+  EXPECT_FALSE(fs::exists(result.config()));
+  EXPECT_TRUE(fs::exists(result.path() / "picture.png"));
+  EXPECT_TRUE(fs::exists(result.labels() / "notes.txt"));
+  EXPECT_TRUE(fs::exists(result.labels() / "3.label"));
+}
+
+// A SemanticKITTI sequence has a folder labels of its own.
+TEST_F(ResultFolderTest, NeverOverwritesAStrangersFolder) {
+  fs::create_directories(result.labels());
+  write_label_file(result.label_file(0), {9});
+  EXPECT_THROW(result.create(true, summary_text()), OutputError);
+  write_file_atomically(result.summary(), "{\"program\": \"another\"}");
+  EXPECT_THROW(result.create(true, summary_text()), OutputError);
+  EXPECT_TRUE(fs::exists(result.label_file(0)));
+}
+
+TEST_F(ResultFolderTest, AnEmptyFolderMayBeOverwritten) {
+  fs::create_directories(result.path());
+  EXPECT_THROW(result.require_free(false), OutputError);
+  EXPECT_NO_THROW(result.create(true, summary_text()));
+}
+
+TEST_F(ResultFolderTest, AFileInItsPlaceIsRefused) {
+  write_file_atomically(folder / "file", "x");
+  EXPECT_THROW(ResultFolder(folder / "file").require_free(true), OutputError);
+  EXPECT_THROW(ResultFolder(folder / "file" / "out").create(false, summary_text()), OutputError);
+}
+
+TEST_F(ResultFolderTest, ListsLabelledScansInOrder) {
+  result.create(false, summary_text());
+  for (const std::size_t k : {10u, 2u, 1000000u}) write_label_file(result.label_file(k), {9});
+  write_file_atomically(result.labels() / "7.label", "");
+  write_file_atomically(result.labels() / "000007.txt", "");
+  EXPECT_EQ(result.labelled_scans(), (std::vector<std::size_t>{2, 10, 1000000}));
+}
+
+TEST_F(ResultFolderTest, StageFilesKeepTheirBytesAndTheirLength) {
+  result.create(false, summary_text());
+  const std::vector<std::uint8_t> masks = {0, 31, 1, 255};
+  write_stage_file(result.stage_file(0), masks);
+  EXPECT_EQ(read_stage_file(result.stage_file(0), 4), masks);
+  EXPECT_THROW((void)read_stage_file(result.stage_file(0), 5), InputError);
+  EXPECT_THROW((void)read_stage_file(result.stage_file(1), 4), InputError);
+}
+
+}  // namespace
+}  // namespace mapless
