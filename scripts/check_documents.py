@@ -11,7 +11,7 @@ import sys
 FOLDERS = ("include/", "src/", "tests/", "apps/", "docs/", "scripts/", "examples/", "benchmarks/", "cmake/")
 SOURCES = ("include", "src", "tests", "apps")
 CODE = re.compile(r"`([^`]+)`")
-LINK = re.compile(r"\]\(([^)#]+)")
+LINK = re.compile(r"\]\(([^)#\s]+)\)")
 IDENTIFIER = re.compile(r"[A-Za-z_]\w*")
 
 

@@ -19,7 +19,7 @@ MAX_FILE_LINES = 400
 MAX_FUNCTION_LINES = 60
 
 INCLUDE = re.compile(r'^\s*#include\s+[<"]([^>"]+)[>"]')
-NOT_A_FUNCTION = re.compile(r"^(namespace|struct|class|enum|union|extern|template <.*> (struct|class))\b")
+NOT_A_FUNCTION = re.compile(r"^(namespace|struct|class|enum|union|extern|template <.*> (struct|class))\b|=\s*\{+$")
 
 
 def allowed_rooms(room):
@@ -60,6 +60,16 @@ def check_includes(relative, lines):
             yield f"{relative}:{number}: {match[1]} is not an installed header"
 
 
+def is_function(block):
+    head = []
+    for line in block:
+        head.append(line)
+        if line.endswith("{"):
+            break
+    head = " ".join(head)
+    return "(" in head and not NOT_A_FUNCTION.search(head)
+
+
 def functions(lines):
     """(first line, length) of each function at namespace level; relies on clang-format, which .clang-format ensures."""
     start = None
@@ -67,7 +77,7 @@ def functions(lines):
         if line[:1] in ("", " ", "#", "/"):
             continue
         if line.startswith("}"):
-            if start is not None and not NOT_A_FUNCTION.match(lines[start - 1]):
+            if start is not None and is_function(lines[start - 1 : number]):
                 yield start, number - start + 1
             start = None
         elif start is None or not lines[number - 2].rstrip().endswith((">", ",", "(")):

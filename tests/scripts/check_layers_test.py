@@ -66,6 +66,10 @@ class Lengths(Tree):
         self.write("src/core/a.cpp", "void f() {\n" + "  work();\n\n" * 40 + "}\n")
         self.assertEqual(len(self.faults()), 1)
 
+    def test_long_table_is_not_a_function(self):
+        self.write("src/core/a.cpp", "constexpr std::array<int, 80> kTable = {{\n" + "    1,\n" * 80 + "}};\n")
+        self.assertEqual(self.faults(), [])
+
     def test_long_type_is_not_a_function(self):
         self.write("src/core/a.hpp", "struct S {\n" + "  int a;\n" * 100 + "};\n")
         self.assertEqual(self.faults(), [])

@@ -1,0 +1,41 @@
+#!/bin/sh
+# The main job from one end to the other: label a recording, compare with its truth where it has one, draw a scan.
+# RECORDING  the recording (default: a small moving scene made here)
+# ARGS       more options of `mapless detect`, e.g. "--trajectory poses.txt"
+# OUT        where the result goes (default out/demo)
+set -eu
+mapless=build/mapless
+out=${OUT:-out/demo}
+recording=${RECORDING:-}
+
+if [ -z "$recording" ]; then
+  recording=$out/scene
+  rm -rf "$recording"
+  mkdir -p "$out"
+  build/release/tests/mapless_make_scene "$recording" --scans 40
+fi
+
+result=$out/result
+# shellcheck disable=SC2086  # ARGS is a list of options
+"$mapless" detect "$recording" -o "$result" --overwrite ${ARGS:-}
+
+# A scan from the middle of those that were labelled.
+count=$(ls "$result/labels" | wc -l)
+middle=$(ls "$result/labels" | sed -n "$((count / 2 + 1))p")
+scan=$(echo "${middle%.label}" | sed 's/^0*\([0-9]\)/\1/')
+"$mapless" render "$recording" "$result" --scan "$scan" -o "$out/scan_$scan.png" >/dev/null
+
+rm -f "$out/evaluation.json" "$out/evaluation.txt"
+if "$mapless" evaluate "$recording" "$result" --json "$out/evaluation.json" >"$out/evaluation.txt" 2>&1; then
+  cat "$out/evaluation.txt"
+  numbers="$out/evaluation.txt (precision and recall), $result/summary.json (time per stage)"
+else
+  echo "no evaluation: $(tail -n 1 "$out/evaluation.txt")"
+  rm -f "$out/evaluation.txt"
+  numbers="$result/summary.json"
+fi
+
+echo
+echo "labels:  $result/labels, one file per scan"
+echo "numbers: $numbers"
+echo "picture: $out/scan_$scan.png"
