@@ -75,7 +75,7 @@ class RegionGrowth {
     const Eigen::Vector3f& n2 = scan_.normals_0[static_cast<std::size_t>(j)];
     if (n1.isZero(0) || n2.isZero(0)) return false;
     const Eigen::Vector3d d = point(j) - point(i);
-    const double tolerance = parameters_.concave_tolerance_m + d.norm() * concave_sine_;
+    const double tolerance = d.norm() * concave_sine_;
     return n1.cast<double>().dot(d) <= tolerance && -n2.cast<double>().dot(d) <= tolerance;
   }
 

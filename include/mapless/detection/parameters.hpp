@@ -109,7 +109,6 @@ struct RegionGrowthParameters {
   double link_per_m = 0.015;
   int min_cluster_points = 10;
   double max_growth_m = 2.0;
-  double concave_tolerance_m = 0.02;
   double concave_tolerance_deg = 5.0;
 
   static constexpr auto declarations() {
@@ -123,12 +122,10 @@ struct RegionGrowthParameters {
                 "a cluster of fewer dynamic points is static and does not grow", "method.md 2"),
         declare(&P::max_growth_m, "max_growth_m", "m", 0.0, 1000.0,
                 "growth stops this far from the nearest dynamic point of a cluster", "method.md 2"),
-        declare(&P::concave_tolerance_m, "concave_tolerance_m", "m", 0.0, 1.0,
-                "parallel or convex: neither point rises more than concave_tolerance_m + distance x "
-                "sin(concave_tolerance_deg) above the other's plane",
-                "paper step 5"),
         declare(&P::concave_tolerance_deg, "concave_tolerance_deg", "deg", 0.0, 45.0,
-                "see concave_tolerance_m", "paper step 5"),
+                "parallel or convex: neither point rises more than distance x sin(concave_tolerance_deg) above the "
+                "other's plane",
+                "paper step 5"),
     };
   }
 };

@@ -26,7 +26,7 @@ struct NormalParameters {
   int window_rows = 3;
   int window_columns = 7;
   double gate_m = 0.10;
-  double gate_per_m = 0.04;
+  double gate_per_m = 0.08;
   int neighbours = 10;
   int min_points = 5;
   double max_thickness_ratio = 0.25;
