@@ -58,8 +58,6 @@ TEST(DetectorOnTheStreet, FindsTheCrossingCarAndLeavesTheStreetAlone) {
   ASSERT_GT(car.true_positive + car.false_negative, 500);
   EXPECT_GT(car.true_positive, 4 * car.false_negative);
   EXPECT_GT(all.true_positive, 9 * all.false_positive);
-  std::cout << "car " << car.true_positive << " " << car.false_negative << " all " << all.true_positive << " "
-            << all.false_positive << " " << all.false_negative << "\n";
 }
 
 // A ray search that ignored the motion within a scan would be 18 degrees off at its end.

@@ -13,11 +13,6 @@ namespace {
 
 using Scans = std::vector<std::shared_ptr<const LidarScan>>;
 
-bool operator==(const StageTrace& a, const StageTrace& b) {
-  return a.comparison == b.comparison && a.backward == b.backward && a.forward == b.forward &&
-         a.box == b.box && a.growth == b.growth;
-}
-
 /// The street as a small sensor sees it, while it turns and others cross. Nothing in the method knows which
 /// way is up, so every answer has to stay as it is when all is turned, shifted or put off.
 class Isotropy : public testing::Test {
