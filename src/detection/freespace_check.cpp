@@ -22,7 +22,8 @@ class FreespaceCheck {
  public:
   FreespaceCheck(const CompensatedScan& reference, double threshold_m, const FreespaceParameters& parameters)
       : reference_(reference),
-        search_(reference, parameters.look_ahead_lasers),
+        search_(reference),
+        image_(*reference.scan),
         threshold_m_(threshold_m),
         parameters_(parameters) {}
 
@@ -69,12 +70,11 @@ class FreespaceCheck {
     const int half_columns = parameters_.border_window_columns / 2;
     if (half_rows == 0 && half_columns == 0) return false;
     const double radius = threshold_m_ + parameters_.border_radius_per_m * ray.range_m;
-    const AlignedImage image(scan());
-    const int centre = image.aligned_column(ray.laser, ray.column);
+    const int centre = image_.aligned_column(ray.laser, ray.column);
     for (int row = std::max(0, ray.laser - half_rows);
          row <= std::min(scan().rows() - 1, ray.laser + half_rows); ++row) {
       for (int column = centre - half_columns; column <= centre + half_columns; ++column) {
-        const std::int32_t cell = scan().cell(row, image.scan_column(row, column));
+        const std::int32_t cell = scan().cell(row, image_.scan_column(row, column));
         if (cell < 0) continue;
         const Eigen::Vector3d& p = reference_.points_0[static_cast<std::size_t>(cell)];
         if ((p - query.q_0).squaredNorm() <= radius * radius) return true;
@@ -102,6 +102,7 @@ class FreespaceCheck {
 
   const CompensatedScan& reference_;
   RaySearch search_;
+  AlignedImage image_;
   double threshold_m_;
   const FreespaceParameters& parameters_;
 };

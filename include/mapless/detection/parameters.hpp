@@ -39,7 +39,6 @@ struct FreespaceParameters {
   int border_window_columns = 5;
   double border_radius_per_m = 0.006;
   bool no_return_is_free = true;
-  int look_ahead_lasers = 3;
 
   static constexpr auto declarations() {
     using P = FreespaceParameters;
@@ -73,10 +72,6 @@ struct FreespaceParameters {
                 "recordings that "
                 "cannot tell it from a faulty return are not affected",
                 "paper V; method.md 2"),
-        declare(&P::look_ahead_lasers, "look_ahead_lasers", "lasers", 1, 16,
-                "lasers tried beyond one that is no nearer before the search stops: blocks may overlap in "
-                "elevation",
-                "paper Eq. 2; method.md 2"),
     };
   }
 };

@@ -26,8 +26,8 @@ class RaySearch {
  public:
   static constexpr int kColumnReach = 4;
 
-  /// Keeps a reference to `scan`. `look_ahead` as FreespaceParameters::look_ahead_lasers.
-  RaySearch(const CompensatedScan& scan, int look_ahead);
+  /// Keeps a reference to `scan`.
+  explicit RaySearch(const CompensatedScan& scan);
 
   /// `q_0`: a point in the world frame [m].
   [[nodiscard]] NearestRay nearest(const Eigen::Vector3d& q_0) const;
@@ -35,26 +35,33 @@ class RaySearch {
  private:
   // A point in the frame of one laser at the instant of one column: beam along x.
   struct Sighting {
+    int at;  // the column
     Eigen::Vector3d q_l;
     double column;  // at which the beam would point at it, by the azimuth seen from this column
   };
   [[nodiscard]] Sighting sight(const Eigen::Vector3d& q_0, int laser, int column) const;
   [[nodiscard]] double column_of_direction(const Eigen::Vector3d& q_0) const;
-  [[nodiscard]] int laser_of_direction(const Eigen::Vector3d& q_0, int column) const;
-  [[nodiscard]] NearestRay nearest_of_laser(const Eigen::Vector3d& q_0, int laser, double hub_column) const;
+  [[nodiscard]] int clamped_column(double column) const;
+  [[nodiscard]] int laser_of_elevation(double elevation_rad) const;
   [[nodiscard]] NearestRay measured_ray(const Eigen::Vector3d& q_0, int laser, int column) const;
-  [[nodiscard]] NearestRay nearest_about(const Eigen::Vector3d& q_0, int laser, int column) const;
+  [[nodiscard]] NearestRay measured_ray(const Sighting& s, int laser) const;
+  [[nodiscard]] NearestRay nearest_of_laser(const Eigen::Vector3d& q_0, int laser, double hub_column) const;
+  // Betters `best` over all lasers that can, from the one that points nearest on to both sides.
   void descend(const Eigen::Vector3d& q_0, double hub_column, NearestRay& best) const;
 
   const CompensatedScan& scan_;
-  int look_ahead_;
   double columns_per_rad_;                // with the sign of the spin
   std::vector<SE3> column_T_h0_;          // T_hv(t) T_v0(t) at each column's instant
   std::vector<Vector6d> column_varpi_h_;  // the sensor's velocity then, in the hub's frame
   std::vector<SE3> laser_T_lh_;
+  std::vector<double> firing_s_;        // of each laser, after its column's instant
+  std::vector<double> offset_columns_;  // of each laser's azimuth offset
+  double max_offset_columns_ = 0;       // its largest magnitude
+  double max_offset_s_ = 0;             // the longest between hub and laser pointing the same way
   Eigen::Vector3d centre_h_ = Eigen::Vector3d::Zero();  // mean of the lasers' origins
   double origin_spread_m_ = 0;                          // how far any of them is from it
-  std::vector<double> offset_columns_;                  // of each laser's azimuth offset
+  double travel_m_ = 0;                                 // of the sensor in the scan
+  double turn_rad_ = 0;                                 // the same
 };
 
 }  // namespace mapless

@@ -30,6 +30,8 @@ struct StageTrace {
   FreespaceVerdict forward = FreespaceVerdict::not_asked;
   BoxVerdict box = BoxVerdict::not_asked;
   GrowthVerdict growth = GrowthVerdict::not_reached;
+
+  bool operator==(const StageTrace&) const = default;
 };
 
 /// The points after which `dynamic_after` can be asked, in pipeline order.

@@ -1,0 +1,163 @@
+#include <memory>
+
+#include <benchmark/benchmark.h>
+#include <tbb/global_control.h>
+
+#include "support/prepared.hpp"
+#include "support/run_detector.hpp"
+#include <mapless/detection/box_filter.hpp>
+#include <mapless/detection/detector.hpp>
+#include <mapless/detection/freespace_check.hpp>
+#include <mapless/detection/pointcloud_comparison.hpp>
+#include <mapless/detection/region_growth.hpp>
+
+namespace mapless {
+namespace {
+
+constexpr int kQuery = 30;  // the sensor turns, three cars cross or meet it
+
+/// A full-size scan of the street (HDL-64E S2, 64 x 2083 rays), what its stages ask for, and what they say of
+/// it.
+struct Street {
+  test::ToyScene scene = test::toy_street("HDL-64E-S2");
+  DetectorParameters parameters;
+  PreparedScan query = prepared(kQuery);
+  PreparedScan earlier = prepared(kQuery - parameters.scan_gap);
+  PreparedScan later = prepared(kQuery + parameters.forward_gap);
+  std::vector<std::int32_t> moved;    // dynamic after the comparison
+  std::vector<std::int32_t> outside;  // of the backward check
+  std::vector<char> dynamic;          // after both checks
+  std::vector<char> kept;             // by the box filter
+
+  static const Street& instance() {
+    static const Street street;
+    return street;
+  }
+
+ private:
+  Street() {
+    const auto comparison = compare_pointclouds(query, earlier, parameters.comparison);
+    for (std::size_t i = 0; i < comparison.size(); ++i)
+      if (comparison[i] == ComparisonVerdict::dynamic) moved.push_back(static_cast<std::int32_t>(i));
+    dynamic.assign(comparison.size(), 0);
+    mark(moved, check_freespace(query, moved, earlier.compensated, parameters.freespace.backward_threshold_m,
+                                parameters.freespace));
+    mark(outside, check_freespace(query, outside, later.compensated, parameters.freespace.forward_threshold_m,
+                                  parameters.freespace));
+    const auto boxes = filter_boxes(query.scan(), dynamic, parameters.box_filter);
+    for (const BoxVerdict verdict : boxes) kept.push_back(verdict == BoxVerdict::kept ? 1 : 0);
+  }
+  [[nodiscard]] PreparedScan prepared(int number) const {
+    return test::prepare(test::cast_scan(scene, number).scan, *scene.trajectory, parameters.normals);
+  }
+  void mark(std::vector<std::int32_t> queries, const std::vector<FreespaceVerdict>& verdicts) {
+    outside.clear();
+    for (std::size_t k = 0; k < queries.size(); ++k) {
+      if (verdicts[k] == FreespaceVerdict::inside) dynamic[static_cast<std::size_t>(queries[k])] = 1;
+      if (verdicts[k] == FreespaceVerdict::outside) outside.push_back(queries[k]);
+    }
+  }
+};
+
+/// Runs `stage` with as many threads as the benchmark's argument says, and states the time per ray of the
+/// scan and per element it was asked about.
+template <class Stage>
+void run(benchmark::State& state, std::size_t asked, const Stage& stage) {
+  const auto threads = static_cast<std::size_t>(state.range(0));
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+  for (auto _ : state) benchmark::DoNotOptimize(stage());
+  const auto per = [&](std::size_t n) {
+    return benchmark::Counter(static_cast<double>(n),
+                              benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+  };
+  state.counters["per_ray"] = per(Street::instance().query.scan().cells.size());
+  state.counters["per_asked"] = per(asked);
+  state.counters["asked"] = static_cast<double>(asked);
+}
+
+std::size_t returns() { return Street::instance().query.scan().returns.size(); }
+
+void compensation(benchmark::State& state) {
+  const Street& s = Street::instance();
+  run(state, returns(), [&] { return compensate(s.query.compensated.scan, *s.scene.trajectory); });
+}
+
+void neighbours(benchmark::State& state) {
+  const Street& s = Street::instance();
+  run(state, returns(), [&] { return NearestNeighbours(s.query.compensated.points_0); });
+}
+
+void normals(benchmark::State& state) {
+  const Street& s = Street::instance();
+  run(state, returns(),
+      [&] { return estimate_normals(s.query.compensated, s.query.neighbours, s.parameters.normals); });
+}
+
+void comparison(benchmark::State& state) {
+  const Street& s = Street::instance();
+  run(state, returns(), [&] { return compare_pointclouds(s.query, s.earlier, s.parameters.comparison); });
+}
+
+void backward(benchmark::State& state) {
+  const Street& s = Street::instance();
+  run(state, s.moved.size(), [&] {
+    return check_freespace(s.query, s.moved, s.earlier.compensated,
+                           s.parameters.freespace.backward_threshold_m, s.parameters.freespace);
+  });
+}
+
+void forward(benchmark::State& state) {
+  const Street& s = Street::instance();
+  run(state, s.moved.size(), [&] {
+    return check_freespace(s.query, s.moved, s.later.compensated, s.parameters.freespace.forward_threshold_m,
+                           s.parameters.freespace);
+  });
+}
+
+void box_filter(benchmark::State& state) {
+  const Street& s = Street::instance();
+  run(state, returns(), [&] { return filter_boxes(s.query.scan(), s.dynamic, s.parameters.box_filter); });
+}
+
+void region_growth(benchmark::State& state) {
+  const Street& s = Street::instance();
+  run(state, returns(), [&] { return grow_regions(s.query, s.kept, s.parameters.region_growth); });
+}
+
+/// One scan into a detector that has seen enough to answer with a detection.
+void detector(benchmark::State& state) {
+  const Street& s = Street::instance();
+  const int history = s.parameters.scan_gap + s.parameters.forward_gap;
+  static const auto scans = test::scans_of(test::cast_scans(s.scene, kQuery - history, history + 1));
+  const auto threads = static_cast<std::size_t>(state.range(0));
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+  for (auto _ : state) {
+    state.PauseTiming();
+    auto filled = std::make_unique<Detector>(s.parameters);
+    for (int i = 0; i < history; ++i)
+      benchmark::DoNotOptimize(filled->process(scans[static_cast<std::size_t>(i)], *s.scene.trajectory));
+    state.ResumeTiming();
+    benchmark::DoNotOptimize(filled->process(scans.back(), *s.scene.trajectory));
+    state.PauseTiming();
+    filled.reset();
+    state.ResumeTiming();
+  }
+  state.counters["per_ray"] =
+      benchmark::Counter(static_cast<double>(scans.back()->cells.size()),
+                         benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+}
+
+#define MAPLESS_BENCHMARK(stage) \
+  BENCHMARK(stage)->Arg(1)->Arg(4)->ArgName("threads")->UseRealTime()->Unit(benchmark::kMillisecond)
+MAPLESS_BENCHMARK(compensation);
+MAPLESS_BENCHMARK(neighbours);
+MAPLESS_BENCHMARK(normals);
+MAPLESS_BENCHMARK(comparison);
+MAPLESS_BENCHMARK(backward);
+MAPLESS_BENCHMARK(forward);
+MAPLESS_BENCHMARK(box_filter);
+MAPLESS_BENCHMARK(region_growth);
+MAPLESS_BENCHMARK(detector)->Iterations(3);
+
+}  // namespace
+}  // namespace mapless

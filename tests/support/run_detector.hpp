@@ -1,0 +1,34 @@
+#pragma once
+
+#include <vector>
+
+#include "support/toy_scene.hpp"
+#include <mapless/detection/detector.hpp>
+
+namespace mapless::test {
+
+/// Scans `first` to `first + count - 1` of a scene.
+inline std::vector<ToyScan> cast_scans(const ToyScene& scene, int first, int count) {
+  std::vector<ToyScan> scans;
+  for (int i = first; i < first + count; ++i) scans.push_back(cast_scan(scene, i));
+  return scans;
+}
+
+/// Every scan's detection, in order.
+inline std::vector<Detection> detect_all(const std::vector<std::shared_ptr<const LidarScan>>& scans,
+                                         const Trajectory& trajectory, const DetectorParameters& parameters) {
+  Detector detector(parameters);
+  std::vector<Detection> detections;
+  for (const auto& scan : scans)
+    if (auto detection = detector.process(scan, trajectory)) detections.push_back(std::move(*detection));
+  while (auto detection = detector.flush()) detections.push_back(std::move(*detection));
+  return detections;
+}
+
+inline std::vector<std::shared_ptr<const LidarScan>> scans_of(const std::vector<ToyScan>& toy) {
+  std::vector<std::shared_ptr<const LidarScan>> scans;
+  for (const ToyScan& scan : toy) scans.push_back(scan.scan);
+  return scans;
+}
+
+}  // namespace mapless::test
