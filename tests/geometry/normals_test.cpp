@@ -170,7 +170,7 @@ TEST_P(NormalsOfBothMethods, ScatteredPointsMostlyHaveNone) {
 }
 
 TEST_P(NormalsOfBothMethods, DuplicatePointsHaveNone) {
-  LidarScan scan = *scan_of(kRoom).scan;
+  LidarScan scan = *scan_of(kRoom, StationaryTrajectory(), 8, 100).scan;
   for (LidarReturn& r : scan.returns) r.position_v = {3, 4, 5};
   const auto normals =
       normals_of(compensate(std::make_shared<LidarScan>(scan), StationaryTrajectory()), with(GetParam()));
