@@ -36,7 +36,7 @@ bool near(const OraclePoint& a, const OraclePoint& b, const RegionGrowthParamete
 bool parallel_or_convex(const OraclePoint& a, const OraclePoint& b, const RegionGrowthParameters& p) {
   if (a.normal_0.squaredNorm() == 0 || b.normal_0.squaredNorm() == 0) return false;
   const Eigen::Vector3d step = b.position_0 - a.position_0;
-  const double tolerance = p.concave_tolerance_m + step.norm() * std::sin(p.concave_tolerance_deg * kDegree);
+  const double tolerance = step.norm() * std::sin(p.concave_tolerance_deg * kDegree);
   return a.normal_0.cast<double>().dot(step) <= tolerance &&
          b.normal_0.cast<double>().dot(-step) <= tolerance;
 }

@@ -19,7 +19,7 @@ struct RegionGrowthResult {
 /// of them are linked within link_m + link_per_m x range of the nearer. Clusters of fewer than
 /// min_cluster_points are too small. The others are seeds: they grow over linked points that are parallel or
 /// convex to them, n1.(p2-p1) <= tolerance and n2.(p1-p2) <= tolerance (Moosmann et al., IV 2009; tolerance =
-/// concave_tolerance_m + ||p2-p1|| sin(concave_tolerance_deg)), both with a normal, and no farther than
+/// ||p2-p1|| sin(concave_tolerance_deg)), both with a normal, and no farther than
 /// max_growth_m from the nearest seed. What is linked is one object. The answer does not depend on any order.
 /// `dynamic` has one element per return.
 [[nodiscard]] RegionGrowthResult grow_regions(const PreparedScan& scan, const std::vector<char>& dynamic,
