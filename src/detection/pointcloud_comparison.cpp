@@ -17,7 +17,6 @@ ComparisonVerdict compare_point(const PreparedScan& query, std::size_t i, const 
     return ComparisonVerdict::matched;
   }
   const auto nearest = reference.neighbours.nearest(q);
-  if (nearest.index < 0) return ComparisonVerdict::not_compared;
   const Eigen::Vector3d& p = reference.compensated.points_0[static_cast<std::size_t>(nearest.index)];
   const double error = has_normal ? std::abs(normal.dot(p - q)) : nearest.distance_m;
   return error > parameters.error_threshold_m ? ComparisonVerdict::dynamic : ComparisonVerdict::matched;
@@ -28,6 +27,7 @@ ComparisonVerdict compare_point(const PreparedScan& query, std::size_t i, const 
 std::vector<ComparisonVerdict> compare_pointclouds(const PreparedScan& query, const PreparedScan& reference,
                                                    const ComparisonParameters& parameters) {
   std::vector<ComparisonVerdict> verdicts(query.compensated.points_0.size(), ComparisonVerdict::not_compared);
+  if (reference.compensated.points_0.empty()) return verdicts;
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, verdicts.size(), 1024), [&](const auto& chunk) {
     for (std::size_t i = chunk.begin(); i != chunk.end(); ++i) {
       verdicts[i] = compare_point(query, i, reference, parameters);

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <numbers>
 
 #include <gtest/gtest.h>
@@ -62,7 +63,7 @@ TEST(DetectorOnTheStreet, FindsTheCrossingCarAndLeavesTheStreetAlone) {
 
 // A ray search that ignored the motion within a scan would be 18 degrees off at its end.
 TEST(DetectorInTheRoom, CallsNothingDynamicWhateverTheSensorDoes) {
-  for (const double yaw_rate : {0.0, 200 * kDegree, -200 * kDegree}) {
+  for (const double yaw_rate : {200 * kDegree, -200 * kDegree}) {
     SCOPED_TRACE(yaw_rate);
     const auto room = test::toy_room("HDL-64E-S3", test::drive(0.5, yaw_rate));
     const auto detections =
