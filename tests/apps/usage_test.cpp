@@ -68,7 +68,7 @@ TEST(Config, PrintsEveryParameterWithItsUnit) {
 TEST(Config, ReadsWhatItPrints) {
   const test::TemporaryFolder folder;
   const CommandResult paper =
-      run_command({"config", "--profile", "paper", "--set", "freespace.look_ahead_lasers=5"});
+      run_command({"config", "--profile", "paper", "--set", "freespace.border_window_rows=5"});
   EXPECT_EQ(paper.exit_code, 0) << paper.err;
   write_file_atomically(folder / "paper.yaml", paper.out);
   const CommandResult read = run_command({"config", "--config", folder / "paper.yaml"});
