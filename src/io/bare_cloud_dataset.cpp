@@ -30,10 +30,11 @@ double median_duration_s(const std::vector<BareCloudScan>& scans) {
   return *middle;
 }
 
-// The points as measured: at the instant their azimuth tells, which the compensation has changed by very
-// little.
+// The points as measured: each at the instant that the azimuth it was measured at tells. The compensation has
+// changed that azimuth a little; every pass leaves about a hundredth of the error.
 void take_compensation_back(Cloud& cloud, const BareCloudScan& scan, const Trajectory& trajectory) {
-  constexpr int kSteps = 256;
+  constexpr int kSteps = 1024;
+  constexpr int kPasses = 3;
   const SE3 T_0c = trajectory.at(*scan.compensated_to).T_v0.inverse();
   std::vector<SE3> T_vc;
   for (int i = 0; i < kSteps; ++i) {
@@ -42,9 +43,13 @@ void take_compensation_back(Cloud& cloud, const BareCloudScan& scan, const Traje
   }
   for (Eigen::Vector3f& p : cloud) {
     if (!is_usable(p)) continue;
-    const double turn = (1 - std::atan2(p.y(), p.x()) / std::numbers::pi) / 2;
-    const auto step = static_cast<std::size_t>(std::clamp(turn * kSteps, 0.0, kSteps - 1.0));
-    p = (T_vc[step] * p.cast<double>()).cast<float>();
+    const Eigen::Vector3d p_c = p.cast<double>();
+    Eigen::Vector3d p_v = p_c;
+    for (int pass = 0; pass < kPasses; ++pass) {
+      const double turn = (1 - std::atan2(p_v.y(), p_v.x()) / std::numbers::pi) / 2;
+      p_v = T_vc[static_cast<std::size_t>(std::clamp(turn * kSteps, 0.0, kSteps - 1.0))] * p_c;
+    }
+    p = p_v.cast<float>();
   }
 }
 
