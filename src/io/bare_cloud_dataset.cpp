@@ -142,9 +142,10 @@ class BareCloudDataset final : public Dataset {
     EstimatedModel estimated = estimate_model(clouds_for_estimate(), options, recording_.folder.string());
     const ModelEstimate& e = estimated.estimate;
     notes_.push_back(fmt::format(
-        "sensor: {} lasers and their elevations and vertical origins estimated from {} scans{}; "
+        "sensor: {} lasers and their elevations and vertical origins estimated from {} scans, to {:.2f} mm "
+        "RMS{}; "
         "maximum range 120 m, as of an HDL-64E",
-        estimated.model.lasers.size(), e.scans_used,
+        estimated.model.lasers.size(), e.scans_used, 1000 * e.elevation_residual_m,
         e.lasers_borrowed == 0 ? ""
                                : fmt::format(", {} of them borrowed from neighbours", e.lasers_borrowed)));
     notes_.push_back(azimuth_note(e, estimated.model));
