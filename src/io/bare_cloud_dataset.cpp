@@ -30,10 +30,11 @@ double median_duration_s(const std::vector<BareCloudScan>& scans) {
   return *middle;
 }
 
-// The points as measured: at the instant their azimuth tells, which the compensation has changed by very
-// little.
+// The points as measured: each at the instant that the azimuth it was measured at tells. The compensation has
+// changed that azimuth a little; every pass leaves about a hundredth of the error.
 void take_compensation_back(Cloud& cloud, const BareCloudScan& scan, const Trajectory& trajectory) {
-  constexpr int kSteps = 256;
+  constexpr int kSteps = 1024;
+  constexpr int kPasses = 3;
   const SE3 T_0c = trajectory.at(*scan.compensated_to).T_v0.inverse();
   std::vector<SE3> T_vc;
   for (int i = 0; i < kSteps; ++i) {
@@ -42,9 +43,13 @@ void take_compensation_back(Cloud& cloud, const BareCloudScan& scan, const Traje
   }
   for (Eigen::Vector3f& p : cloud) {
     if (!is_usable(p)) continue;
-    const double turn = (1 - std::atan2(p.y(), p.x()) / std::numbers::pi) / 2;
-    const auto step = static_cast<std::size_t>(std::clamp(turn * kSteps, 0.0, kSteps - 1.0));
-    p = (T_vc[step] * p.cast<double>()).cast<float>();
+    const Eigen::Vector3d p_c = p.cast<double>();
+    Eigen::Vector3d p_v = p_c;
+    for (int pass = 0; pass < kPasses; ++pass) {
+      const double turn = (1 - std::atan2(p_v.y(), p_v.x()) / std::numbers::pi) / 2;
+      p_v = T_vc[static_cast<std::size_t>(std::clamp(turn * kSteps, 0.0, kSteps - 1.0))] * p_c;
+    }
+    p = p_v.cast<float>();
   }
 }
 
@@ -137,9 +142,10 @@ class BareCloudDataset final : public Dataset {
     EstimatedModel estimated = estimate_model(clouds_for_estimate(), options, recording_.folder.string());
     const ModelEstimate& e = estimated.estimate;
     notes_.push_back(fmt::format(
-        "sensor: {} lasers and their elevations and vertical origins estimated from {} scans{}; "
+        "sensor: {} lasers and their elevations and vertical origins estimated from {} scans, to {:.2f} mm "
+        "RMS{}; "
         "maximum range 120 m, as of an HDL-64E",
-        estimated.model.lasers.size(), e.scans_used,
+        estimated.model.lasers.size(), e.scans_used, 1000 * e.elevation_residual_m,
         e.lasers_borrowed == 0 ? ""
                                : fmt::format(", {} of them borrowed from neighbours", e.lasers_borrowed)));
     notes_.push_back(azimuth_note(e, estimated.model));

@@ -3,6 +3,8 @@
 #include "io/kitti_odometry_dataset.hpp"
 #include "io/kitti_raw_dataset.hpp"
 #include "io/mdlidar_dataset.hpp"
+#include "io/native_dataset.hpp"
+#include "io/pcd_folder_dataset.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/io/dataset.hpp>
 
@@ -20,9 +22,11 @@ struct Format {
 
 const std::vector<Format>& formats() {
   static const std::vector<Format> all = {
+      {"native", "sensor.yaml with scans/", looks_native, open_native},
       {"kitti-raw", "velodyne_points/data", looks_kitti_raw, open_kitti_raw},
       {"kitti", "velodyne/*.bin", looks_kitti_odometry, open_kitti_odometry},
       {"mdlidar", "header and frame/", looks_mdlidar, open_mdlidar},
+      {"pcd", "*.pcd", looks_pcd_folder, open_pcd_folder},
   };
   return all;
 }

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "io/text.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/io/atomic_file.hpp>
 
@@ -106,12 +107,9 @@ std::vector<Eigen::Vector3f> read_kitti_cloud(const fs::path& file) {
 std::vector<std::string> read_lines(const fs::path& file) {
   const std::string text = read_whole_file(file);
   std::vector<std::string> lines;
-  for (std::size_t begin = 0; begin < text.size();) {
-    const std::size_t end = std::min(text.find('\n', begin), text.size());
-    std::string line = text.substr(begin, end - begin);
-    while (!line.empty() && (line.back() == '\r' || line.back() == ' ')) line.pop_back();
-    lines.push_back(std::move(line));
-    begin = end + 1;
+  for (std::string_view line : split_lines(text)) {
+    while (line.ends_with(' ')) line.remove_suffix(1);
+    lines.emplace_back(line);
   }
   while (!lines.empty() && lines.back().empty()) lines.pop_back();
   return lines;

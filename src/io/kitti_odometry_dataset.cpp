@@ -1,8 +1,6 @@
 #include "io/kitti_odometry_dataset.hpp"
 
 #include <algorithm>
-#include <charconv>
-#include <cmath>
 #include <map>
 #include <optional>
 #include <utility>
@@ -11,6 +9,7 @@
 
 #include "io/bare_cloud_dataset.hpp"
 #include "io/kitti_files.hpp"
+#include "io/text.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/io/trajectory_file.hpp>
 
@@ -30,14 +29,12 @@ std::vector<Time> read_times(const fs::path& file, const std::map<int, fs::path>
   const std::vector<std::string> lines = read_lines(file);
   std::vector<Time> times;
   for (std::size_t i = 0; i < lines.size(); ++i) {
-    double seconds = 0;
-    const char* end = lines[i].data() + lines[i].size();
-    const auto [rest, error] = std::from_chars(lines[i].data(), end, seconds);
-    if (error != std::errc() || rest != end || !std::isfinite(seconds) || std::abs(seconds) > 9e9) {
+    const std::optional<Time> time = parse_decimal_seconds(lines[i]);
+    if (!time) {
       throw InputError({fmt::format("{}:{}", file.string(), i + 1), "time", lines[i], "not a time in seconds",
                         "restore the line from the original recording"});
     }
-    times.push_back(Time::from_seconds(seconds));
+    times.push_back(*time);
   }
   const auto needed = static_cast<std::size_t>(clouds.rbegin()->first) + 1;
   if (times.size() < needed) {

@@ -37,19 +37,26 @@ bool belongs_to(const std::vector<Eigen::Vector3f>& points, std::size_t i, std::
   return std::abs(slope - slope_of(points[a])) < std::abs(slope - slope_of(points[b]));
 }
 
+// True where the usable points from `begin` on to `end` all lie on the front itself: no ring, but rounding.
+bool is_jitter(const std::vector<Eigen::Vector3f>& points, std::size_t begin, std::size_t end) {
+  for (std::size_t i = begin; i < end; ++i) {
+    if (!is_usable(points[i])) continue;
+    const double azimuth = azimuth_of(points[i]);
+    if (azimuth > kFrontJitter_rad && azimuth < kTwoPi - kFrontJitter_rad) return false;
+  }
+  return true;
+}
+
 // Gives points that lie on the front itself, on the wrong side of it, back to their ring.
 void settle_points_on_the_front(const std::vector<Eigen::Vector3f>& points,
                                 std::vector<std::size_t>& starts) {
-  const auto before_front = [&](std::size_t i) { return azimuth_of(points[i]) > kTwoPi - kFrontJitter_rad; };
-  if (starts.size() > 1) {
-    std::size_t i = 0;
-    while (i < starts[1] && (!is_usable(points[i]) || before_front(i))) ++i;
-    if (i == starts[1]) starts.erase(starts.begin() + 1);
-  }
+  if (starts.size() > 1 && is_jitter(points, starts.back(), points.size())) starts.pop_back();
+  if (starts.size() > 1 && is_jitter(points, 0, starts[1])) starts.erase(starts.begin() + 1);
   for (std::size_t k = 1; k < starts.size(); ++k) {
     std::size_t& s = starts[k];
     if (s < 2 || s + 1 >= points.size()) continue;
-    if (before_front(s - 1) && belongs_to(points, s - 1, s, s - 2)) {
+    const bool before_front = azimuth_of(points[s - 1]) > kTwoPi - kFrontJitter_rad;
+    if (before_front && belongs_to(points, s - 1, s, s - 2)) {
       --s;
     } else if (azimuth_of(points[s]) < kFrontJitter_rad && belongs_to(points, s, s - 1, s + 1)) {
       ++s;
