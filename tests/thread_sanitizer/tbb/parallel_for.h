@@ -34,4 +34,11 @@ void parallel_for(const blocked_range<Index>& range, const Body& body) {
   work();
 }
 
+template <class Index, class Body>
+void parallel_for(Index first, Index last, const Body& body) {
+  parallel_for(blocked_range<Index>(first, std::max(first, last)), [&](const blocked_range<Index>& range) {
+    for (Index i = range.begin(); i != range.end(); ++i) body(i);
+  });
+}
+
 }  // namespace tbb
