@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 
 #include "detection/disjoint_sets.hpp"
@@ -14,6 +15,7 @@ class RegionGrowth {
       : scan_(scan),
         parameters_(parameters),
         concave_sine_(std::sin(parameters.concave_tolerance_deg * std::numbers::pi / 180)),
+        on_edge_(scan.scan().returns.size(), 0),
         objects_(scan.scan().returns.size()) {
     result_.verdict.assign(scan.scan().returns.size(), GrowthVerdict::not_reached);
     result_.object.assign(scan.scan().returns.size(), 0);
@@ -53,7 +55,11 @@ class RegionGrowth {
     DisjointSets clusters(dynamic.size());
     for (const std::int32_t i : points) {
       for (const std::int32_t j : linked(i)) {
-        if (dynamic[static_cast<std::size_t>(j)]) clusters.unite(i, j);
+        if (dynamic[static_cast<std::size_t>(j)]) {
+          clusters.unite(i, j);
+        } else {
+          on_edge_[static_cast<std::size_t>(i)] = 1;
+        }
       }
     }
     std::vector<std::int32_t> size(dynamic.size(), 0);
@@ -85,7 +91,10 @@ class RegionGrowth {
     std::vector<Eigen::Vector3d> seed_points;
     for (const std::int32_t i : seeds) seed_points.push_back(point(i));
     const NearestNeighbours seed_tree(std::move(seed_points));
-    std::vector<std::int32_t> front = seeds;
+    // A seed linked to nothing but dynamic points has its whole neighbourhood in its own cluster.
+    std::vector<std::int32_t> front;
+    std::copy_if(seeds.begin(), seeds.end(), std::back_inserter(front),
+                 [this](std::int32_t i) { return on_edge_[static_cast<std::size_t>(i)] != 0; });
     while (!front.empty()) {
       const std::int32_t i = front.back();
       front.pop_back();
@@ -115,6 +124,7 @@ class RegionGrowth {
   const PreparedScan& scan_;
   const RegionGrowthParameters& parameters_;
   double concave_sine_;
+  std::vector<char> on_edge_;  // linked to a point that is not dynamic
   DisjointSets objects_;
   RegionGrowthResult result_;
   std::vector<std::int32_t> linked_;

@@ -118,7 +118,8 @@ struct RegionGrowthParameters {
         declare(&P::max_growth_m, "max_growth_m", "m", 0.0, 1000.0,
                 "growth stops this far from the nearest dynamic point of a cluster", "method.md 2"),
         declare(&P::concave_tolerance_deg, "concave_tolerance_deg", "deg", 0.0, 45.0,
-                "parallel or convex: neither point rises more than distance x sin(concave_tolerance_deg) above the "
+                "parallel or convex: neither point rises more than distance x sin(concave_tolerance_deg) "
+                "above the "
                 "other's plane",
                 "paper step 5"),
     };
