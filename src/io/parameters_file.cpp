@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <set>
+#include <string_view>
 
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
@@ -60,13 +61,13 @@ std::string bounds_text(const ParameterReference& p) {
   return text;
 }
 
-void append_comment(std::string& out, const std::string& indent, const std::string& text) {
+void append_comment(std::string& out, const std::string& indent, std::string_view text) {
   constexpr std::size_t kWidth = 100;
   std::string line;
   const auto end_line = [&] { out += fmt::format("{}# {}\n", indent, line); };
   for (std::size_t begin = 0; begin < text.size();) {
     const std::size_t end = std::min(text.find(' ', begin), text.size());
-    const std::string word = text.substr(begin, end - begin);
+    const std::string word(text.substr(begin, end - begin));
     if (!line.empty() && indent.size() + line.size() + word.size() > kWidth) {
       end_line();
       line.clear();
@@ -102,9 +103,9 @@ std::string parameters_yaml(const References& parameters, const References& defa
     const std::string indent = own_group.empty() ? "" : "  ";
     if (own_group != group) out += fmt::format("\n{}:\n", own_group);
     group = own_group;
-    append_comment(
-        out, indent,
-        fmt::format("{} [{}; default {}; {}]", p.help, bounds_text(p), defaults[i].text(), p.source));
+    append_comment(out, indent, p.help);
+    append_comment(out, indent,
+                   fmt::format("[{}; default {}; {}]", bounds_text(p), defaults[i].text(), p.source));
     out += fmt::format("{}{}: {}\n", indent, p.key.substr(dot + 1), p.text());
   }
   return out;

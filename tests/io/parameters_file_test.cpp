@@ -96,14 +96,18 @@ TEST_F(ParametersFileTest, WritesMeaningUnitBoundsDefaultAndSource) {
   House defaults;
   parameters.room.width_m = 4;
   EXPECT_EQ(parameters_yaml(parameter_references(parameters), parameter_references(defaults)),
-            "# one above the other [1 to 100; default 8; section 1]\n"
+            "# one above the other\n"
+            "# [1 to 100; default 8; section 1]\n"
             "floors: 8\n"
             "\nroom:\n"
-            "  # from wall to wall [0.5 to 10 m; default 2.5; section 2]\n"
+            "  # from wall to wall\n"
+            "  # [0.5 to 10 m; default 2.5; section 2]\n"
             "  width_m: 4\n"
-            "  # whether there is light [true or false; default true; section 3]\n"
+            "  # whether there is light\n"
+            "  # [true or false; default true; section 3]\n"
             "  lit: true\n"
-            "  # of the walls [red or green; default red; section 4]\n"
+            "  # of the walls\n"
+            "  # [red or green; default red; section 4]\n"
             "  colour: red\n");
 }
 

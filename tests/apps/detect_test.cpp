@@ -1,0 +1,281 @@
+#include <algorithm>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "support/command.hpp"
+#include "support/temporary_folder.hpp"
+#include "support/toy_sequence.hpp"
+#include <mapless/io/atomic_file.hpp>
+#include <mapless/io/dataset.hpp>
+#include <mapless/io/labels.hpp>
+#include <mapless/io/result_folder.hpp>
+#include <mapless/io/trajectory_file.hpp>
+
+namespace mapless {
+namespace {
+
+namespace fs = std::filesystem;
+using test::CommandResult;
+using test::run_command;
+using testing::HasSubstr;
+
+constexpr int kScans = 12;
+
+// One small street for all tests, which only read it; each has an output folder of its own.
+class DetectTest : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    shared = new test::TemporaryFolder;  // NOLINT: lives as long as the suite
+    test::write_toy_sequence(test::toy_street("VLP-16"), kScans, *shared / "street");
+  }
+  static void TearDownTestSuite() { delete shared; }  // NOLINT
+
+  [[nodiscard]] static std::string street() { return *shared / "street"; }
+  [[nodiscard]] std::string out() const { return folder / "out"; }
+  [[nodiscard]] ResultFolder result() const { return ResultFolder(out()); }
+  [[nodiscard]] nlohmann::json summary() const {
+    return nlohmann::json::parse(read_whole_file(result().summary()));
+  }
+  CommandResult detect(const std::vector<std::string>& more, const std::string& recording = street()) const {
+    std::vector<std::string> arguments = {"detect", recording, "-o", out()};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_command(arguments);
+  }
+  // A copy of the street that a test may break.
+  [[nodiscard]] std::string street_copy() const {
+    fs::copy(street(), folder / "copy", fs::copy_options::recursive);
+    return folder / "copy";
+  }
+  std::string pose_rows(int rows) const {
+    std::string text;
+    for (int k = 0; k < rows; ++k) text += "1 0 0 " + std::to_string(0.8 * k) + " 0 1 0 0 0 0 1 0\n";
+    write_file_atomically(folder / "poses.txt", text);
+    return folder / "poses.txt";
+  }
+  void expect_error(const CommandResult& r, int exit_code, const std::vector<std::string>& parts) const {
+    EXPECT_EQ(r.exit_code, exit_code) << r.err;
+    const std::size_t at = r.err.find("mapless: error: ");
+    ASSERT_NE(at, std::string::npos) << r.err;
+    EXPECT_EQ(std::count(r.err.begin() + static_cast<std::ptrdiff_t>(at), r.err.end(), '\n'), 1) << r.err;
+    for (const std::string& part : parts) EXPECT_THAT(r.err, HasSubstr(part));
+  }
+
+  static inline test::TemporaryFolder* shared = nullptr;
+  test::TemporaryFolder folder;
+};
+
+std::vector<fs::path> files_in(const fs::path& root) {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::recursive_directory_iterator(root)) {
+    if (entry.is_regular_file()) files.push_back(fs::relative(entry.path(), root));
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+TEST_F(DetectTest, WritesALabelForEveryRecordOfEveryScan) {
+  ASSERT_EQ(detect({}).exit_code, 0);
+  const auto dataset = open_dataset(street());
+  std::size_t dynamic = 0;
+  for (std::size_t k = 0; k < kScans; ++k) {
+    const LidarScan scan = dataset->read(k);
+    const auto labels = read_label_file(result().label_file(k), scan.input_size);
+    const auto stages = read_stage_file(result().stage_file(k), scan.input_size);
+    std::vector<bool> is_return(scan.input_size, false);
+    for (const LidarReturn& r : scan.returns) is_return[r.input_index] = true;
+    for (std::size_t i = 0; i < labels.size(); ++i) {
+      const bool moving = motion_of_label(labels[i]) == MotionTruth::moving;
+      ASSERT_EQ(labels[i] != 0, is_return[i]);
+      ASSERT_EQ(moving, (stages[i] >> 4 & 1) == 1);
+      ASSERT_EQ(labels[i] >> 16 != 0, moving);
+      dynamic += moving ? 1 : 0;
+    }
+  }
+  EXPECT_GT(dynamic, 0u);
+  EXPECT_EQ(summary()["dynamic_points"], dynamic);
+}
+
+TEST_F(DetectTest, SummaryTellsWhatWasReadAndUsed) {
+  const CommandResult r = detect({"--json", "--causal"});
+  ASSERT_EQ(r.exit_code, 0) << r.err;
+  const auto s = summary();
+  EXPECT_EQ(nlohmann::json::parse(r.out), s);
+  EXPECT_EQ(s["complete"], true);
+  EXPECT_EQ(s["format"], "native");
+  EXPECT_EQ(s["scans"], kScans);
+  EXPECT_EQ(s["trajectory"]["source"], "recording");
+  for (const char* row :
+       {"compensation", "comparison", "backward", "forward", "box_filter", "region_growth", "total"}) {
+    EXPECT_GE(s["timing"][row]["median_ms"], 0.0) << row;
+    EXPECT_LE(s["timing"][row]["median_ms"], s["timing"][row]["p95_ms"]) << row;
+    EXPECT_LE(s["timing"][row]["p95_ms"], s["timing"][row]["p99_ms"]) << row;
+  }
+  EXPECT_EQ(s["timing"]["forward"]["p99_ms"], 0.0) << "causal: no forward check";
+  EXPECT_GT(s["peak_memory_mb"], 0.0);
+}
+
+TEST_F(DetectTest, ConfigurationOfAResultReadsBack) {
+  ASSERT_EQ(detect({"--profile", "paper", "--set", "scan_gap=2", "--count", "3"}).exit_code, 0);
+  const CommandResult printed = run_command({"config", "--config", result().config()});
+  EXPECT_EQ(printed.exit_code, 0) << printed.err;
+  EXPECT_EQ(printed.out, read_whole_file(result().config()));
+  EXPECT_THAT(printed.out, HasSubstr("scan_gap: 2\n"));
+}
+
+TEST_F(DetectTest, PosesComeOutAsTheyWentIn) {
+  ASSERT_EQ(detect({"--first", "2", "--count", "5"}).exit_code, 0);
+  const test::ToyScene scene = test::toy_street("VLP-16");
+  const SampledTrajectory found = read_trajectory_file(result().trajectory(), {});
+  ASSERT_EQ(found.poses().size(), 6u) << "five starts and the last end";
+  for (std::size_t i = 0; i < 6; ++i) {
+    const Time t = Time::from_nanoseconds(100'000'000LL * static_cast<long long>(i + 2));
+    // A column is a whole number of nanoseconds, and a turn has fewer than 2,000 of them.
+    EXPECT_NEAR((found.poses()[i].time - t).seconds(), 0, 2e-6);
+    EXPECT_LT((found.poses()[i].T_v0 * scene.trajectory->at(t).T_v0.inverse()).log().norm(), 1e-3);
+  }
+  const std::string rows = read_whole_file(result().kitti_poses());
+  EXPECT_EQ(std::count(rows.begin(), rows.end(), '\n'), 5);
+  EXPECT_EQ(result().labelled_scans(), (std::vector<std::size_t>{2, 3, 4, 5, 6}));
+}
+
+TEST_F(DetectTest, TheSameBytesForAnyNumberOfThreads) {
+  ASSERT_EQ(detect({"--threads", "1"}).exit_code, 0);
+  const std::string other = folder / "other";
+  ASSERT_EQ(run_command({"detect", street(), "-o", other, "--threads", "3"}).exit_code, 0);
+  const auto files = files_in(out());
+  EXPECT_EQ(files, files_in(other));
+  for (const fs::path& file : files) {
+    if (file == "summary.json") continue;  // has the times
+    EXPECT_EQ(read_whole_file(fs::path(out()) / file), read_whole_file(fs::path(other) / file)) << file;
+  }
+}
+
+TEST_F(DetectTest, IsEvaluatedAndDrawn) {
+  ASSERT_EQ(detect({}).exit_code, 0);
+  const CommandResult table = run_command({"evaluate", street(), out(), "--json", folder / "e.json"});
+  ASSERT_EQ(table.exit_code, 0) << table.err;
+  EXPECT_THAT(table.out,
+              testing::AllOf(HasSubstr("N_p"), HasSubstr("freespace backward"), HasSubstr("12 scans count")));
+  const auto e = nlohmann::json::parse(read_whole_file(folder / "e.json"));
+  EXPECT_EQ(e["stages"].size(), 5u);
+  EXPECT_EQ(e["final"]["tp"], e["stages"][4]["tp"]);
+  EXPECT_GT(e["final"]["tp"], 0);
+  const CommandResult picture =
+      run_command({"render", street(), out(), "--scan", "9", "-o", folder / "x.png"});
+  ASSERT_EQ(picture.exit_code, 0) << picture.err;
+  EXPECT_THAT(read_whole_file(folder / "x.png"), testing::StartsWith("\x89PNG"));
+  expect_error(run_command({"render", street(), out(), "--scan", "12", "-o", folder / "y.png"}), 2,
+               {"--scan", "12"});
+}
+
+TEST_F(DetectTest, EvaluatesFoldersThatHaveLabelsOnly) {
+  ASSERT_EQ(detect({"--causal", "--count", "2"}).exit_code, 0);
+  fs::remove_all(result().stages());
+  const CommandResult r = run_command({"evaluate", street(), out(), "--json", "-"});
+  ASSERT_EQ(r.exit_code, 0) << r.err;
+  const auto e = nlohmann::json::parse(r.out);
+  EXPECT_TRUE(e["stages"].empty());
+  EXPECT_TRUE(e["final"]["precision"].is_null())
+      << "with no reference and a gap of one scan nothing is dynamic";
+}
+
+TEST_F(DetectTest, InfoTellsOfOddities) {
+  const std::string copy = street_copy();
+  fs::copy_file(copy + "/scans/000003.pcd", copy + "/scans/000007.pcd", fs::copy_options::overwrite_existing);
+  const CommandResult r = run_command({"info", copy, "--json"});
+  ASSERT_EQ(r.exit_code, 0) << r.err;
+  const auto info = nlohmann::json::parse(r.out);
+  EXPECT_EQ(info["scans"], kScans);
+  EXPECT_EQ(info["labels"]["scans"], kScans);
+  EXPECT_THAT(info["oddities"].dump(), HasSubstr("scan 7: the same bytes as scan 3"));
+}
+
+TEST_F(DetectTest, RefusesAnExistingFolderUnlessToldToOverwrite) {
+  ASSERT_EQ(detect({"--count", "3"}).exit_code, 0);
+  expect_error(detect({"--count", "1"}), 1, {out(), "exists", "--overwrite"});
+  EXPECT_EQ(result().labelled_scans().size(), 3u);
+  EXPECT_EQ(detect({"--count", "1", "--overwrite"}).exit_code, 0);
+  EXPECT_EQ(result().labelled_scans().size(), 1u);
+}
+
+TEST_F(DetectTest, NeverOverwritesTheRecordingItself) {
+  const std::string copy = street_copy();
+  const auto before = files_in(copy);
+  expect_error(run_command({"detect", copy, "-o", copy, "--overwrite"}), 1,
+               {copy, "neither empty nor the result"});
+  EXPECT_EQ(files_in(copy), before);
+}
+
+TEST_F(DetectTest, NamesAnOutputThatCannotBeWritten) {
+  write_file_atomically(folder / "file", "");
+  expect_error(run_command({"detect", street(), "-o", folder / "file" / "out"}), 1, {folder / "file"});
+}
+
+TEST_F(DetectTest, NamesAnInputThatIsNotThere) {
+  expect_error(detect({}, folder / "nowhere"), 1, {folder / "nowhere"});
+  EXPECT_FALSE(fs::exists(out()));
+}
+
+TEST_F(DetectTest, NamesAMissingTrajectory) {
+  const std::string copy = street_copy();
+  fs::remove(copy + "/trajectory.txt");
+  expect_error(detect({}, copy), 1, {"--trajectory", "--stationary"});
+  EXPECT_FALSE(fs::exists(out()));
+  EXPECT_EQ(detect({"--stationary", "--count", "2"}, copy).exit_code, 0);
+}
+
+TEST_F(DetectTest, NamesFewerPosesThanScans) {
+  expect_error(detect({"--trajectory", pose_rows(kScans - 1)}), 1, {"poses.txt"});
+  EXPECT_FALSE(fs::exists(out()));
+  EXPECT_EQ(detect({"--trajectory", pose_rows(kScans), "--pose-instant", "start"}).exit_code, 0);
+  EXPECT_EQ(summary()["trajectory"]["times"], "start of each scan");
+}
+
+TEST_F(DetectTest, NamesTheScanATrajectoryDoesNotReachBeforeAnyWork) {
+  write_file_atomically(folder / "tum.txt", "0 0 0 0 0 0 0 1\n0.75 6 0 0 0 0 0 1\n");
+  expect_error(detect({"--trajectory", folder / "tum.txt"}), 1, {"000007.pcd", "scan 7", "0.75", "--count"});
+  EXPECT_FALSE(fs::exists(out()));
+  EXPECT_EQ(detect({"--trajectory", folder / "tum.txt", "--count", "7"}).exit_code, 0);
+}
+
+TEST_F(DetectTest, ABrokenScanLeavesTheFinishedOnesAndSaysSo) {
+  const std::string copy = street_copy();
+  fs::resize_file(copy + "/scans/000005.pcd", fs::file_size(copy + "/scans/000005.pcd") / 2);
+  expect_error(detect({"--causal"}, copy), 1, {"000005.pcd"});
+  EXPECT_EQ(result().labelled_scans(), (std::vector<std::size_t>{0, 1, 2, 3, 4}));
+  EXPECT_EQ(summary()["complete"], false);
+  EXPECT_THAT(summary()["stopped"].get<std::string>(), HasSubstr("000005.pcd"));
+}
+
+// The scans are enough that the signal, sent at the first sign of progress, comes long before the last.
+TEST_F(DetectTest, AnInterruptFinishesTheScanInHand) {
+  test::write_toy_sequence(test::toy_street("VLP-16"), 60, folder / "long");
+  test::RunningCommand command({"detect", folder / "long", "-o", out()});
+  ASSERT_TRUE(command.wait_for_error_line("1 of 60 scans"));
+  command.send(SIGINT);
+  const CommandResult r = command.wait();
+  EXPECT_EQ(r.exit_code, 130);
+  EXPECT_THAT(r.err, HasSubstr("interrupted"));
+  const auto s = summary();
+  EXPECT_EQ(s["complete"], false);
+  const auto finished = result().labelled_scans();
+  EXPECT_EQ(s["scans"], finished.size());
+  EXPECT_LT(finished.size(), 60u);
+  const auto dataset = open_dataset(folder / "long");
+  for (const std::size_t k : finished)
+    EXPECT_NO_THROW((void)read_label_file(result().label_file(k), 16u * dataset->model()->columns));
+  for (const fs::path& file : files_in(out())) {
+    EXPECT_TRUE(file.extension() == ".label" || file.extension() == ".stages" ||
+                file.has_parent_path() == false)
+        << file;
+  }
+}
+
+}  // namespace
+}  // namespace mapless
