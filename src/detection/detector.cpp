@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <chrono>
 #include <string>
+#include <utility>
 
 #include <mapless/core/errors.hpp>
 #include <mapless/detection/box_filter.hpp>
@@ -46,6 +47,10 @@ void record(std::vector<StageTrace>& trace, FreespaceVerdict StageTrace::*stage,
             const std::vector<std::int32_t>& indices, const std::vector<FreespaceVerdict>& verdicts) {
   for (std::size_t k = 0; k < indices.size(); ++k)
     trace[static_cast<std::size_t>(indices[k])].*stage = verdicts[k];
+}
+
+Duration distance(const PreparedScan& earlier, const PreparedScan& later) {
+  return later.scan().start - earlier.scan().start;
 }
 
 bool was_outside(const StageTrace& t) { return t.backward == FreespaceVerdict::outside; }
@@ -100,8 +105,15 @@ std::shared_ptr<const Detector::BufferedScan> Detector::prepare(std::shared_ptr<
 std::optional<Detection> Detector::next(const PreparedScan* later) {
   const std::size_t number = next_detection_++;
   const auto gap = static_cast<std::size_t>(parameters_.scan_gap);
-  const PreparedScan* earlier = number == 0 ? nullptr : &scan_number(number < gap ? 0 : number - gap);
-  Detection detection = detect(scan_number(number), earlier, later);
+  const PreparedScan& query = scan_number(number);
+  const PreparedScan* reference = number == 0 ? nullptr : &scan_number(number < gap ? 0 : number - gap);
+  const PreparedScan* other = later;
+  // At the start of a recording the later scan may be farther off than any earlier one, and tells more.
+  if (number < gap && other != nullptr &&
+      (reference == nullptr || distance(query, *other) > distance(*reference, query))) {
+    std::swap(reference, other);
+  }
+  Detection detection = detect(query, reference, other);
   detection.sequence_number = number;
   detection.seconds = buffered(number).seconds + detection.seconds;
   // The oldest scan the next detection can ask for.
@@ -110,32 +122,32 @@ std::optional<Detection> Detector::next(const PreparedScan* later) {
   return detection;
 }
 
-Detection Detector::detect(const PreparedScan& query, const PreparedScan* earlier,
-                           const PreparedScan* later) const {
+Detection Detector::detect(const PreparedScan& query, const PreparedScan* reference,
+                           const PreparedScan* other) const {
   Detection out;
   out.scan = query.compensated.scan;
   out.trace.resize(out.scan->returns.size());
 
   // 2. Pointcloud comparison: what the reference scan does not explain.
-  if (earlier != nullptr) {
+  if (reference != nullptr) {
     record(out.trace, &StageTrace::comparison, timed(out.seconds.comparison, [&] {
-             return compare_pointclouds(query, *earlier, parameters_.comparison);
+             return compare_pointclouds(query, *reference, parameters_.comparison);
            }));
   }
   // 3. Freespace check backward (Eq. 1, 2): of that, what stands where the reference scan's rays went
   // through.
-  if (earlier != nullptr) {
+  if (reference != nullptr) {
     const auto candidates = points_where(out.trace, looks_dynamic);
     record(out.trace, &StageTrace::backward, candidates, timed(out.seconds.backward, [&] {
-             return check_freespace(query, candidates, earlier->compensated,
+             return check_freespace(query, candidates, reference->compensated,
                                     parameters_.freespace.backward_threshold_m, parameters_.freespace);
            }));
   }
-  //    and forward: what was hidden then, and has left by the later scan.
-  if (later != nullptr) {
+  //    and forward, on the later scan: what was hidden then, and has left by now.
+  if (other != nullptr) {
     const auto hidden = points_where(out.trace, was_outside);
     record(out.trace, &StageTrace::forward, hidden, timed(out.seconds.forward, [&] {
-             return check_freespace(query, hidden, later->compensated,
+             return check_freespace(query, hidden, other->compensated,
                                     parameters_.freespace.forward_threshold_m, parameters_.freespace);
            }));
   }

@@ -50,7 +50,9 @@ struct Detection {
 ///
 /// Scans go in one by one, by increasing time. The detection of a scan comes out `latency()` scans later,
 /// because the forward freespace check looks at a later scan; `flush` gives the rest, checked against the
-/// last scan there is. A scan with no earlier scan to compare with (the first) is static throughout.
+/// last scan there is. While the recording is younger than scan_gap, the reference
+/// scan is the first scan or the later one, whichever is farther off; a scan with neither is static
+/// throughout.
 class Detector {
  public:
   explicit Detector(const DetectorParameters& parameters = {});
@@ -73,8 +75,8 @@ class Detector {
   struct BufferedScan;
   [[nodiscard]] std::shared_ptr<const BufferedScan> prepare(std::shared_ptr<const LidarScan> scan,
                                                             const Trajectory& trajectory) const;
-  [[nodiscard]] Detection detect(const PreparedScan& query, const PreparedScan* earlier,
-                                 const PreparedScan* later) const;
+  [[nodiscard]] Detection detect(const PreparedScan& query, const PreparedScan* reference,
+                                 const PreparedScan* other) const;
   std::optional<Detection> next(const PreparedScan* later);
   [[nodiscard]] std::size_t first_number() const { return next_number_ - buffer_.size(); }
   [[nodiscard]] const BufferedScan& buffered(std::size_t number) const;

@@ -140,7 +140,9 @@ struct DetectorParameters {
     using P = DetectorParameters;
     return std::tuple{
         declare(&P::scan_gap, "scan_gap", "scans", 1, 100,
-                "the reference scan is this many scans before the query scan, or the first of the recording",
+                "the reference scan is this many scans before the query scan; at the start of a recording "
+                "the first scan, or "
+                "the later scan if that is farther off",
                 "paper step 2"),
         declare(&P::forward_gap, "forward_gap", "scans", 0, 100,
                 "the forward freespace check uses the scan this many after the query scan, which is also the "
