@@ -19,7 +19,7 @@ constexpr int kLetterAdvance = kLetterColumns + 1;
 float coverage(float distance_inside) { return std::clamp(distance_inside + 0.5F, 0.0F, 1.0F); }
 
 std::uint8_t byte_of(float value) {
-  return static_cast<std::uint8_t>(std::clamp(value, 0.0F, 255.0F) + 0.5F);
+  return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0F, 255.0F)));
 }
 
 }  // namespace
