@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <exception>
 #include <memory>
+#include <stdexcept>
 
 #include <mapless/detection/detector.hpp>
 #include <mapless/io/dataset.hpp>
@@ -21,14 +22,13 @@ void print(const mapless::Detection& detection) {
 
 int main(int argc, char** argv) try {
   const auto recording = mapless::open_dataset(argc > 1 ? argv[1] : ".");
-  const auto own_trajectory = recording->trajectory();
-  const mapless::StationaryTrajectory standing_still;
-  const mapless::Trajectory& trajectory = own_trajectory ? *own_trajectory : standing_still;
+  const auto trajectory = recording->trajectory();
+  if (!trajectory) throw std::runtime_error("the recording has no trajectory; see io/trajectory_file.hpp");
 
   mapless::Detector detector;
   for (std::size_t k = 0; k < recording->size(); ++k) {
     const auto scan = std::make_shared<const mapless::LidarScan>(recording->read(k));
-    if (const auto detection = detector.process(scan, trajectory)) print(*detection);
+    if (const auto detection = detector.process(scan, *trajectory)) print(*detection);
   }
   while (const auto detection = detector.flush()) print(*detection);
 } catch (const std::exception& error) {
