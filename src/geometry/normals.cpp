@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <optional>
 
 #include <Eigen/Eigenvalues>
@@ -53,12 +55,18 @@ class NormalEstimator {
  public:
   NormalEstimator(const CompensatedScan& scan, const NearestNeighbours& neighbours,
                   const NormalParameters& parameters)
-      : scan_(scan), neighbours_(neighbours), parameters_(parameters), image_(*scan.scan) {
+      : scan_(scan),
+        neighbours_(neighbours),
+        parameters_(parameters),
+        image_(*scan.scan),
+        column_rad_(2 * std::numbers::pi / scan.scan->model->columns),
+        sine_of_incidence_(std::sin(parameters.min_incidence_deg * std::numbers::pi / 180)) {
     const LidarModel& model = *scan.scan->model;
     for (std::size_t c = 0; c < scan.column_T_0v.size(); ++c) {
       const SE3 T_vh(rotation_z(model.hub_angle(static_cast<double>(c))), Eigen::Vector3d::Zero());
       column_T_0h_.push_back(scan.column_T_0v[c] * T_vh);
     }
+    for (int l = 0; l < scan.scan->rows(); ++l) half_columns_.push_back(half_width(model, l));
   }
 
   [[nodiscard]] Eigen::Vector3f normal(std::size_t i) const {
@@ -71,6 +79,19 @@ class NormalEstimator {
   }
 
  private:
+  // Half the window's width in columns: at least as asked, and as wide as the window is high.
+  [[nodiscard]] int half_width(const LidarModel& model, int laser) const {
+    const auto elevation = [&](int l) {
+      const int inside = std::clamp(l, 0, static_cast<int>(model.lasers.size()) - 1);
+      return model.lasers[static_cast<std::size_t>(inside)].elevation_rad;
+    };
+    const int rows = parameters_.window_rows / 2;
+    const double half_height =
+        std::max(elevation(laser + rows) - elevation(laser), elevation(laser) - elevation(laser - rows));
+    const int square = static_cast<int>(std::lround(half_height / column_rad_));
+    return std::min(std::max(parameters_.window_columns / 2, square), (model.columns - 1) / 2);
+  }
+
   [[nodiscard]] Eigen::Vector3d ray_origin_0(std::size_t i) const {
     const LidarReturn& r = scan_.scan->returns[i];
     const Laser& laser = scan_.scan->model->lasers[static_cast<std::size_t>(r.laser)];
@@ -80,18 +101,22 @@ class NormalEstimator {
   [[nodiscard]] Moments around_in_image(std::size_t i) const {
     const LidarScan& scan = *scan_.scan;
     const LidarReturn& r = scan.returns[i];
-    const double gate = parameters_.gate_m + parameters_.gate_per_m * r.range_m;
+    const auto& lasers = scan.model->lasers;
+    const double elevation = lasers[static_cast<std::size_t>(r.laser)].elevation_rad;
     const int rows = parameters_.window_rows / 2;
-    const int columns = std::min(parameters_.window_columns, scan.columns);
-    const int first_column = image_.aligned_column(r.laser, r.column) - columns / 2;
+    const int half = half_columns_[static_cast<std::size_t>(r.laser)];
+    const int centre = image_.aligned_column(r.laser, r.column);
     const int last_row = std::min(r.laser + rows, scan.rows() - 1);
     Moments moments;
     moments.add(Eigen::Vector3d::Zero());
     for (int row = std::max(r.laser - rows, 0); row <= last_row; ++row) {
-      for (int column = first_column; column < first_column + columns; ++column) {
-        const std::int32_t j = scan.cell(row, image_.scan_column(row, column));
+      const double up_rad = lasers[static_cast<std::size_t>(row)].elevation_rad - elevation;
+      for (int across = -half; across <= half; ++across) {
+        const std::int32_t j = scan.cell(row, image_.scan_column(row, centre + across));
         if (j < 0 || static_cast<std::size_t>(j) == i) continue;
         const Eigen::Vector3d d = scan_.points_0[static_cast<std::size_t>(j)] - scan_.points_0[i];
+        const double gate =
+            parameters_.gate_m + r.range_m * std::hypot(up_rad, across * column_rad_) / sine_of_incidence_;
         if (d.squaredNorm() <= gate * gate) moments.add(d);
       }
     }
@@ -112,6 +137,9 @@ class NormalEstimator {
   const NormalParameters& parameters_;
   AlignedImage image_;
   std::vector<SE3> column_T_0h_;
+  double column_rad_;  // turn of the hub between columns
+  double sine_of_incidence_;
+  std::vector<int> half_columns_;  // of each laser's window
 };
 
 }  // namespace

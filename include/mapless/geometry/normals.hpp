@@ -26,11 +26,11 @@ struct NormalParameters {
   int window_rows = 3;
   int window_columns = 7;
   double gate_m = 0.10;
-  double gate_per_m = 0.08;
+  double min_incidence_deg = 5.0;
   int neighbours = 10;
   int min_points = 5;
   double max_thickness_ratio = 0.25;
-  double min_width_ratio = 0.10;
+  double min_width_ratio = 0.05;
 
   static constexpr auto declarations() {
     using P = NormalParameters;
@@ -41,13 +41,17 @@ struct NormalParameters {
                 "paper step 2; method.md 2"),
         declare(&P::window_rows, "window_rows", "lasers", 1, 15, "height of the image window, odd",
                 "method.md 2"),
-        declare(&P::window_columns, "window_columns", "columns", 1, 31, "width of the image window, odd",
+        declare(&P::window_columns, "window_columns", "columns", 1, 31,
+                "least width of the image window, odd; it is widened to be as wide as it is high where "
+                "lasers are sparse",
                 "method.md 2"),
-        declare(
-            &P::gate_m, "gate_m", "m", 0.0, 10.0,
-            "window points whose distance from the point exceeds gate_m + gate_per_m x range do not count",
-            "method.md 2"),
-        declare(&P::gate_per_m, "gate_per_m", "m/m", 0.0, 1.0, "see gate_m", "method.md 2"),
+        declare(&P::gate_m, "gate_m", "m", 0.0, 10.0,
+                "window points farther from the point than gate_m + range x angle between the two beams / "
+                "sin(min_incidence_deg) do not count",
+                "method.md 2"),
+        declare(&P::min_incidence_deg, "min_incidence_deg", "deg", 0.1, 90.0,
+                "the flattest incidence at which neighbouring beams are taken to hit one surface; see gate_m",
+                "method.md 2"),
         declare(&P::neighbours, "neighbours", "points", 3, 100, "k of method nearest_neighbours",
                 "paper step 2"),
         declare(&P::min_points, "min_points", "points", 3, 100,
