@@ -75,7 +75,8 @@ std::shared_ptr<const Trajectory> street_drive() {
     varpi << -8, 0, 0, 0, 0, turning ? -30 * kDegree : 0;
     T_v0 = SE3::exp(step_s * varpi) * T_v0;
   }
-  return std::make_shared<SampledTrajectory>(std::move(poses), Duration(), "toy street");
+  // Some lasers fire a little before their column's instant.
+  return std::make_shared<SampledTrajectory>(std::move(poses), Duration::from_seconds(step_s), "toy street");
 }
 
 }  // namespace
