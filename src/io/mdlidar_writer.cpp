@@ -34,7 +34,7 @@ std::string message_bytes(const google::protobuf::MessageLite& message, const st
 
 }  // namespace
 
-MdlidarWriter::MdlidarWriter(std::filesystem::path folder, std::vector<MdlidarLaser> lasers,
+MdlidarWriter::MdlidarWriter(std::filesystem::path folder, const std::vector<MdlidarLaser>& lasers,
                              int points_per_laser, Duration frame_period)
     : folder_(std::move(folder)),
       points_per_frame_(lasers.size() * static_cast<std::size_t>(points_per_laser)) {

@@ -37,8 +37,8 @@ YAML::Node load(const std::filesystem::path& file) {
 
 YamlMap::YamlMap(const std::filesystem::path& file) : YamlMap(load(file), file.string(), "") {}
 
-YamlMap::YamlMap(YAML::Node node, std::string file, std::string name)
-    : node_(std::move(node)), file_(std::move(file)), name_(std::move(name)) {
+YamlMap::YamlMap(const YAML::Node& node, std::string file, std::string name)
+    : node_(node), file_(std::move(file)), name_(std::move(name)) {
   if (!node_.IsMap()) {
     throw InputError({where(node_), name_, "", "not a list of keys and values", "see the documented format"});
   }

@@ -16,7 +16,7 @@ class YamlMap {
   /// The map a file consists of.
   explicit YamlMap(const std::filesystem::path& file);
   /// A map inside it; `name` says which, in messages ("laser 3").
-  YamlMap(YAML::Node node, std::string file, std::string name);
+  YamlMap(const YAML::Node& node, std::string file, std::string name);
 
   [[nodiscard]] bool has(const std::string& key) const;
   /// Throws for a key that is not among these.

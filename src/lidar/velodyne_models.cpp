@@ -97,7 +97,10 @@ constexpr std::array<VelodyneTiming, 4> kTimings = {{
     {32, 2170, 1.0, 100, [](int id) { return 1.152 * id; }},  // 46.08 us
     {64, 2083, 0.9, 120, [](int) { return 0.0; }},            // 48.0 us
     {128, 1876, 0.5, 245,
-     [](int id) { return 2.665 * (id / 8 + id / 64); }},  // 53.3 us, eight at a time, a pause
+     [](int id) {
+       const int groups = id / 8 + id / 64;
+       return 2.665 * groups;
+     }},  // 53.3 us, eight at a time, a pause
 }};
 
 LidarModel hdl_64e(const std::array<BeamCalibration, 64>& beams) {

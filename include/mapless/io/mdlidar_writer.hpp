@@ -39,7 +39,7 @@ struct MdlidarFrame {
 class MdlidarWriter {
  public:
   /// Makes the folder. Throws OutputError where that fails.
-  MdlidarWriter(std::filesystem::path folder, std::vector<MdlidarLaser> lasers, int points_per_laser,
+  MdlidarWriter(std::filesystem::path folder, const std::vector<MdlidarLaser>& lasers, int points_per_laser,
                 Duration frame_period);
   /// Writes the next frame. Throws OutputError where it cannot, InputError for a wrong number of points.
   void write(const MdlidarFrame& frame);
