@@ -8,10 +8,10 @@
 
 namespace mapless {
 
-/// Sets parameters from a YAML file whose maps are the groups of the keys ("freespace.border_radius_m" is
-/// border_radius_m in the map freespace). Keys the file does not have keep their value. Throws InputError for
-/// a file that cannot be read or is not YAML, ParameterError naming file, line and key for an unknown or
-/// repeated key, a value of the wrong type or out of bounds.
+/// Sets parameters from a YAML file whose maps are the groups of the keys ("freespace.backward_threshold_m"
+/// is backward_threshold_m in the map freespace). Keys the file does not have keep their value. Throws
+/// InputError for a file that cannot be read or is not YAML, ParameterError naming file, line and key for an
+/// unknown or repeated key, a value of the wrong type or out of bounds.
 void read_parameters_file(const std::filesystem::path& file,
                           const std::vector<ParameterReference>& parameters);
 
