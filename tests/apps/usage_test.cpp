@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
 #include "support/command.hpp"
 #include "support/temporary_folder.hpp"
 #include <mapless/detection/parameters.hpp>
@@ -100,3 +101,7 @@ TEST(Config, NamesWhatItRefuses) {
 
 }  // namespace
 }  // namespace mapless
+  const auto schema = nlohmann::json::parse(result.out);
+  EXPECT_EQ(schema["properties"]["normals"]["properties"]["window_rows"]["not"]["multipleOf"], 2);
+  expect_error(run_command({"config", "--set", "=4"}), 2, {"key=value"});
+  expect_error(run_command({"config", "--set", "normals.window_rows=4"}), 2, {"normals.window_rows", "odd"});
