@@ -21,6 +21,7 @@
 #include <mapless/io/labels.hpp>
 #include <mapless/io/result_folder.hpp>
 
+#include <mapless/io/time_order.hpp>
 namespace mapless::app {
 namespace {
 
@@ -176,6 +177,7 @@ int detect(const DetectOptions& options) {
   const auto dataset = options.recording.open();
   const std::size_t count = selected_count(options, *dataset);
   const TrajectorySource trajectory = open_trajectory(*dataset, options.trajectory);
+  require_time_order(*dataset, options.first, count);
   announce(*dataset, trajectory);
   require_coverage(*dataset, *trajectory.trajectory, options.first, count);
 
