@@ -19,21 +19,37 @@ result=$out/result
 # shellcheck disable=SC2086  # ARGS is a list of options
 "$mapless" detect "$recording" -o "$result" --overwrite ${ARGS:-}
 
+# Those of the options that say how the recording is to be read: render and evaluate read it too.
+# shellcheck disable=SC2086
+set -- ${ARGS:-}
+reading=
+while [ $# -gt 0 ]; do
+  case $1 in
+    --format | --sensor | --labels | --own-pose-direction) reading="$reading $1 $2" && shift ;;
+    --format=* | --sensor=* | --labels=* | --own-pose-direction=*) reading="$reading $1" ;;
+  esac
+  shift
+done
+
 # A scan from the middle of those that were labelled.
 count=$(ls "$result/labels" | wc -l)
 middle=$(ls "$result/labels" | sed -n "$((count / 2 + 1))p")
 scan=$(echo "${middle%.label}" | sed 's/^0*\([0-9]\)/\1/')
-"$mapless" render "$recording" "$result" --scan "$scan" -o "$out/scan_$scan.png" >/dev/null
+# shellcheck disable=SC2086
+"$mapless" render "$recording" "$result" --scan "$scan" -o "$out/scan_$scan.png" $reading >/dev/null
 
 rm -f "$out/evaluation.json" "$out/evaluation.txt"
-if "$mapless" evaluate "$recording" "$result" --json "$out/evaluation.json" >"$out/evaluation.txt" 2>&1; then
+# shellcheck disable=SC2086
+if "$mapless" evaluate "$recording" "$result" --json "$out/evaluation.json" $reading \
+  >"$out/evaluation.txt" 2>"$out/evaluation.log"; then
   cat "$out/evaluation.txt"
   numbers="$out/evaluation.txt (precision and recall), $result/summary.json (time per stage)"
 else
-  echo "no evaluation: $(tail -n 1 "$out/evaluation.txt")"
+  echo "no evaluation: $(tail -n 1 "$out/evaluation.log")"
   rm -f "$out/evaluation.txt"
   numbers="$result/summary.json"
 fi
+rm -f "$out/evaluation.log"
 
 echo
 echo "labels:  $result/labels, one file per scan"

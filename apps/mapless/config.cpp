@@ -37,6 +37,7 @@ void add_value(Json& schema, const ParameterReference& p) {
     schema["minimum"] = static_cast<int>(p.min);
     schema["maximum"] = static_cast<int>(p.max);
     return;
+    if (p.odd) schema["not"] = {{"multipleOf", 2}};
   }
   schema["type"] = "number";
   schema["default"] = *std::get<double*>(p.value);

@@ -8,6 +8,7 @@
 #include <tbb/global_control.h>
 
 #include "interrupt.hpp"
+#include "option_checks.hpp"
 #include "parameter_options.hpp"
 #include "progress.hpp"
 #include "recording_options.hpp"
@@ -21,6 +22,7 @@
 #include <mapless/io/labels.hpp>
 #include <mapless/io/result_folder.hpp>
 
+#include <mapless/io/time_order.hpp>
 namespace mapless::app {
 namespace {
 
@@ -176,6 +178,7 @@ int detect(const DetectOptions& options) {
   const auto dataset = options.recording.open();
   const std::size_t count = selected_count(options, *dataset);
   const TrajectorySource trajectory = open_trajectory(*dataset, options.trajectory);
+  require_time_order(*dataset, options.first, count);
   announce(*dataset, trajectory);
   require_coverage(*dataset, *trajectory.trajectory, options.first, count);
 
@@ -203,7 +206,8 @@ void add_detect(CLI::App& app, int& exit_code) {
   verb->add_option("--first", options->first, "number of the first scan used; those before it are not read")
       ->capture_default_str();
   verb->add_option("--count", options->count, "how many scans (all from the first on where not given)")
-      ->check(CLI::PositiveNumber);
+      ->check(whole_number(0))
+      ->check(whole_number(1));
   verb->add_option("--threads", options->threads,
                    "threads used (all cores where not given); the result is the same")
       ->check(CLI::Range(1, 1024));

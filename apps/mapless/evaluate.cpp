@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "json_text.hpp"
+#include "option_checks.hpp"
 #include "progress.hpp"
 #include "recording_options.hpp"
 #include "verbs.hpp"
@@ -115,7 +117,7 @@ void add_evaluate(CLI::App& app, int& exit_code) {
       ->required();
   verb->add_option("--max-range", options->max_range_m,
                    "points farther than this from their laser do not count [m]")
-      ->check(CLI::PositiveNumber);
+      ->check(positive_number());
   verb->add_option("--json", options->json,
                    "also write the figures to this file; - prints them instead of the table");
   verb->callback([options, &exit_code] { exit_code = evaluate(*options); });

@@ -12,6 +12,7 @@
 #include <mapless/core/errors.hpp>
 #include <mapless/io/recording_survey.hpp>
 
+#include <mapless/io/trajectory_source.hpp>
 namespace mapless::app {
 namespace {
 
@@ -27,7 +28,8 @@ Json trajectory_json(const Dataset& dataset) {
     const auto trajectory = dataset.trajectory();
     if (!trajectory) return nullptr;
     return {{"begin_s", trajectory->begin().seconds()}, {"end_s", trajectory->end().seconds()}};
-  } catch (const InputError& error) {
+    require_coverage(dataset, *trajectory, 0, dataset.size());
+  } catch (const Error& error) {
     return {{"error", error.what()}};
   }
 }
@@ -76,7 +78,8 @@ Json to_json(const Dataset& dataset, const RecordingSurvey& s) {
 
 std::string trajectory_line(const Json& trajectory) {
   if (trajectory.is_null()) return "none: detect needs --trajectory FILE or --stationary";
-  if (trajectory.contains("error")) return "unusable: " + trajectory["error"].get<std::string>();
+  if (trajectory.contains("error"))
+    return "not usable for all of it: " + trajectory["error"].get<std::string>();
   return fmt::format("in the recording, {:.3f} to {:.3f} s", trajectory["begin_s"].get<double>(),
                      trajectory["end_s"].get<double>());
 }

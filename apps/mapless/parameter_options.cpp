@@ -14,7 +14,7 @@ DetectorParameters ParameterOptions::chosen() const {
   if (!config.empty()) read_parameters_file(config, references);
   for (const std::string& setting : settings) {
     const std::size_t equals = setting.find('=');
-    if (equals == std::string::npos) {
+    if (equals == std::string::npos || equals == 0) {
       throw ParameterError(
           {"--set", "", setting, "must be key=value", "see 'mapless config' for the keys there are"});
     }

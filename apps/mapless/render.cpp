@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "option_checks.hpp"
 #include "recording_options.hpp"
 #include "scan_picture.hpp"
 #include "verbs.hpp"
@@ -51,7 +52,9 @@ void add_render(CLI::App& app, int& exit_code) {
   verb->add_option("OUT", options->result,
                    "the result of mapless detect, or a folder with labels/NNNNNN.label")
       ->required();
-  verb->add_option("--scan", options->scan, "number of the scan in the recording, from 0")->required();
+  verb->add_option("--scan", options->scan, "number of the scan in the recording, from 0")
+      ->required()
+      ->check(whole_number(0));
   verb->add_option("-o,--output", options->picture, "the picture, a PNG file")->required();
   verb->add_option("--view", options->view, "bird's-eye view, range image, or both")
       ->check(CLI::IsMember({"both", "bev", "range"}))

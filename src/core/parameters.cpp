@@ -33,7 +33,8 @@ std::string with_unit(const ParameterReference& p) {
 }
 
 std::string bounds(const ParameterReference& p) {
-  return fmt::format("give a value from {} to {}{}", p.min, p.max, with_unit(p));
+  return fmt::format("give {} from {} to {}{}", p.odd ? "an odd number" : "a value", p.min, p.max,
+                     with_unit(p));
 }
 
 // Levenshtein distance.
@@ -88,6 +89,7 @@ void ParameterReference::assign(std::string_view text, const std::string& where)
     const auto as_double = static_cast<double>(*number);
     // Written so that NaN is refused.
     if (!(as_double >= min && as_double <= max)) return refuse("out of bounds", bounds(*this));
+    if (odd && std::fmod(as_double, 2) == 0) return refuse("not odd", bounds(*this));
     *target = *number;
   };
   const auto assign_choice = [&](const ChoiceReference& choice) {

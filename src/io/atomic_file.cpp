@@ -15,10 +15,11 @@
 namespace mapless {
 namespace {
 
+namespace fs = std::filesystem;
+
 class FileDescriptor {
  public:
-  FileDescriptor(const std::filesystem::path& file, int flags)
-      : fd_(open(file.c_str(), flags | O_CLOEXEC, 0666)) {}
+  FileDescriptor(const fs::path& file, int flags) : fd_(open(file.c_str(), flags | O_CLOEXEC, 0666)) {}
   ~FileDescriptor() {
     if (fd_ >= 0) close(fd_);
   }
@@ -35,7 +36,7 @@ class FileDescriptor {
 
 std::string system_reason() { return std::strerror(errno); }
 
-std::filesystem::path beside(const std::filesystem::path& file) {
+fs::path beside(const fs::path& file) {
   static std::atomic<unsigned> count = 0;
   return file.parent_path() / fmt::format(".{}.partial-{}-{}", file.filename().string(), getpid(), count++);
 }
@@ -50,24 +51,41 @@ bool write_all(int fd, std::string_view bytes) {
   return true;
 }
 
+// Where the bytes go: a link stays, and what it leads to is replaced.
+fs::path followed(const fs::path& file) {
+  std::error_code error;
+  const fs::path target = fs::canonical(file, error);
+  return error ? file : target;
+}
+
+// A rename may take a name that is free or a plain file's; it would remove a device. Empty where it may.
+std::string why_not_replaceable(const fs::path& file) {
+  std::error_code error;
+  const fs::file_type type = fs::status(file, error).type();
+  if (error || type == fs::file_type::regular || type == fs::file_type::not_found) return "";
+  return type == fs::file_type::directory ? "it is a folder" : "it is not a plain file";
+}
+
 }  // namespace
 
-void write_file_atomically(const std::filesystem::path& file, std::string_view bytes) {
-  const std::filesystem::path partial = beside(file);
+void write_file_atomically(const fs::path& file, std::string_view bytes) {
   const auto refuse = [&file](const std::string& reason) {
     throw OutputError(
         {file.string(), "", "", "cannot be written: " + reason, "check the folder and the disk"});
   };
+  const fs::path target = followed(file);
+  if (const std::string problem = why_not_replaceable(target); !problem.empty()) refuse(problem);
+  const fs::path partial = beside(target);
   FileDescriptor out(partial, O_WRONLY | O_CREAT | O_EXCL);
   if (!out.valid()) refuse(system_reason());
-  if (write_all(out.get(), bytes) && out.close_checked() && std::rename(partial.c_str(), file.c_str()) == 0)
+  if (write_all(out.get(), bytes) && out.close_checked() && std::rename(partial.c_str(), target.c_str()) == 0)
     return;
   const std::string reason = system_reason();
   unlink(partial.c_str());
   refuse(reason);
 }
 
-std::string read_whole_file(const std::filesystem::path& file) {
+std::string read_whole_file(const fs::path& file) {
   const auto refuse = [&file](const std::string& reason) {
     throw InputError(
         {file.string(), "", "", "cannot be read: " + reason, "check the path and its permissions"});

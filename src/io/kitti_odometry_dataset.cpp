@@ -69,6 +69,16 @@ std::optional<fs::path> poses_file(const fs::path& sequence) {
   return std::nullopt;
 }
 
+// Poses come one per line of times.txt, and have no times of their own.
+void require_increasing(const std::vector<Time>& times, const fs::path& file) {
+  for (std::size_t i = 1; i < times.size(); ++i) {
+    if (times[i] > times[i - 1]) continue;
+    throw InputError({fmt::format("{}:{}", file.string(), i + 1), "time", decimal_seconds(times[i]) + " s",
+                      fmt::format("not after the line before ({} s)", decimal_seconds(times[i - 1])),
+                      "restore the line from the original recording"});
+  }
+}
+
 void add_trajectory(const fs::path& sequence, const std::vector<Time>& times, Duration turn,
                     BareCloudRecording& recording) {
   const std::optional<fs::path> poses = poses_file(sequence);
@@ -76,6 +86,7 @@ void add_trajectory(const fs::path& sequence, const std::vector<Time>& times, Du
     recording.notes.emplace_back("trajectory: none (no poses.txt, nor ../../poses/NN.txt)");
     return;
   }
+  require_increasing(times, sequence / "times.txt");
   TrajectoryFileOptions options;
   options.T_file_sensor = read_kitti_calibration(sequence / "calib.txt");
   options.row_times = times;

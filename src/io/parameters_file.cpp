@@ -56,7 +56,7 @@ std::string bounds_text(const ParameterReference& p) {
   if (type == "choice") {
     return fmt::format("{}", fmt::join(std::get<ChoiceReference>(p.value).names, " or "));
   }
-  std::string text = fmt::format("{} to {}", p.min, p.max);
+  std::string text = fmt::format("{}{} to {}", p.odd ? "odd, " : "", p.min, p.max);
   if (!p.unit.empty()) text += fmt::format(" {}", p.unit);
   return text;
 }

@@ -26,6 +26,7 @@ std::size_t median(std::vector<std::size_t> values) {
 
 struct ScanSizes {
   std::vector<std::size_t> number, records, returns;  // of the readable scans
+  std::size_t with_unusable = 0;                      // scans that have unusable records
 };
 
 void count_cells(const LidarScan& scan, RecordingSurvey& survey) {
@@ -56,7 +57,9 @@ void survey_scan(const LidarScan& scan, std::size_t k, RecordingSurvey& survey, 
   sizes.number.push_back(k);
   sizes.records.push_back(scan.input_size);
   sizes.returns.push_back(scan.returns.size());
+  const std::size_t unusable_before = survey.unusable;
   count_cells(scan, survey);
+  if (survey.unusable > unusable_before) ++sizes.with_unusable;
 }
 
 void survey_labels(const Dataset& dataset, std::size_t k, RecordingSurvey& survey) {
@@ -104,6 +107,11 @@ void survey_times(const Dataset& dataset, RecordingSurvey& survey) {
   }
 }
 
+bool far_from(std::size_t value, std::size_t usual) {
+  const auto v = static_cast<double>(value), u = static_cast<double>(usual);
+  return v * kSizeFactor < u || v > kSizeFactor * u;
+}
+
 void find_odd_sizes(const ScanSizes& sizes, RecordingSurvey& survey) {
   if (sizes.number.empty()) return;
   survey.median_returns = median(sizes.returns);
@@ -114,15 +122,25 @@ void find_odd_sizes(const ScanSizes& sizes, RecordingSurvey& survey) {
   const auto alike = std::count(sizes.records.begin(), sizes.records.end(), usual);
   const bool fixed_size = 2 * static_cast<std::size_t>(alike) > sizes.records.size();
   for (std::size_t i = 0; i < sizes.number.size(); ++i) {
-    const auto records = static_cast<double>(sizes.records[i]);
-    const auto expected = static_cast<double>(usual);
-    const bool odd = fixed_size ? sizes.records[i] != usual
-                                : records * kSizeFactor < expected || records > kSizeFactor * expected;
-    if (odd) {
+    const std::size_t records = sizes.records[i], returns = sizes.returns[i];
+    if (fixed_size ? records != usual : far_from(records, usual)) {
       survey.oddities.push_back(
-          fmt::format("scan {}: {} records, where {} is usual", sizes.number[i], sizes.records[i], usual));
+          fmt::format("scan {}: {} records, where {} is usual", sizes.number[i], records, usual));
+    } else if (returns == 0) {
+      survey.oddities.push_back(
+          fmt::format("scan {}: not one usable point among {} records", sizes.number[i], records));
+    } else if (far_from(returns, survey.median_returns)) {
+      survey.oddities.push_back(fmt::format("scan {}: {} usable points, where {} is usual", sizes.number[i],
+                                            returns, survey.median_returns));
     }
   }
+}
+
+void find_unusable_records(const ScanSizes& sizes, RecordingSurvey& survey) {
+  if (sizes.with_unusable == 0) return;
+  survey.oddities.push_back(
+      fmt::format("{} scans: {} records are no usable points (NaN, infinite, or in the sensor itself)",
+                  sizes.with_unusable, survey.unusable));
 }
 
 class DuplicateFinder {
@@ -167,6 +185,7 @@ RecordingSurvey survey_recording(const Dataset& dataset,
   }
   survey_times(dataset, survey);
   find_odd_sizes(sizes, survey);
+  find_unusable_records(sizes, survey);
   return survey;
 }
 

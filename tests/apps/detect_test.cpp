@@ -215,6 +215,43 @@ TEST_F(DetectTest, NeverOverwritesTheRecordingItself) {
 TEST_F(DetectTest, NamesAnOutputThatCannotBeWritten) {
   write_file_atomically(folder / "file", "");
   expect_error(run_command({"detect", street(), "-o", folder / "file" / "out"}), 1, {folder / "file"});
+TEST_F(DetectTest, InfoTellsWhichScanTheTrajectoryDoesNotReach) {
+  const std::string copy = street_copy();
+  write_file_atomically(copy + "/trajectory.txt", "0 0 0 0 0 0 0 1\n0.75 6 0 0 0 0 0 1\n");
+  const CommandResult r = run_command({"info", copy});
+  EXPECT_EQ(r.exit_code, 0) << r.err;
+  EXPECT_THAT(r.out, HasSubstr("scan 7 = [0.700000"));
+}
+
+TEST_F(DetectTest, ReadsThePosesOfMdlidarEitherWay) {
+  MdlidarWriter writer(folder / "town_1", {{0.02, 0.2, 0, 0.03}, {-0.02, 0.1, 0, -0.2}}, 90,
+                       Duration::from_nanoseconds(100'000'000));
+  for (int k = 0; k < 3; ++k) writer.write(empty_frame(k));
+  const auto path_with = [&](const std::string& direction) {
+    const auto r = run_command(
+        {"detect", folder / "town_1", "-o", out(), "--overwrite", "--own-pose-direction", direction});
+    EXPECT_EQ(r.exit_code, 0) << r.err;
+    return read_trajectory_file(result().trajectory(), {}).poses().back().T_v0.inverse().translation();
+  };
+  // The frames say (1, 0, 0) a scan: of the sensor in the world, or of the world in the sensor.
+  EXPECT_NEAR(path_with("world_from_sensor").x(), 3, 0.05);
+  EXPECT_NEAR(path_with("sensor_from_world").x(), -3, 0.05);
+}
+
+TEST_F(DetectTest, TakesNamesThatAreNoUtf8) {
+  const std::string latin = folder / "caf\xe9";
+  fs::copy(street(), latin, fs::copy_options::recursive);
+  const CommandResult r = detect({"--count", "2"}, latin);
+  ASSERT_EQ(r.exit_code, 0) << r.err;
+  EXPECT_THAT(summary()["recording"].get<std::string>(), testing::EndsWith("caf\xef\xbf\xbd"));
+  EXPECT_EQ(run_command({"info", latin, "--json"}).exit_code, 0);
+}
+
+TEST_F(DetectTest, NamesTheSensorThatDoesNotFit) {
+  expect_error(detect({"--sensor", "HDL-32E"}), 1,
+               {"000000.pcd", "HEIGHT = 16", "32 lasers of sensor HDL-32E"});
+}
+
 }
 
 TEST_F(DetectTest, NamesAnInputThatIsNotThere) {

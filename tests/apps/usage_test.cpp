@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
 #include "support/command.hpp"
 #include "support/temporary_folder.hpp"
 #include <mapless/detection/parameters.hpp>
@@ -56,6 +57,28 @@ TEST(Usage, WrongUseIsNamedInOneLine) {
 }
 
 TEST(Config, PrintsEveryParameterWithItsUnit) {
+TEST(Usage, NumbersAreCheckedInPlainWords) {
+  expect_error(run_command({"detect", "in", "-o", "out", "--first", "-1"}), 2,
+               {"--first: -1", "whole number"});
+  expect_error(run_command({"detect", "in", "-o", "out", "--count", "0"}), 2, {"--count: 0", "at least 1"});
+  expect_error(run_command({"render", "in", "out", "-o", "x.png", "--scan", "1.5"}), 2,
+               {"--scan: 1.5", "whole number"});
+  for (const char* range : {"0", "nan", "inf", "near"}) {
+    expect_error(run_command({"evaluate", "in", "out", "--max-range", range}), 2,
+                 {"--max-range: " + std::string(range), "greater than 0"});
+  }
+}
+
+TEST(Usage, OutputThatCannotBePrintedIsAnError) {
+  const test::TemporaryFolder folder;
+  // Short enough to stay in the buffer until the end.
+  const std::string command =
+      std::string(MAPLESS_COMMAND) + " --version > /dev/full 2> " + (folder / "err").string();
+  EXPECT_NE(std::system(command.c_str()), 0);  // NOLINT: a shell redirects
+  EXPECT_THAT(read_whole_file(folder / "err"),
+              AllOf(StartsWith("mapless: error: standard output"), HasSubstr("No space left")));
+}
+
   const CommandResult result = run_command({"config"});
   EXPECT_EQ(result.exit_code, 0) << result.err;
   DetectorParameters defaults;
@@ -98,5 +121,7 @@ TEST(Config, NamesWhatItRefuses) {
   expect_error(run_command({"config", "--profile", "none"}), 2, {"--profile", "none", "paper"});
 }
 
+  expect_error(run_command({"config", "--set", "=4"}), 2, {"key=value"});
+  expect_error(run_command({"config", "--set", "normals.window_rows=4"}), 2, {"normals.window_rows", "odd"});
 }  // namespace
 }  // namespace mapless

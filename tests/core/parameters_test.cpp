@@ -46,6 +46,22 @@ std::string message_of(const std::vector<ParameterReference>& references, std::s
   return "no error";
 }
 
+struct Window {
+  int rows = 3;
+  static constexpr auto declarations() {
+    return std::tuple{declare_odd(&Window::rows, "rows", "lasers", 1, 15, "a height", "hand")};
+  }
+};
+
+TEST(Parameters, AnOddOneRefusesEvenValues) {
+  Window window;
+  const auto references = parameter_references(window);
+  EXPECT_THAT(message_of(references, "rows", "4"),
+              AllOf(HasSubstr("rows = 4"), HasSubstr("odd number from 1")));
+  assign_parameter(references, "rows", "15", "");
+  EXPECT_EQ(window.rows, 15);
+}
+
 TEST(Parameters, AreListedInOrderOfDeclarationWithTheirGroups) {
   Outer p;
   const auto references = parameter_references(p);

@@ -62,6 +62,23 @@ TEST(AtomicFile, FailureNamesTheFileAndLeavesNothing) {
               HasSubstr("/dev/full/x"));
 }
 
+TEST(AtomicFile, WritesThroughALink) {
+  const test::TemporaryFolder folder;
+  write_file_atomically(folder / "target", "old");
+  std::filesystem::create_symlink("target", folder / "link");
+  write_file_atomically(folder / "link", "new");
+  EXPECT_TRUE(std::filesystem::is_symlink(folder / "link"));
+  EXPECT_EQ(read_whole_file(folder / "target"), "new");
+}
+
+TEST(AtomicFile, RefusesToReplaceWhatIsNoPlainFile) {
+  const test::TemporaryFolder folder;
+  ASSERT_EQ(mkfifo((folder / "pipe").c_str(), 0600), 0);
+  EXPECT_THAT(message_of<OutputError>([&] { write_file_atomically(folder / "pipe", "x"); }),
+              AllOf(HasSubstr("pipe"), HasSubstr("not a plain file")));
+  EXPECT_TRUE(std::filesystem::is_fifo(folder / "pipe"));
+}
+
 TEST(AtomicFile, UnreadableFilesSayWhy) {
   const test::TemporaryFolder folder;
   EXPECT_THAT(message_of<InputError>([&] { (void)read_whole_file(folder / "none"); }),

@@ -164,6 +164,16 @@ TEST_F(KittiOdometry, MissingTimesAndFewerTimes) {
   EXPECT_THROW((void)open_dataset(sequence()), InputError);
 }
 
+TEST_F(KittiOdometry, TimesThatGoBackAreNotBlamedOnThePoses) {
+  write_text(sequence() / "times.txt", "0\n0.2\n0.1\n");
+  try {
+    (void)open_dataset(sequence());
+    FAIL() << "accepted";
+  } catch (const InputError& error) {
+    EXPECT_EQ(error.detail().where, (sequence() / "times.txt").string() + ":3");
+  }
+}
+
 TEST_F(KittiOdometry, PosesWithoutCalibration) {
   fs::remove(sequence() / "calib.txt");
   try {

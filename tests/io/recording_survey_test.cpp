@@ -51,6 +51,16 @@ TEST(RecordingSurvey, NamesScansThatCannotBeReadOrHaveAnotherSize) {
               ElementsAre(HasSubstr("scan 1: memory: is broken"), HasSubstr("scan 4: 7 records")));
 }
 
+TEST(RecordingSurvey, NamesScansThatLackTheirPoints) {
+  MemoryDataset dataset(regular_starts(6), 8);
+  dataset.missing = {{2, 8}, {3, 5}, {4, 4}};
+  const RecordingSurvey survey = survey_recording(dataset);
+  EXPECT_EQ(survey.unusable, 17u);
+  EXPECT_THAT(survey.oddities, ElementsAre(HasSubstr("scan 2: not one usable point among 8"),
+                                           HasSubstr("scan 3: 3 usable points, where 8 is usual"),
+                                           HasSubstr("3 scans: 17 records are no usable points (NaN")));
+}
+
 TEST(RecordingSurvey, NamesScansWithTheSameBytes) {
   const test::TemporaryFolder folder;
   MemoryDataset dataset(regular_starts(3), 8);

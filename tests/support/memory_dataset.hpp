@@ -25,6 +25,7 @@ class MemoryDataset final : public Dataset {
 
   std::map<std::size_t, std::vector<std::uint32_t>> labels;  ///< truth, by scan
   std::map<std::size_t, std::size_t> sizes;                  ///< records of scans that are not `columns` long
+  std::map<std::size_t, std::size_t> missing;                ///< records without a usable point, by scan
   std::vector<std::size_t> unreadable;                       ///< scans whose reading fails
   std::shared_ptr<const Trajectory> own_trajectory;          ///< null: none
   std::optional<Duration> compensated_to;                    ///< after the start of each scan
@@ -56,7 +57,8 @@ class MemoryDataset final : public Dataset {
     if (compensated_to) scan.compensated_to = scan.start + *compensated_to;
     scan.input_size = sizes.count(k) != 0 ? sizes.at(k) : static_cast<std::size_t>(model_.columns);
     scan.cells.assign(static_cast<std::size_t>(model_.columns), empty_cell(ReturnCode::absent));
-    for (std::size_t i = 0; i < scan.input_size; ++i) {
+    const std::size_t usable = scan.input_size - (missing.count(k) != 0 ? missing.at(k) : 0);
+    for (std::size_t i = 0; i < usable; ++i) {
       const auto column = static_cast<std::int32_t>(i) % model_.columns;
       const float range = static_cast<float>(i) + 1;
       scan.returns.push_back({{range, 0, 0}, range, 0, column, 0, static_cast<std::uint32_t>(i)});

@@ -32,6 +32,7 @@ struct ParameterDeclaration {
   double max;             ///< inclusive
   std::string_view help;
   std::string_view source;  ///< paper section or equation, or "method.md 2" where the paper is silent
+  bool odd = false;         ///< an integer that must be odd
 };
 
 template <class Struct, class Group>
@@ -51,6 +52,14 @@ template <class Struct, class Value>
 constexpr ParameterDeclaration<Struct, Value> declare(Value Struct::*member, std::string_view name,
                                                       std::string_view help, std::string_view source) {
   return {member, name, "", 0, 0, help, source};
+}
+
+/// The side of a window that has a middle: an odd integer.
+template <class Struct>
+constexpr ParameterDeclaration<Struct, int> declare_odd(int Struct::*member, std::string_view name,
+                                                        std::string_view unit, double min, double max,
+                                                        std::string_view help, std::string_view source) {
+  return {member, name, unit, min, max, help, source, true};
 }
 
 template <class Struct, class Group>
@@ -74,6 +83,7 @@ struct ParameterReference {
   std::string_view help;
   std::string_view source;
   std::variant<bool*, int*, double*, ChoiceReference> value;
+  bool odd = false;
 
   /// The value as the configuration file and the command line write it.
   [[nodiscard]] std::string text() const;
@@ -101,8 +111,8 @@ void collect(Struct& parameters, const std::string& prefix, std::vector<Paramete
 template <class Struct, class Value>
 void collect_one(Struct& p, const ParameterDeclaration<Struct, Value>& d, const std::string& prefix,
                  std::vector<ParameterReference>& out) {
-  out.push_back(
-      {prefix + std::string(d.name), d.unit, d.min, d.max, d.help, d.source, reference(p.*(d.member))});
+  out.push_back({prefix + std::string(d.name), d.unit, d.min, d.max, d.help, d.source,
+                 reference(p.*(d.member)), d.odd});
 }
 
 template <class Struct, class Group>

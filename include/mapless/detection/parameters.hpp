@@ -55,13 +55,13 @@ struct FreespaceParameters {
                 "method.md 2"),
         declare(&P::max_ray_distance_spacings, "max_ray_distance_spacings", "laser spacings", 0.0, 100.0,
                 "see max_ray_distance_m", "method.md 2"),
-        declare(&P::border_window_rows, "border_window_rows", "lasers", 1, 15,
-                "height of the window of rays around the nearest one of which any can make a point border; "
-                "odd, 1: "
-                "none but the nearest",
-                "method.md 2"),
-        declare(&P::border_window_columns, "border_window_columns", "columns", 1, 31,
-                "width of that window; odd", "method.md 2"),
+        declare_odd(
+            &P::border_window_rows, "border_window_rows", "lasers", 1, 15,
+            "height of the window of rays around the nearest one of which any can make a point border; "
+            "1: none but the nearest",
+            "method.md 2"),
+        declare_odd(&P::border_window_columns, "border_window_columns", "columns", 1, 31,
+                    "width of that window", "method.md 2"),
         declare(&P::border_radius_per_m, "border_radius_per_m", "m/m", 0.0, 1.0,
                 "a ray of the window makes a point border if it ends within the threshold + "
                 "border_radius_per_m x "

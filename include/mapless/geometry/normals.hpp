@@ -39,12 +39,12 @@ struct NormalParameters {
                 "where a point's neighbours come from: a window of the aligned scan image, or the k nearest "
                 "in space",
                 "paper step 2; method.md 2"),
-        declare(&P::window_rows, "window_rows", "lasers", 1, 15, "height of the image window, odd",
-                "method.md 2"),
-        declare(&P::window_columns, "window_columns", "columns", 1, 31,
-                "least width of the image window, odd; it is widened to be as wide as it is high where "
-                "lasers are sparse",
-                "method.md 2"),
+        declare_odd(&P::window_rows, "window_rows", "lasers", 1, 15, "height of the image window",
+                    "method.md 2"),
+        declare_odd(&P::window_columns, "window_columns", "columns", 1, 31,
+                    "least width of the image window; it is widened to be as wide as it is high where "
+                    "lasers are sparse",
+                    "method.md 2"),
         declare(&P::gate_m, "gate_m", "m", 0.0, 10.0,
                 "window points farther from the point than gate_m + range x angle between the two beams / "
                 "sin(min_incidence_deg) do not count",

@@ -7,7 +7,8 @@
 namespace mapless {
 
 /// Writes `bytes` to a file beside `file` and renames it over, so that a reader sees the old file or the
-/// whole new one. Throws OutputError (with the system's reason) and leaves nothing behind where that fails.
+/// whole new one. A symbolic link is kept and its target replaced; what is no plain file (a folder, a device)
+/// is refused. Throws OutputError (with the system's reason) and leaves nothing behind where that fails.
 void write_file_atomically(const std::filesystem::path& file, std::string_view bytes);
 
 /// The whole file. Throws InputError with the system's reason.

@@ -36,7 +36,8 @@ struct RecordingSurvey {
   std::size_t labelled_scans = 0;
   std::size_t moving_points = 0, still_points = 0, unknown_points = 0;  ///< of the truth
 
-  std::vector<std::string> oddities;  ///< one line each: unusable scans, gaps, duplicates, order, size
+  std::vector<std::string>
+      oddities;  ///< one line each: what cannot be read, gaps, duplicates, order, size, NaN
 };
 
 /// Reads every scan and label once. A scan or label file that cannot be read is an oddity, not an error.

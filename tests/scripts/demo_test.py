@@ -1,0 +1,46 @@
+"""scripts/demo.sh, with a command that only writes down how it was called."""
+
+import os
+import pathlib
+import subprocess
+import tempfile
+import unittest
+
+SCRIPT = pathlib.Path(__file__).resolve().parents[2] / "scripts" / "demo.sh"
+COMMAND = """#!/bin/sh
+echo "$*" >>calls
+case $1 in
+  detect) mkdir -p out/result/labels && touch out/result/labels/000007.label out/result/labels/000008.label ;;
+  evaluate) echo progress >&2 && echo table ;;
+esac
+"""
+
+
+class Demo(unittest.TestCase):
+    def run_demo(self, args):
+        with tempfile.TemporaryDirectory() as name:
+            folder = pathlib.Path(name)
+            command = folder / "build" / "mapless"
+            command.parent.mkdir()
+            command.write_text(COMMAND)
+            command.chmod(0o755)
+            env = dict(os.environ, RECORDING="drive", ARGS=args, OUT="out")
+            subprocess.run([str(SCRIPT)], cwd=folder, env=env, check=True, capture_output=True)
+            calls = (folder / "calls").read_text().splitlines()
+            return {call.split()[0]: call for call in calls}, (folder / "out" / "evaluation.txt").read_text()
+
+    def test_what_tells_how_to_read_the_recording_goes_to_every_verb(self):
+        calls, _ = self.run_demo("--trajectory p.txt --labels truth --causal --sensor=VLP-16")
+        self.assertEqual(calls["detect"], "detect drive -o out/result --overwrite --trajectory p.txt --labels truth"
+                         " --causal --sensor=VLP-16")
+        self.assertEqual(calls["render"], "render drive out/result --scan 8 -o out/scan_8.png"
+                         " --labels truth --sensor=VLP-16")
+        self.assertEqual(calls["evaluate"], "evaluate drive out/result --json out/evaluation.json"
+                         " --labels truth --sensor=VLP-16")
+
+    def test_the_evaluation_holds_the_table_alone(self):
+        self.assertEqual(self.run_demo("")[1], "table\n")
+
+
+if __name__ == "__main__":
+    unittest.main()
