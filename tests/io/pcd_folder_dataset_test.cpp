@@ -224,7 +224,7 @@ TEST(PcdFolder, WhatCannotBeReadIsRefused) {
   const auto nothing = [](const fs::path&) {};
   const auto constant = [](double v) { return [v](const Firing&) { return v; }; };
   EXPECT_EQ(refusal({kRing}, nothing), "accepted");
-  EXPECT_THAT(refusal({kRing}, nothing, {}), HasSubstr("--sensor"));
+  EXPECT_THAT(refusal({}, nothing, {}), HasSubstr("--sensor"));
   EXPECT_THAT(refusal({}, [](const fs::path& r) { fs::remove(r / "times.txt"); }),
               AllOf(HasSubstr("0.pcd"), HasSubstr("times.txt")));
   EXPECT_THAT(refusal({}, [](const fs::path& r) { write_file_atomically(r / "times.txt", "2\n1\n"); }),
