@@ -74,6 +74,17 @@ std::vector<std::int64_t> ring_numbers(const PcdPoints& points, PcdRingSource so
   return numbers;
 }
 
+// Where numbers rise or fall with the elevation, those between two others are of lasers that saw nothing.
+void add_unseen_rings(std::vector<std::int64_t>& rings) {
+  const bool rise = std::is_sorted(rings.begin(), rings.end());
+  if (!rise && !std::is_sorted(rings.rbegin(), rings.rend())) return;
+  const auto [least, most] = std::minmax({rings.front(), rings.back()});
+  if (least < 0 || most >= static_cast<std::int64_t>(kMostRings)) return;
+  rings.resize(static_cast<std::size_t>(most - least) + 1);
+  std::iota(rings.begin(), rings.end(), least);
+  if (!rise) std::reverse(rings.begin(), rings.end());
+}
+
 // The rings of all scans: from the lowest to the highest, so that a ring's neighbours are those in the list;
 // in stored order where nothing but the order tells them.
 std::vector<std::int64_t> rings_of_scans(const std::vector<PcdPoints>& scans, PcdRingSource source,
@@ -101,6 +112,7 @@ std::vector<std::int64_t> rings_of_scans(const std::vector<PcdPoints>& scans, Pc
     ask_for_sensor(folder,
                    fmt::format("its points show {} rings, from which it cannot be told", rings.size()));
   }
+  if (source != PcdRingSource::order) add_unseen_rings(rings);
   return rings;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <numeric>
 
@@ -127,17 +128,23 @@ bool find_whole_offsets(const std::vector<TimedCloud>& clouds, const std::vector
   const std::int32_t reference = fullest_ring(clouds, count);
   std::vector<std::vector<double>> differences(count);
   for (const TimedCloud& cloud : clouds) add_differences(cloud, row_of_ring, model, reference, differences);
-  const auto empty = [](const std::vector<double>& d) { return d.empty(); };
-  if (std::any_of(differences.begin(), differences.end(), empty)) return false;
-  std::vector<double> offsets;
-  for (std::vector<double>& d : differences) offsets.push_back(median(std::move(d)));
-  const auto [least, most] = std::minmax_element(offsets.begin(), offsets.end());
-  const double centre = (*least + *most) / 2;
+  std::vector<std::optional<double>> offsets(count);
+  double least = std::numeric_limits<double>::infinity();
+  double most = -least;
+  for (std::size_t ring = 0; ring < count; ++ring) {
+    if (differences[ring].empty()) continue;
+    offsets[ring] = median(std::move(differences[ring]));
+    least = std::min(least, *offsets[ring]);
+    most = std::max(most, *offsets[ring]);
+  }
+  if (least > most) return false;
+  const double centre = (least + most) / 2;
   const double column = kTwoPi / model.columns;
   for (std::size_t ring = 0; ring < count; ++ring) {
+    if (!offsets[ring]) continue;
     Laser& laser = model.lasers[static_cast<std::size_t>(row_of_ring[ring])];
     const double across = across_of(laser);
-    const double whole = std::round((offsets[ring] - centre - laser.azimuth_offset_rad) / column);
+    const double whole = std::round((*offsets[ring] - centre - laser.azimuth_offset_rad) / column);
     laser.azimuth_offset_rad += whole * column;
     laser.origin_h_m.x() = -across * std::sin(laser.azimuth_offset_rad);
     laser.origin_h_m.y() = across * std::cos(laser.azimuth_offset_rad);

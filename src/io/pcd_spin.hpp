@@ -23,8 +23,8 @@ struct TimedCloud {
 
 /// Where azimuth offsets are known but for whole columns, finds the whole ones: all lasers of one instant
 /// share the hub's angle. Each is then within half a column of the azimuth between its laser and the others
-/// at that instant, up to a turn common to all, which is taken to centre them on 0. False, and nothing
-/// changed, where a ring has no point at a time at which the fullest ring has any.
+/// at that instant, up to a turn common to all, which is taken to centre them on 0. Rings without a point
+/// about when the fullest ring has one keep theirs; false, and nothing changed, where there are no times.
 [[nodiscard]] bool find_whole_offsets(const std::vector<TimedCloud>& clouds,
                                       const std::vector<int>& row_of_ring, LidarModel& model);
 

@@ -168,6 +168,26 @@ INSTANTIATE_TEST_SUITE_P(Sensors, PcdSensorOf,
                                             ::testing::Values(SpinDirection::clockwise,
                                                               SpinDirection::counter_clockwise)));
 
+TEST(PcdSensor, ALaserThatSawNothingLiesBetweenItsNeighbours) {
+  const auto truth = sensor("VLP-16", SpinDirection::clockwise);
+  Recording recording;
+  record(truth, Stored::with_rings, true, recording);
+  for (int k = 0; k < kScans; ++k) {
+    std::vector<LidarRecord>& records = recording.scans[static_cast<std::size_t>(k)].records;
+    for (LidarRecord& r : records) {
+      if (r.laser != 5) continue;
+      r.position_v.setConstant(std::numeric_limits<float>::quiet_NaN());
+      r.code = ReturnCode::faulty;
+    }
+    write_records(recording.folder / (std::to_string(k) + ".pcd"), records, 16, Stored::with_rings, true);
+  }
+  const auto dataset = open_pcd_folder(recording.folder.path(), {});
+  ASSERT_EQ(dataset->model()->lasers.size(), 16U);
+  EXPECT_EQ(dataset->model_estimate()->lasers_borrowed, 1);
+  EXPECT_NEAR(dataset->model()->lasers[5].elevation_rad, truth->lasers[5].elevation_rad, 0.05 * kDegree);
+  expect_own_rays(dataset->read(0), recording.scans[0], 1e-8);
+}
+
 TEST(PcdSensor, WithoutTimesTheSpinIsClockwiseAndTheNotesSaySo) {
   LidarModel model = named_model("VLP-16");
   model.start_azimuth_rad = kPi;
