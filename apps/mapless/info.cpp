@@ -89,9 +89,9 @@ std::string sensor_line(const Dataset& dataset) {
   std::string line = fmt::format("{}, {} lasers x {} columns at {:g} Hz", model->name, model->lasers.size(),
                                  model->columns, model->rotation_rate_hz);
   if (const auto estimate = dataset.model_estimate()) {
-    line +=
-        fmt::format("; estimated from {} scans, residual {:.3f} m in elevation, {:.2f} columns in azimuth",
-                    estimate->scans_used, estimate->elevation_residual_m, estimate->azimuth_residual_columns);
+    line += fmt::format(
+        "; estimated from {} scans, residual {:.2f} mm in elevation, {:.2f} columns in azimuth",
+        estimate->scans_used, 1e3 * estimate->elevation_residual_m, estimate->azimuth_residual_columns);
   }
   return line;
 }

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "io/pcd_points.hpp"
+#include "io/pcd_sensor.hpp"
 #include "io/scan_times.hpp"
 #include "io/text.hpp"
 #include "lidar/nearest_beam.hpp"
@@ -143,13 +144,15 @@ class PcdFolderDataset final : public Dataset {
     if (files_.empty()) {
       throw InputError({folder.string(), "scans", "0", "no *.pcd in it", "give the folder of the scans"});
     }
-    if (options.sensor.empty()) {
-      throw InputError({folder.string(), "sensor", "", "PCD files do not say which sensor they are of",
-                        "name it with --sensor, or give its calibration file"});
-    }
-    model_ = std::make_shared<LidarModel>(model_from_name_or_file(options.sensor));
-    notes_.push_back("points are taken as measured, not motion-compensated: PCD files do not say");
     find_times(folder);
+    if (options.sensor.empty()) {
+      estimated_ = estimate_pcd_sensor(files_, starts_, folder.string());
+      model_ = std::make_shared<LidarModel>(estimated_->model);
+      notes_.insert(notes_.end(), estimated_->notes.begin(), estimated_->notes.end());
+    } else {
+      model_ = std::make_shared<LidarModel>(model_from_name_or_file(options.sensor));
+    }
+    notes_.push_back("points are taken as measured, not motion-compensated: PCD files do not say");
     find_turn();
     labels_ = options.labels.empty() ? folder / "labels" : options.labels;
     if (!options.labels.empty() && !fs::is_directory(labels_)) {
@@ -161,6 +164,9 @@ class PcdFolderDataset final : public Dataset {
   [[nodiscard]] std::string format() const override { return "pcd"; }
   [[nodiscard]] std::size_t size() const override { return files_.size(); }
   [[nodiscard]] std::shared_ptr<const LidarModel> model() const override { return model_; }
+  [[nodiscard]] std::optional<ModelEstimate> model_estimate() const override {
+    return estimated_ ? std::optional(estimated_->estimate) : std::nullopt;
+  }
   [[nodiscard]] Time scan_start(std::size_t k) const override { return starts_.at(k); }
   [[nodiscard]] Time scan_end(std::size_t k) const override { return starts_.at(k) + turn_; }
   [[nodiscard]] fs::path scan_file(std::size_t k) const override { return files_.at(k); }
@@ -175,7 +181,8 @@ class PcdFolderDataset final : public Dataset {
     scan.columns = model_->columns;
     scan.column_period = Duration::from_nanoseconds(turn_.nanoseconds() / model_->columns);
     const std::vector<std::int32_t> lasers = lasers_of(points, scan, source);
-    const RecoveredFirings firings = recover_firings(points.positions, lasers, *model_, 0);
+    const RecoveredFirings firings =
+        recover_firings(points.positions, lasers, *model_, estimated_ ? estimated_->layout.encoder_steps : 0);
     std::vector<LidarRecord> records(points.positions.size());
     for (std::size_t i = 0; i < records.size(); ++i) {
       const Duration offset = model_->lasers[static_cast<std::size_t>(lasers[i])].firing_offset;
@@ -229,10 +236,12 @@ class PcdFolderDataset final : public Dataset {
 
   [[nodiscard]] std::vector<std::int32_t> lasers_of(const PcdPoints& points, LidarScan& scan,
                                                     const std::string& source) const {
-    if (!points.rings.empty()) {
-      std::vector<std::int32_t> lasers = stated_lasers(points, *model_, source);
+    if (estimated_ || !points.rings.empty()) {
+      std::vector<std::int32_t> lasers =
+          estimated_ ? lasers_by_rings(points, *estimated_, source) : stated_lasers(points, *model_, source);
       require_fit(beam_misfit(points.positions, lasers, *model_), kLargestMisfitStated, *model_, source);
-      scan.ring_source = Provenance::sensor;
+      const bool stated = !estimated_ || estimated_->rings_from == PcdRingSource::field;
+      scan.ring_source = stated ? Provenance::sensor : Provenance::recovered_from_order;
       return lasers;
     }
     BeamAssignment found = nearest_beams(points.positions, *model_);
@@ -263,6 +272,7 @@ class PcdFolderDataset final : public Dataset {
   std::vector<fs::path> files_;
   fs::path labels_;
   std::shared_ptr<const LidarModel> model_;
+  std::optional<PcdSensor> estimated_;
   std::vector<Time> starts_;
   Duration turn_;
   std::vector<std::string> notes_;

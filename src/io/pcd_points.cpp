@@ -75,6 +75,7 @@ PcdPoints read_pcd_points(const std::filesystem::path& file) {
                            z = cloud.floats(cloud.require("z"));
   PcdPoints points;
   points.positions.resize(cloud.size());
+  points.rows = cloud.height;
   for (std::size_t i = 0; i < cloud.size(); ++i) points.positions[i] = {x[i], y[i], z[i]};
   if (const PcdField* ring = first_of(cloud, {"ring", "laser"})) points.rings = cloud.integers(*ring);
   if (const PcdField* time = first_of(cloud, {"t", "time", "timestamp"})) {

@@ -16,6 +16,7 @@ struct PcdPoints {
   std::vector<Eigen::Vector3f> positions;  ///< [m]; not finite: no return
   std::vector<std::int64_t> rings;         ///< one a point, or none
   std::vector<std::int64_t> times_ns;      ///< one a point, or none
+  std::size_t rows = 1;                    ///< HEIGHT: more than one where the cloud is organised
   bool times_are_absolute = false;         ///< since the epoch, not since the scan's start
 
   /// The earliest time of a usable point.

@@ -35,22 +35,33 @@ std::size_t ring_count(const std::vector<std::vector<std::size_t>>& starts, int 
   return best;
 }
 
-std::vector<RingPoints> collect_rings(const std::vector<Cloud>& clouds,
-                                      const std::vector<std::vector<std::size_t>>& starts, std::size_t count,
-                                      int& scans_used) {
-  std::vector<RingPoints> rings(count);
-  scans_used = 0;
+// The scans with as many rings as most have.
+std::vector<RingedCloud> clouds_with_rings(const std::vector<Cloud>& clouds,
+                                           const std::vector<std::vector<std::size_t>>& starts,
+                                           std::size_t count) {
+  std::vector<RingedCloud> ringed;
   for (std::size_t s = 0; s < clouds.size(); ++s) {
     if (starts[s].size() != count) continue;
+    ringed.push_back({clouds[s], std::vector<std::int32_t>(clouds[s].size(), 0)});
     for (std::size_t ring = 0; ring < count; ++ring) {
-      const std::size_t end = ring + 1 < count ? starts[s][ring + 1] : clouds[s].size();
-      for (std::size_t i = starts[s][ring]; i < end; ++i) {
-        if (!is_usable(clouds[s][i])) continue;
-        const Eigen::Vector3d p = clouds[s][i].cast<double>();
-        rings[ring].push_back({std::atan2(p.y(), p.x()), std::hypot(p.x(), p.y()), p.z(), scans_used});
-      }
+      std::fill(ringed.back().rings.begin() + static_cast<std::ptrdiff_t>(starts[s][ring]),
+                ringed.back().rings.end(), static_cast<std::int32_t>(ring));
     }
-    ++scans_used;
+  }
+  return ringed;
+}
+
+std::vector<RingPoints> collect_rings(const std::vector<RingedCloud>& clouds, std::size_t count) {
+  std::vector<RingPoints> rings(count);
+  int scan = 0;
+  for (const RingedCloud& cloud : clouds) {
+    for (std::size_t i = 0; i < cloud.points.size(); ++i) {
+      if (cloud.rings[i] < 0 || !is_usable(cloud.points[i])) continue;
+      const Eigen::Vector3d p = cloud.points[i].cast<double>();
+      rings[static_cast<std::size_t>(cloud.rings[i])].push_back(
+          {std::atan2(p.y(), p.x()), std::hypot(p.x(), p.y()), p.z(), scan});
+    }
+    ++scan;
   }
   return rings;
 }
@@ -64,19 +75,23 @@ Laser make_laser(const RingLine& line, const RingAzimuth& azimuth) {
   return laser;
 }
 
-double azimuth_residual(const std::vector<Cloud>& clouds, const std::vector<std::vector<std::size_t>>& starts,
-                        const EstimatedModel& estimated, const std::string& source) {
+double azimuth_residual(const std::vector<RingedCloud>& clouds, const EstimatedModel& estimated) {
   double squares = 0;
-  double points = 0;
-  for (std::size_t s = 0; s < clouds.size(); ++s) {
-    if (starts[s].size() != estimated.model.lasers.size()) continue;
-    const auto lasers = recover_lasers(clouds[s], estimated.model, estimated.layout, source);
-    const double rms = recover_firings(clouds[s], lasers, estimated.model, estimated.layout.encoder_steps)
-                           .residual_columns_rms;
-    squares += rms * rms * static_cast<double>(clouds[s].size());
-    points += static_cast<double>(clouds[s].size());
+  double count = 0;
+  for (const RingedCloud& cloud : clouds) {
+    Cloud points;
+    std::vector<std::int32_t> lasers;
+    for (std::size_t i = 0; i < cloud.points.size(); ++i) {
+      if (cloud.rings[i] < 0) continue;
+      points.push_back(cloud.points[i]);
+      lasers.push_back(estimated.layout.row_of_ring[static_cast<std::size_t>(cloud.rings[i])]);
+    }
+    const double rms =
+        recover_firings(points, lasers, estimated.model, estimated.layout.encoder_steps).residual_columns_rms;
+    squares += rms * rms * static_cast<double>(points.size());
+    count += static_cast<double>(points.size());
   }
-  return points > 0 ? std::sqrt(squares / points) : 0;
+  return count > 0 ? std::sqrt(squares / count) : 0;
 }
 
 LidarModel model_without_lasers(const ModelEstimationOptions& options, int columns) {
@@ -98,9 +113,15 @@ EstimatedModel estimate_model(const std::vector<Cloud>& clouds, const ModelEstim
   std::vector<std::vector<std::size_t>> starts;
   for (const Cloud& cloud : clouds) starts.push_back(ring_starts(cloud));
   const std::size_t count = ring_count(starts, options.expected_rings, source);
+  return estimate_model_of_rings(clouds_with_rings(clouds, starts, count), count, options, source);
+}
+
+EstimatedModel estimate_model_of_rings(const std::vector<RingedCloud>& clouds, std::size_t count,
+                                       const ModelEstimationOptions& options, const std::string& source) {
   EstimatedModel result;
   ModelEstimate& estimate = result.estimate;
-  const std::vector<RingPoints> rings = collect_rings(clouds, starts, count, estimate.scans_used);
+  estimate.scans_used = static_cast<int>(clouds.size());
+  const std::vector<RingPoints> rings = collect_rings(clouds, count);
   const std::vector<RingLine> lines = fit_ring_lines(rings);
   const AzimuthGrid grid =
       find_azimuth_grid(rings, options.start_azimuth_rad, static_cast<double>(options.direction));
@@ -128,7 +149,7 @@ EstimatedModel estimate_model(const std::vector<Cloud>& clouds, const ModelEstim
   estimate.encoder_steps = grid.encoder_steps;
   estimate.azimuths_absolute = grid.absolute;
   estimate.elevation_residual_m = ring_line_residual(rings, lines);
-  estimate.azimuth_residual_columns = azimuth_residual(clouds, starts, result, source);
+  estimate.azimuth_residual_columns = azimuth_residual(clouds, result);
   return result;
 }
 

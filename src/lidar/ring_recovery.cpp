@@ -224,13 +224,14 @@ RecoveredFirings recover_firings(const std::vector<Eigen::Vector3f>& points,
   if (encoder_steps > 0) give_firings_their_columns(points, encoder_steps, model.columns, firings);
   double sum = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const double off = std::remainder(firings.turn[i] * model.columns - firings.columns[i], model.columns);
+    double& turn = firings.turn[i];
+    const double off = std::remainder(turn * model.columns - firings.columns[i], model.columns);
     sum += off * off;
-  }
-  // Firings come at a steady rate; the encoder's positions are rounded.
-  if (encoder_steps > 0) {
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      firings.turn[i] = static_cast<double>(firings.columns[i]) / model.columns;
+    if (encoder_steps > 0) {
+      // Firings come at a steady rate; the encoder's positions are rounded.
+      turn = static_cast<double>(firings.columns[i]) / model.columns;
+    } else if (turn * model.columns - firings.columns[i] > 1) {
+      turn = 0;  // just before the seam, nearest to column 0: it has that column's time too
     }
   }
   if (!points.empty()) firings.residual_columns_rms = std::sqrt(sum / static_cast<double>(points.size()));

@@ -196,6 +196,21 @@ TEST_F(DetectTest, InfoTellsOfOddities) {
   EXPECT_THAT(info["oddities"].dump(), HasSubstr("scan 7: the same bytes as scan 3"));
 }
 
+TEST_F(DetectTest, InfoTellsHowWellAnEstimatedSensorFits) {
+  const std::string bare = folder / "bare";  // without its sensor.yaml
+  fs::copy(street() + "/scans", bare);
+  fs::copy_file(street() + "/times.txt", bare + "/times.txt");
+  const CommandResult text = run_command({"info", bare});
+  ASSERT_EQ(text.exit_code, 0) << text.err;
+  EXPECT_THAT(text.out, testing::ContainsRegex("residual [0-9]\\.[0-9][0-9] mm in elevation"));
+  const CommandResult json = run_command({"info", bare, "--json"});
+  ASSERT_EQ(json.exit_code, 0) << json.err;
+  const auto sensor = nlohmann::json::parse(json.out)["sensor"];
+  EXPECT_EQ(sensor["lasers"], 16);
+  // The street's points lie on their beams, but for the rounding of floats.
+  EXPECT_LT(sensor["estimate"]["elevation_residual_m"].get<double>(), 0.001);
+}
+
 TEST_F(DetectTest, RefusesAnExistingFolderUnlessToldToOverwrite) {
   ASSERT_EQ(detect({"--count", "3"}).exit_code, 0);
   expect_error(detect({"--count", "1"}), 1, {out(), "exists", "--overwrite"});

@@ -131,6 +131,25 @@ TEST(PcdFolder, ScansMayBeginAnywhereAndBeMoreThanATurn) {
   EXPECT_NEAR((scan.start - Time::from_seconds(100.5)).seconds(), 0.1 * 1200 / 1808, 1e-4);
 }
 
+TEST(PcdFolder, ScansOfMoreThanATurnTellTheirSensorToo) {
+  const auto fired = firings(1200, 1850);
+  const test::TemporaryFolder folder;
+  write_scan(folder / "0.pcd", fired, {kRing, kTimeNs});
+  write_file_atomically(folder / "times.txt", "100.5\n");
+  const auto dataset = open_pcd_folder(folder.path(), {});
+  EXPECT_EQ(dataset->model()->columns, std::lround(1808 / 7.0));  // only every seventh fires here
+  EXPECT_NEAR(dataset->model()->rotation_rate_hz, 10, 0.01);
+  const LidarScan scan = dataset->read(0);
+  ASSERT_EQ(scan.returns.size(), fired.size());
+  for (const LidarReturn& r : scan.returns) {
+    const Firing& f = fired[r.input_index];
+    ASSERT_EQ(r.laser, f.laser);
+    const Time truth = Time::from_seconds(100.5) + Duration::from_nanoseconds(f.time_ns);
+    ASSERT_NEAR((scan.time_of(r) - truth).seconds(), 0, 1e-8);
+    ASSERT_NEAR((scan.column_time(r.column) - truth).seconds(), 0, 2 * scan.column_period.seconds());
+  }
+}
+
 TEST(PcdFolder, RingsAreFoundFromTheElevation) {
   const auto fired = firings(0, 1808);
   const LidarScan scan = only_scan(fired, {kTimeNs});
@@ -224,7 +243,7 @@ TEST(PcdFolder, WhatCannotBeReadIsRefused) {
   const auto nothing = [](const fs::path&) {};
   const auto constant = [](double v) { return [v](const Firing&) { return v; }; };
   EXPECT_EQ(refusal({kRing}, nothing), "accepted");
-  EXPECT_THAT(refusal({kRing}, nothing, {}), HasSubstr("--sensor"));
+  EXPECT_THAT(refusal({}, nothing, {}), HasSubstr("--sensor"));
   EXPECT_THAT(refusal({}, [](const fs::path& r) { fs::remove(r / "times.txt"); }),
               AllOf(HasSubstr("0.pcd"), HasSubstr("times.txt")));
   EXPECT_THAT(refusal({}, [](const fs::path& r) { write_file_atomically(r / "times.txt", "2\n1\n"); }),

@@ -124,8 +124,7 @@ TEST(RecoverFirings, ColumnsAndTurnOfAnEvenGrid) {
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const auto row = static_cast<int>(true_rows(cloud, 16, 500)[i]);
     cells.emplace(row, firings.columns[i]);
-    const double off = std::abs(firings.turn[i] - firings.columns[i] / 500.0);
-    EXPECT_LT(std::min(off, 1 - off), 1e-5);
+    EXPECT_NEAR(firings.turn[i], firings.columns[i] / 500.0, 1e-5);
   }
   EXPECT_EQ(cells.size(), cloud.size());
 }
@@ -143,7 +142,7 @@ TEST(RecoverFirings, WithoutOffsetsTimeFollowsTheAzimuth) {
   EXPECT_NEAR(f.turn[1], 0.5, 1e-6);
   EXPECT_NEAR(f.turn[2], 0.75, 1e-6);
   EXPECT_NEAR(f.turn[3], 0, 1e-4);
-  EXPECT_NEAR(f.turn[4], 1, 1e-4);
+  EXPECT_NEAR(f.turn[4], 0, 1e-4);  // column 0 is nearest, so its time
   EXPECT_EQ(f.columns, (std::vector<std::int32_t>{500, 1000, 1500, 0, 0}));
 }
 
@@ -159,6 +158,43 @@ TEST(RecoverFirings, EveryFiringOfAnEncoderHasItsColumn) {
   }
   EXPECT_EQ(cells.size(), cloud.size());
   EXPECT_LT(firings.residual_columns_rms, 1.0);
+}
+
+TEST(RecoverFirings, ColumnAndTimeBelongTogetherAtTheSeam) {
+  constexpr int kColumns = 2000;
+  for (const SpinDirection direction : {SpinDirection::clockwise, SpinDirection::counter_clockwise}) {
+    for (const int encoder_steps : {0, 4000}) {
+      SCOPED_TRACE(encoder_steps * static_cast<int>(direction));
+      LidarModel model = make_bare_cloud_model(4, kColumns);
+      model.direction = direction;
+      Cloud cloud;
+      std::vector<std::int32_t> rows;
+      for (std::int32_t row = 0; row < 4; ++row) {
+        for (int hundredths = -300; hundredths <= 300; ++hundredths) {
+          cloud.push_back(model.point_v(row, 0.01 * hundredths, 20).cast<float>());
+          rows.push_back(row);
+        }
+      }
+      const RecoveredFirings firings = recover_firings(cloud, rows, model, encoder_steps);
+      for (std::size_t i = 0; i < cloud.size(); ++i) {
+        ASSERT_NEAR(firings.turn[i] * kColumns, firings.columns[i], 1) << "point " << i;
+        ASSERT_GE(firings.turn[i], 0);
+        ASSERT_LT(firings.turn[i], 1);
+      }
+    }
+  }
+}
+
+TEST(RecoverRecords, ReturnsAreOfTheTimeOfTheirColumn) {
+  const LidarModel model = make_bare_cloud_model(16, 500);
+  for (const int encoder_steps : {0, 1000}) {
+    SCOPED_TRACE(encoder_steps);
+    BareCloudLayout layout = top_first_layout(model);
+    layout.encoder_steps = encoder_steps;
+    const auto records = recover_records(make_bare_cloud(model, encoder_steps), model, layout,
+                                         Duration::from_seconds(0.1), "cloud");
+    for (const LidarRecord& r : records) ASSERT_NEAR(r.time_ns, r.column * 200'000, 200'000);
+  }
 }
 
 TEST(RecoverRecords, UnusablePointsAreFaultyAndKeepTheirPlace) {

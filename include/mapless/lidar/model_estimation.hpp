@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -41,6 +42,12 @@ struct EstimatedModel {
   ModelEstimate estimate;
 };
 
+/// An uncompensated cloud of which the ring of every point is known, points of a ring by rising atan2(y, x).
+struct RingedCloud {
+  std::vector<Eigen::Vector3f> points;
+  std::vector<std::int32_t> rings;  ///< one a point; negative: not to be used
+};
+
 /// Estimates every laser from a few uncompensated bare clouds of one sensor, stored ring after ring.
 ///
 /// Elevation and vertical origin: a robust line z = z_0 + rho tan(elevation) through each ring, rho =
@@ -53,5 +60,12 @@ struct EstimatedModel {
 /// rings are found.
 [[nodiscard]] EstimatedModel estimate_model(const std::vector<std::vector<Eigen::Vector3f>>& clouds,
                                             const ModelEstimationOptions& options, const std::string& source);
+
+/// The same from clouds whose rings are known, 0 to `ring_count` - 1; layout.row_of_ring tells the row of
+/// each.
+[[nodiscard]] EstimatedModel estimate_model_of_rings(const std::vector<RingedCloud>& clouds,
+                                                     std::size_t ring_count,
+                                                     const ModelEstimationOptions& options,
+                                                     const std::string& source);
 
 }  // namespace mapless

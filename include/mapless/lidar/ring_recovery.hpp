@@ -49,9 +49,10 @@ struct RecoveredFirings {
 
 /// The hub's angle at every point is its azimuth less its laser's own part (azimuth offset, horizontal
 /// origin); with none of these known, t = start + (end - start) (1 - atan2(y, x) / pi) / 2 for KITTI
-/// (clockwise, seam at the rear). The column is the nearest one. Where the encoder is known, the positions at
-/// which the sensor fired are found, and every firing has a column of its own (the nearest free one);
-/// otherwise two points may share a cell.
+/// (clockwise, seam at the rear). The column is the nearest one; points less than half a column before the
+/// end of the turn are nearest to column 0, and have its time: column and turn are never more than a column
+/// apart. Where the encoder is known, the positions at which the sensor fired are found, and every firing has
+/// a column of its own (the nearest free one), and its time; otherwise two points may share a cell.
 [[nodiscard]] RecoveredFirings recover_firings(const std::vector<Eigen::Vector3f>& points,
                                                const std::vector<std::int32_t>& lasers,
                                                const LidarModel& model, int encoder_steps);
