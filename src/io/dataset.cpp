@@ -67,13 +67,16 @@ const Format& recognised_format(const fs::path& path) {
 
 }  // namespace
 
-std::unique_ptr<Dataset> open_dataset(const fs::path& path, const DatasetOptions& options) {
+std::unique_ptr<Dataset> open_dataset(const fs::path& path, const DatasetOptions& options) try {
   if (!fs::is_directory(path)) {
     throw InputError({path.string(), "", "", fs::exists(path) ? "not a folder" : "no such folder",
                       "give the folder of a recording"});
   }
   const Format& format = options.format.empty() ? recognised_format(path) : named_format(options.format);
   return format.open(path, options);
+} catch (const fs::filesystem_error& error) {
+  throw InputError({error.path1().string(), "", "", "cannot be looked at: " + error.code().message(),
+                    "check the path and its permissions"});
 }
 
 const std::vector<std::string>& dataset_formats() {

@@ -68,5 +68,11 @@ TEST(OpenDataset, ANamedFormatThatIsNotThere) {
   }
 }
 
+// As a folder one may not look into is; but root may look everywhere.
+TEST(OpenDataset, APathTheSystemRefusesIsNamed) {
+  const std::string path(300, 'x');
+  EXPECT_THAT(refusal(path), ::testing::AllOf(HasSubstr(path), HasSubstr("too long")));
+}
+
 }  // namespace
 }  // namespace mapless
