@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "json_text.hpp"
 #include "parameter_options.hpp"
 #include "verbs.hpp"
 
@@ -36,8 +37,8 @@ void add_value(Json& schema, const ParameterReference& p) {
     schema["default"] = **integer;
     schema["minimum"] = static_cast<int>(p.min);
     schema["maximum"] = static_cast<int>(p.max);
-    return;
     if (p.odd) schema["not"] = {{"multipleOf", 2}};
+    return;
   }
   schema["type"] = "number";
   schema["default"] = *std::get<double*>(p.value);
@@ -74,7 +75,7 @@ Json schema_of(DetectorParameters parameters, const std::string& profile) {
 int print_config(const ConfigOptions& options) {
   const DetectorParameters parameters = options.parameters.chosen();
   if (options.json) {
-    fmt::print("{}\n", schema_of(parameters, options.parameters.profile).dump(2));
+    fmt::print("{}", json_text(schema_of(parameters, options.parameters.profile)));
   } else {
     fmt::print("{}", configuration_text(parameters));
   }

@@ -21,8 +21,8 @@
 #include <mapless/io/detection_labels.hpp>
 #include <mapless/io/labels.hpp>
 #include <mapless/io/result_folder.hpp>
-
 #include <mapless/io/time_order.hpp>
+
 namespace mapless::app {
 namespace {
 
@@ -177,8 +177,8 @@ int detect(const DetectOptions& options) {
 
   const auto dataset = options.recording.open();
   const std::size_t count = selected_count(options, *dataset);
-  const TrajectorySource trajectory = open_trajectory(*dataset, options.trajectory);
   require_time_order(*dataset, options.first, count);
+  const TrajectorySource trajectory = open_trajectory(*dataset, options.trajectory);
   announce(*dataset, trajectory);
   require_coverage(*dataset, *trajectory.trajectory, options.first, count);
 
@@ -197,16 +197,18 @@ void add_detect(CLI::App& app, int& exit_code) {
   auto* verb = app.add_subcommand("detect", "Label every point of a recording as dynamic or static");
   const auto options = std::make_shared<DetectOptions>();
   add_recording_options(*verb, options->recording);
-  verb->add_option("-o,--output", options->output, "folder for the result; must not exist")->required();
+  verb->add_option("-o,--output", options->output,
+                   "folder for the result; must not exist, but for --overwrite")
+      ->required();
   verb->add_flag("--overwrite", options->overwrite, "replace an earlier result in that folder");
   add_trajectory_options(*verb, options->trajectory);
   add_parameter_options(*verb, options->parameters);
   verb->add_flag("--causal", options->parameters.causal,
                  "answer for each scan at once, without the forward check: forward_gap = 0");
   verb->add_option("--first", options->first, "number of the first scan used; those before it are not read")
+      ->check(whole_number(0))
       ->capture_default_str();
   verb->add_option("--count", options->count, "how many scans (all from the first on where not given)")
-      ->check(whole_number(0))
       ->check(whole_number(1));
   verb->add_option("--threads", options->threads,
                    "threads used (all cores where not given); the result is the same")

@@ -95,7 +95,7 @@ int evaluate(const EvaluateOptions& options) {
   how.progress = [&progress](std::size_t done, std::size_t of) { progress.update(done, of); };
   const ResultEvaluation evaluation = evaluate_result(*dataset, ResultFolder(options.result), how);
   progress.clear();
-  const std::string json = to_json(evaluation, options.max_range_m).dump(2) + "\n";
+  const std::string json = json_text(to_json(evaluation, options.max_range_m));
   if (options.json == "-") {
     fmt::print("{}", json);
     return 0;

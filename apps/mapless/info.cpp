@@ -5,14 +5,15 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "json_text.hpp"
 #include "progress.hpp"
 #include "recording_options.hpp"
 #include "run_summary.hpp"
 #include "verbs.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/io/recording_survey.hpp>
-
 #include <mapless/io/trajectory_source.hpp>
+
 namespace mapless::app {
 namespace {
 
@@ -27,8 +28,8 @@ Json trajectory_json(const Dataset& dataset) {
   try {
     const auto trajectory = dataset.trajectory();
     if (!trajectory) return nullptr;
-    return {{"begin_s", trajectory->begin().seconds()}, {"end_s", trajectory->end().seconds()}};
     require_coverage(dataset, *trajectory, 0, dataset.size());
+    return {{"begin_s", trajectory->begin().seconds()}, {"end_s", trajectory->end().seconds()}};
   } catch (const Error& error) {
     return {{"error", error.what()}};
   }
@@ -136,7 +137,7 @@ int info(const InfoOptions& options) {
       *dataset, [&progress](std::size_t done, std::size_t of) { progress.update(done, of); });
   progress.clear();
   if (options.json) {
-    fmt::print("{}\n", to_json(*dataset, survey).dump(2));
+    fmt::print("{}", json_text(to_json(*dataset, survey)));
   } else {
     fmt::print("{}", lines(*dataset, survey));
   }

@@ -1,5 +1,7 @@
 #include <algorithm>
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
 #include <exception>
 #include <string>
 
@@ -17,6 +19,25 @@ constexpr int kUsage = 2;
 int report(std::string message, int exit_code) {
   std::replace(message.begin(), message.end(), '\n', ' ');
   fmt::print(stderr, "mapless: error: {}\n", message);
+  return exit_code;
+}
+
+// What was printed may still be in the buffer, and a full disk only show now.
+void require_printed() {
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return;
+  throw mapless::OutputError({"standard output", "", "",
+                              std::string("cannot be written: ") + std::strerror(errno),
+                              "check the disk or the pipe it goes to"});
+}
+
+int run_verb(CLI::App& command, const int& exit_code, int argc, char** argv) {
+  try {
+    command.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return command.exit(error);  // --help, --version
+    return report(std::string(error.what()) + "; see mapless --help", kUsage);
+  }
+  if (command.get_subcommands().empty()) return report("no verb given; see mapless --help", kUsage);
   return exit_code;
 }
 
@@ -38,12 +59,9 @@ int main(int argc, char** argv) {
   mapless::app::add_render(command, exit_code);
   mapless::app::add_config(command, exit_code);
   try {
-    command.parse(argc, argv);
-    if (command.get_subcommands().empty()) return report("no verb given; see mapless --help", kUsage);
-    return exit_code;
-  } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return command.exit(error);  // --help, --version
-    return report(std::string(error.what()) + "; see mapless --help", kUsage);
+    const int code = run_verb(command, exit_code, argc, argv);
+    require_printed();
+    return code;
   } catch (const mapless::ParameterError& error) {
     return report(error.what(), kUsage);
   } catch (const std::exception& error) {

@@ -34,8 +34,7 @@ CLI::Option* add_path(CLI::App& verb, const std::string& flag, std::filesystem::
 std::unique_ptr<Dataset> RecordingOptions::open() const { return open_dataset(path, dataset); }
 
 void add_recording_options(CLI::App& verb, RecordingOptions& options) {
-  verb.add_option("IN", options.path, "the recording: a folder, or a file where its format is one")
-      ->required();
+  verb.add_option("IN", options.path, "the folder of the recording")->required();
   verb.add_option("--format", options.dataset.format,
                   fmt::format("the recording's format: {} (recognised by itself where not given)",
                               fmt::join(dataset_formats(), ", ")))
@@ -46,6 +45,10 @@ void add_recording_options(CLI::App& verb, RecordingOptions& options) {
                   "from its points, where not given)",
                   fmt::join(named_models(), ", ")));
   add_path(verb, "--labels", options.dataset.labels, "folder of true labels, instead of the recording's own");
+  add_choice(
+      verb, "--own-pose-direction", options.dataset.pose_direction,
+      {"world_from_sensor", "sensor_from_world"},
+      "which way the poses inside an mdlidar recording transform points; its documentation does not say");
 }
 
 void add_trajectory_options(CLI::App& verb, TrajectoryRequest& request) {

@@ -56,7 +56,7 @@ std::string provenance_text(Provenance provenance) {
     case Provenance::sensor:
       return "in the recording";
     case Provenance::recovered_from_angle:
-      return "recovered from the azimuth of the points";
+      return "recovered from the angles of the points";
     case Provenance::recovered_from_order:
       return "recovered from the order of the points";
   }

@@ -8,6 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "json_text.hpp"
 #include <mapless/detection/detector.hpp>
 #include <mapless/io/dataset.hpp>
 #include <mapless/io/trajectory_source.hpp>
@@ -30,7 +31,7 @@ class RunSummary {
   [[nodiscard]] std::size_t scans() const { return seconds_.size(); }
   [[nodiscard]] nlohmann::ordered_json json() const;
   /// Text of summary.json.
-  [[nodiscard]] std::string text() const { return json().dump(2) + "\n"; }
+  [[nodiscard]] std::string text() const { return json_text(json()); }
   /// A few lines for people.
   [[nodiscard]] std::string lines() const;
 

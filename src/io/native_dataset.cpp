@@ -25,11 +25,10 @@ Duration column_period(const LidarModel& model) {
 }
 
 void require_size_of_model(const PcdCloud& cloud, const LidarModel& model) {
-  const auto require = [&cloud](const char* field, std::size_t found, std::size_t expected,
-                                const char* what) {
+  const auto require = [&](const char* field, std::size_t found, std::size_t expected, const char* what) {
     if (found == expected) return;
     throw InputError({cloud.file.string(), field, std::to_string(found),
-                      fmt::format("not the {} {} of sensor.yaml", expected, what),
+                      fmt::format("not the {} {} of sensor {}", expected, what, model.name),
                       "a scan of another sensor or mode belongs into another recording"});
   };
   require("HEIGHT", cloud.height, model.lasers.size(), "lasers");

@@ -14,6 +14,7 @@
 #include <mapless/io/atomic_file.hpp>
 #include <mapless/io/dataset.hpp>
 #include <mapless/io/labels.hpp>
+#include <mapless/io/mdlidar_writer.hpp>
 #include <mapless/io/result_folder.hpp>
 #include <mapless/io/trajectory_file.hpp>
 
@@ -77,6 +78,24 @@ std::vector<fs::path> files_in(const fs::path& root) {
   }
   std::sort(files.begin(), files.end());
   return files;
+}
+
+// A turn of two lasers that meet nothing, 1 m ahead of the turn before.
+MdlidarFrame empty_frame(int k) {
+  constexpr std::int64_t kTurn_ns = 100'000'000;
+  MdlidarFrame frame;
+  frame.start = Time::from_nanoseconds(k * kTurn_ns);
+  frame.end = frame.start + Duration::from_nanoseconds(kTurn_ns);
+  frame.T_0v_start = SE3(Eigen::Matrix3d::Identity(), {static_cast<double>(k), 0, 0});
+  frame.T_0v_end = SE3(Eigen::Matrix3d::Identity(), {k + 1.0, 0, 0});
+  for (int laser = 0; laser < 2; ++laser) {
+    for (int c = 0; c < 90; ++c) {
+      MdlidarPoint point;
+      point.rotation_deg = static_cast<float>((180 + 4 * c) % 360);
+      frame.points.push_back(point);
+    }
+  }
+  return frame;
 }
 
 TEST_F(DetectTest, WritesALabelForEveryRecordOfEveryScan) {
@@ -211,25 +230,6 @@ TEST_F(DetectTest, InfoTellsHowWellAnEstimatedSensorFits) {
   EXPECT_LT(sensor["estimate"]["elevation_residual_m"].get<double>(), 0.001);
 }
 
-TEST_F(DetectTest, RefusesAnExistingFolderUnlessToldToOverwrite) {
-  ASSERT_EQ(detect({"--count", "3"}).exit_code, 0);
-  expect_error(detect({"--count", "1"}), 1, {out(), "exists", "--overwrite"});
-  EXPECT_EQ(result().labelled_scans().size(), 3u);
-  EXPECT_EQ(detect({"--count", "1", "--overwrite"}).exit_code, 0);
-  EXPECT_EQ(result().labelled_scans().size(), 1u);
-}
-
-TEST_F(DetectTest, NeverOverwritesTheRecordingItself) {
-  const std::string copy = street_copy();
-  const auto before = files_in(copy);
-  expect_error(run_command({"detect", copy, "-o", copy, "--overwrite"}), 1,
-               {copy, "neither empty nor the result"});
-  EXPECT_EQ(files_in(copy), before);
-}
-
-TEST_F(DetectTest, NamesAnOutputThatCannotBeWritten) {
-  write_file_atomically(folder / "file", "");
-  expect_error(run_command({"detect", street(), "-o", folder / "file" / "out"}), 1, {folder / "file"});
 TEST_F(DetectTest, InfoTellsWhichScanTheTrajectoryDoesNotReach) {
   const std::string copy = street_copy();
   write_file_atomically(copy + "/trajectory.txt", "0 0 0 0 0 0 0 1\n0.75 6 0 0 0 0 0 1\n");
@@ -267,6 +267,25 @@ TEST_F(DetectTest, NamesTheSensorThatDoesNotFit) {
                {"000000.pcd", "HEIGHT = 16", "32 lasers of sensor HDL-32E"});
 }
 
+TEST_F(DetectTest, RefusesAnExistingFolderUnlessToldToOverwrite) {
+  ASSERT_EQ(detect({"--count", "3"}).exit_code, 0);
+  expect_error(detect({"--count", "1"}), 1, {out(), "exists", "--overwrite"});
+  EXPECT_EQ(result().labelled_scans().size(), 3u);
+  EXPECT_EQ(detect({"--count", "1", "--overwrite"}).exit_code, 0);
+  EXPECT_EQ(result().labelled_scans().size(), 1u);
+}
+
+TEST_F(DetectTest, NeverOverwritesTheRecordingItself) {
+  const std::string copy = street_copy();
+  const auto before = files_in(copy);
+  expect_error(run_command({"detect", copy, "-o", copy, "--overwrite"}), 1,
+               {copy, "neither empty nor the result"});
+  EXPECT_EQ(files_in(copy), before);
+}
+
+TEST_F(DetectTest, NamesAnOutputThatCannotBeWritten) {
+  write_file_atomically(folder / "file", "");
+  expect_error(run_command({"detect", street(), "-o", folder / "file" / "out"}), 1, {folder / "file"});
 }
 
 TEST_F(DetectTest, NamesAnInputThatIsNotThere) {

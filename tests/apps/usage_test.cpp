@@ -1,9 +1,10 @@
 #include <algorithm>
+#include <cstdlib>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
 #include <nlohmann/json.hpp>
+
 #include "support/command.hpp"
 #include "support/temporary_folder.hpp"
 #include <mapless/detection/parameters.hpp>
@@ -56,7 +57,6 @@ TEST(Usage, WrongUseIsNamedInOneLine) {
                {"--stationary"});
 }
 
-TEST(Config, PrintsEveryParameterWithItsUnit) {
 TEST(Usage, NumbersAreCheckedInPlainWords) {
   expect_error(run_command({"detect", "in", "-o", "out", "--first", "-1"}), 2,
                {"--first: -1", "whole number"});
@@ -79,6 +79,7 @@ TEST(Usage, OutputThatCannotBePrintedIsAnError) {
               AllOf(StartsWith("mapless: error: standard output"), HasSubstr("No space left")));
 }
 
+TEST(Config, PrintsEveryParameterWithItsUnit) {
   const CommandResult result = run_command({"config"});
   EXPECT_EQ(result.exit_code, 0) << result.err;
   DetectorParameters defaults;
@@ -104,6 +105,8 @@ TEST(Config, SchemaHasBoundsAndUnits) {
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_THAT(result.out, AllOf(HasSubstr("\"error_threshold_m\": {"), HasSubstr("\"unit\": \"m\""),
                                 HasSubstr("\"additionalProperties\": false")));
+  const auto schema = nlohmann::json::parse(result.out);
+  EXPECT_EQ(schema["properties"]["normals"]["properties"]["window_rows"]["not"]["multipleOf"], 2);
 }
 
 TEST(Config, NamesWhatItRefuses) {
@@ -118,10 +121,10 @@ TEST(Config, NamesWhatItRefuses) {
   expect_error(run_command({"config", "--set", "scan_gap=lots"}), 2, {"--set", "scan_gap", "lots"});
   expect_error(run_command({"config", "--set", "scan_gab=4"}), 2, {"scan_gab", "scan_gap"});
   expect_error(run_command({"config", "--set", "scan_gap"}), 2, {"key=value"});
+  expect_error(run_command({"config", "--set", "=4"}), 2, {"key=value"});
+  expect_error(run_command({"config", "--set", "normals.window_rows=4"}), 2, {"normals.window_rows", "odd"});
   expect_error(run_command({"config", "--profile", "none"}), 2, {"--profile", "none", "paper"});
 }
 
-  expect_error(run_command({"config", "--set", "=4"}), 2, {"key=value"});
-  expect_error(run_command({"config", "--set", "normals.window_rows=4"}), 2, {"normals.window_rows", "odd"});
 }  // namespace
 }  // namespace mapless
