@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <numbers>
 
 #include "detection/disjoint_sets.hpp"
@@ -8,6 +9,9 @@
 
 namespace mapless {
 namespace {
+
+// A label has 16 bits for its object; objects beyond share the last number rather than turn static.
+constexpr int kMaxObjectNumber = std::numeric_limits<std::uint16_t>::max();
 
 class RegionGrowth {
  public:
@@ -116,7 +120,7 @@ class RegionGrowth {
     for (std::size_t i = 0; i < result_.verdict.size(); ++i) {
       if (result_.verdict[i] != GrowthVerdict::seed && result_.verdict[i] != GrowthVerdict::grown) continue;
       auto& n = number[static_cast<std::size_t>(objects_.find(static_cast<std::int32_t>(i)))];
-      if (n == 0) n = static_cast<std::uint16_t>(++result_.objects);
+      if (n == 0) n = static_cast<std::uint16_t>(std::min(++result_.objects, kMaxObjectNumber));
       result_.object[i] = n;
     }
   }

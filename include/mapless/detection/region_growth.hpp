@@ -11,7 +11,8 @@ namespace mapless {
 
 struct RegionGrowthResult {
   std::vector<GrowthVerdict> verdict;  ///< one per return
-  std::vector<std::uint16_t> object;   ///< 0: static; else 1, 2, ... by the lowest return index of the object
+  std::vector<std::uint16_t>
+      object;  ///< 0: static; else 1, 2, ... 65535 (shared beyond), by lowest return index
   int objects = 0;
 };
 
