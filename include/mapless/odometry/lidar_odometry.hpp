@@ -1,0 +1,78 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include <mapless/lidar/lidar_scan.hpp>
+#include <mapless/odometry/parameters.hpp>
+#include <mapless/trajectory/trajectory.hpp>
+
+namespace mapless {
+
+using Vector12d = Eigen::Matrix<double, 12, 1>;
+using Matrix12d = Eigen::Matrix<double, 12, 12>;
+
+/// How the end of a scan was found.
+enum class ScanOutcome {
+  first,       ///< nothing to compare with yet: the sensor is taken to stand still until the next scan comes
+  registered,  ///< from its points
+  few_points,  ///< too few usable returns: carried by the prior
+  repeated,    ///< the same returns as the scan before, delivered again: carried by the prior
+  lost,        ///< too few points found their place in the map, or no solution: carried by the prior
+  restarted,   ///< lost several times in a row: the map begins anew with this scan
+};
+
+/// How well the matched points hold each direction of translation: the mean square of (plane normal .
+/// direction), rotation allowed for, between 0 (not at all) and about 1.
+struct Degeneracy {
+  Eigen::Vector3d share = Eigen::Vector3d::Zero();             ///< increasing
+  Eigen::Matrix3d directions_v = Eigen::Matrix3d::Identity();  ///< columns, sensor frame at the scan's end
+  int held_by_prior = 0;  ///< how many of them, from the first: their points are not believed
+};
+
+/// What one scan told about the motion.
+struct OdometryUpdate {
+  /// Knots that this scan set or changed, by time; the last is at the scan's end.
+  std::vector<TrajectoryKnot> knots;
+  /// Of the last knot: left perturbation of T_v0 (translation, rotation), then varpi.
+  Matrix12d covariance = Matrix12d::Zero();
+  ScanOutcome outcome = ScanOutcome::first;
+  int iterations = 0;
+  double matched_share = 0;  ///< of the keypoints
+  Degeneracy degeneracy;
+  bool converged = false;
+};
+
+/// Continuous-time odometry from the lidar alone: a Gaussian process with white noise on acceleration, one
+/// knot at the end of every scan, point-to-plane registration to a rolling voxel map with every point at its
+/// own instant (Anderson and Barfoot, IROS 2015; Burnett et al. 2022; method.md sections 3 and 6).
+///
+/// The world frame 0 is the sensor frame at the start of the first scan.
+class LidarOdometry {
+ public:
+  explicit LidarOdometry(const OdometryParameters& parameters = {});
+  ~LidarOdometry();
+  LidarOdometry(LidarOdometry&&) noexcept;
+  LidarOdometry& operator=(LidarOdometry&&) noexcept;
+
+  /// Extends the trajectory to the end of `scan`. Only the second usable scan changes knots before the one at
+  /// its own start: it tells how fast the first was. Throws InputError for a scan that starts before the last
+  /// one or ends within it, or was compensated by somebody else; the odometry is then as before the call.
+  OdometryUpdate process(std::shared_ptr<const LidarScan> scan);
+
+  /// False until the motion during the first scan is known (see process).
+  [[nodiscard]] bool started() const;
+  /// All knots so far, by time.
+  [[nodiscard]] const std::vector<TrajectoryKnot>& knots() const;
+  /// The trajectory so far. Lives as long as this object and grows with it; not to be asked while a scan is
+  /// processed. Empty domain before the first scan.
+  [[nodiscard]] const Trajectory& trajectory() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace mapless

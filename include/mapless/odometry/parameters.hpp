@@ -1,0 +1,63 @@
+#pragma once
+
+#include <tuple>
+
+#include <mapless/core/parameters.hpp>
+
+namespace mapless {
+
+/// Everything the lidar odometry can be told.
+struct OdometryParameters {
+  double keypoint_voxel_m = 1.5;
+  int min_keypoints = 800;
+  double min_range_m = 1.0;
+  double map_radius_m = 100.0;
+  double gate_m = 0.5;
+  double robust_scale_m = 0.1;
+  double residual_sigma_m = 0.1;
+  double acceleration_density_translation = 50.0;
+  double acceleration_density_rotation = 5.0;
+  int max_iterations = 15;
+  double min_matched_share = 0.3;
+  double min_direction_share = 0.005;
+
+  static constexpr auto declarations() {
+    using P = OdometryParameters;
+    return std::tuple{
+        declare(&P::keypoint_voxel_m, "keypoint_voxel_m", "m", 0.1, 10.0,
+                "registration uses one point per cube of this size; smaller where that gives too few",
+                "method.md 6"),
+        declare(&P::min_keypoints, "min_keypoints", "points", 50, 100000,
+                "the cube is halved, up to twice, until there are this many", "method.md 6"),
+        declare(&P::min_range_m, "min_range_m", "m", 0.0, 20.0,
+                "nearer returns are of the vehicle itself and are not used", "method.md 6"),
+        declare(&P::map_radius_m, "map_radius_m", "m", 10.0, 1000.0,
+                "the map forgets what is farther from the sensor", "method.md 3"),
+        declare(&P::gate_m, "gate_m", "m", 0.01, 10.0, "a point farther from its plane is not matched",
+                "method.md 3"),
+        declare(&P::robust_scale_m, "robust_scale_m", "m", 0.001, 10.0,
+                "scale of the Cauchy loss on the distance from the plane", "method.md 3"),
+        declare(
+            &P::residual_sigma_m, "residual_sigma_m", "m", 0.001, 10.0,
+            "standard deviation of the distance of a matched point from its plane, which weighs the points "
+            "against the prior",
+            "method.md 3"),
+        declare(&P::acceleration_density_translation, "acceleration_density_translation", "m^2/s^3", 1e-6,
+                1e6, "power spectral density Qc of the white noise on linear acceleration", "method.md 3"),
+        declare(&P::acceleration_density_rotation, "acceleration_density_rotation", "rad^2/s^3", 1e-6, 1e6,
+                "power spectral density Qc of the white noise on angular acceleration", "method.md 3"),
+        declare(&P::max_iterations, "max_iterations", "", 1, 100, "Gauss-Newton steps a scan, at most",
+                "method.md 3"),
+        declare(&P::min_matched_share, "min_matched_share", "", 0.0, 1.0,
+                "with a smaller share of matched points a scan counts as lost: the prior alone carries it",
+                "method.md 6"),
+        declare(
+            &P::min_direction_share, "min_direction_share", "", 0.0, 1.0,
+            "mean square of (plane normal . direction) over the matched points, under which the points do "
+            "not hold a direction and the prior does",
+            "method.md 6"),
+    };
+  }
+};
+
+}  // namespace mapless

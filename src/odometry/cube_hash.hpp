@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+
+#include <Eigen/Core>
+
+namespace mapless {
+
+/// Farther cubes do not fit the 21 bits an axis has.
+inline constexpr double kFarthestCube = 1e6;
+
+[[nodiscard]] inline bool has_cube(const Eigen::Vector3d& p, double cube_m) {
+  return p.allFinite() && p.cwiseAbs().maxCoeff() < kFarthestCube * cube_m;
+}
+
+/// The cube a point lies in. Floor, not truncation, which would make the cubes at 0 twice as wide.
+[[nodiscard]] inline Eigen::Array3i cube_of(const Eigen::Vector3d& p, double cube_m) {
+  return (p / cube_m).array().floor().cast<int>();
+}
+
+[[nodiscard]] inline std::uint64_t cube_key(const Eigen::Array3i& cube) {
+  const auto bits = [](int c) { return static_cast<std::uint64_t>(c) & 0x1FFFFFu; };
+  return bits(cube.x()) << 42 | bits(cube.y()) << 21 | bits(cube.z());
+}
+
+/// Multiplicative hash. Only the high bits of the product depend on all bits of the key: shift by 64 less the
+/// number of bits wanted.
+[[nodiscard]] inline std::size_t cube_slot(std::uint64_t key, int shift) {
+  return static_cast<std::size_t>(key * 0x9E3779B97F4A7C15u >> shift);
+}
+
+}  // namespace mapless

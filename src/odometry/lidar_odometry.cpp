@@ -1,0 +1,254 @@
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+
+#include <Eigen/LU>
+
+#include "odometry/knot_trajectory.hpp"
+#include "odometry/points_in_world.hpp"
+#include "odometry/start_up.hpp"
+#include <mapless/core/errors.hpp>
+#include <mapless/odometry/lidar_odometry.hpp>
+
+namespace mapless {
+namespace {
+
+// What is known of a sensor before its first scan: where it is, by definition, and hardly how it moves.
+constexpr double kOriginSigma = 1e-5;      // [m], [rad]
+constexpr double kFirstSpeedSigma = 30;    // [m/s]
+constexpr double kFirstTurnRateSigma = 5;  // [rad/s]
+constexpr std::size_t kFewestKeypoints = 50;
+constexpr int kLostBeforeRestart = 5;
+constexpr double kForgetEvery = 10;  // metres travelled between two clearings of the map's edge
+// A registration that leaves the prediction by more than this found something else.
+constexpr double kFarthestCorrection = 10;      // [m]
+constexpr double kLargestTurnCorrection = 1.2;  // [rad]
+
+KnotPrior prior_of_first(const TrajectoryKnot& knot) {
+  Vector12d sigma;
+  sigma << Vector6d::Constant(kOriginSigma), Eigen::Vector3d::Constant(kFirstSpeedSigma),
+      Eigen::Vector3d::Constant(kFirstTurnRateSigma);
+  return {knot, sigma.cwiseInverse().cwiseAbs2().asDiagonal()};
+}
+
+TrajectoryKnot predicted(const TrajectoryKnot& knot, Time t) {
+  return {t, (SE3::exp((t - knot.time).seconds() * knot.varpi) * knot.T_v0).normalized(), knot.varpi};
+}
+
+// The end of the scan, or the last return where that is later.
+Time end_of(const LidarScan& scan) {
+  Time end = scan.end();
+  for (const LidarReturn& r : scan.returns) end = std::max(end, scan.time_of(r));
+  return end;
+}
+
+bool same_returns(const LidarScan& a, const LidarScan& b) {
+  return !a.returns.empty() && std::equal(a.returns.begin(), a.returns.end(), b.returns.begin(),
+                                          b.returns.end(), [](const LidarReturn& x, const LidarReturn& y) {
+                                            return x.position_v == y.position_v && x.time_ns == y.time_ns;
+                                          });
+}
+
+RegistrationSettings settings_of(const OdometryParameters& p) {
+  return {{p.acceleration_density_translation, p.acceleration_density_rotation},
+          {p.gate_m, p.robust_scale_m, p.residual_sigma_m},
+          p.min_direction_share,
+          p.max_iterations};
+}
+
+bool is_plausible(const TrajectoryKnot& found, const TrajectoryKnot& prediction) {
+  const Vector6d correction = (found.T_v0 * prediction.T_v0.inverse()).log();
+  return correction.allFinite() && found.varpi.allFinite() &&
+         correction.head<3>().norm() < kFarthestCorrection &&
+         correction.tail<3>().norm() < kLargestTurnCorrection;
+}
+
+}  // namespace
+
+struct LidarOdometry::State {
+  explicit State(const OdometryParameters& p) : parameters(p), settings(settings_of(p)), trajectory(knots) {}
+
+  OdometryParameters parameters;
+  RegistrationSettings settings;
+  std::vector<TrajectoryKnot> knots;
+  KnotTrajectory trajectory;
+  std::size_t window_begin = 0;  // first knot that can still change
+  KnotPrior prior;               // of that knot
+  VoxelMap map;
+  Eigen::Vector3d map_cleared_at_0 = Eigen::Vector3d::Zero();
+  std::shared_ptr<const LidarScan> last_scan;
+  std::shared_ptr<const LidarScan> first_scan;  // the first usable one, until the motion during it is known
+  std::size_t first_interval = 0;               // the knot at its start
+  bool started = false;
+  int lost_in_a_row = 0;
+
+  void require_next(const LidarScan& scan) const;
+  void append_knots(const LidarScan& scan);
+  [[nodiscard]] std::vector<TrajectoryKnot> window() const {
+    return {knots.begin() + static_cast<std::ptrdiff_t>(window_begin), knots.end()};
+  }
+  void accept(const Registration& registration);
+  void carry_by_prior(OdometryUpdate& update);
+  void forget_window();
+  void insert(const LidarScan& scan, std::size_t interval);
+  ScanOutcome begin_with(const std::shared_ptr<const LidarScan>& scan);
+  std::optional<Registration> registered(const TimeBins& bins, OdometryUpdate& update) const;
+  ScanOutcome start(const std::shared_ptr<const LidarScan>& scan, const TimeBins& bins,
+                    OdometryUpdate& update);
+  ScanOutcome track(const LidarScan& scan, const TimeBins& bins, OdometryUpdate& update);
+  ScanOutcome estimate(const std::shared_ptr<const LidarScan>& scan, OdometryUpdate& update);
+  OdometryUpdate process(const std::shared_ptr<const LidarScan>& scan);
+};
+
+void LidarOdometry::State::require_next(const LidarScan& scan) const {
+  if (scan.compensated_to) {
+    throw InputError({"", "scan", "already compensated for motion", "odometry needs the points as measured",
+                      "give the poses the recording was compensated with (--trajectory)"});
+  }
+  if (scan.columns <= 0 || scan.column_period.nanoseconds() <= 0) {
+    throw InputError({"", "scan", std::to_string(scan.columns) + " columns", "has no duration",
+                      "give scans of at least one column"});
+  }
+  if (knots.empty() || (scan.start > last_scan->start && end_of(scan) > knots.back().time)) return;
+  throw InputError({"", "scan start", std::to_string(scan.start.nanoseconds()) + " ns",
+                    "not after the scan before it", "give scans by increasing time"});
+}
+
+// A knot at the end of the scan, and one at its start where scans are missing before it.
+void LidarOdometry::State::append_knots(const LidarScan& scan) {
+  const Time end = end_of(scan);
+  if (knots.empty()) {
+    knots.push_back({scan.start, SE3(), Vector6d::Zero()});
+    prior = prior_of_first(knots.front());
+  } else if ((scan.start - knots.back().time).seconds() > 0.5 * (end - scan.start).seconds()) {
+    knots.push_back(predicted(knots.back(), scan.start));
+  }
+  knots.push_back(predicted(knots.back(), end));
+}
+
+// Marginalises all knots but the last, once the motion of the first scan is known.
+void LidarOdometry::State::accept(const Registration& registration) {
+  std::copy(registration.knots.begin(), registration.knots.end(),
+            knots.begin() + static_cast<std::ptrdiff_t>(window_begin));
+  if (!started) return;
+  window_begin = knots.size() - 1;
+  prior = {knots.back(), registration.last_information};
+}
+
+void LidarOdometry::State::carry_by_prior(OdometryUpdate& update) {
+  const auto carried = register_scan(window(), prior, TimeBins({}, Time(), Time()), map, settings);
+  if (!carried) return forget_window();
+  accept(*carried);
+  update.covariance = carried->last_information.inverse();
+}
+
+// Only for a prior that lost its last digits: the knots stay as predicted.
+void LidarOdometry::State::forget_window() {
+  prior = prior_of_first(knots.back());
+  window_begin = knots.size() - 1;
+}
+
+void LidarOdometry::State::insert(const LidarScan& scan, std::size_t interval) {
+  for (const auto& p_0 : points_in_world(scan, knots[interval], knots[interval + 1], parameters))
+    map.insert(p_0);
+  const SE3 T_0v = knots[interval + 1].T_v0.inverse();
+  if ((T_0v.translation() - map_cleared_at_0).norm() < kForgetEvery) return;
+  map_cleared_at_0 = T_0v.translation();
+  map.keep_within(map_cleared_at_0, parameters.map_radius_m);
+}
+
+ScanOutcome LidarOdometry::State::begin_with(const std::shared_ptr<const LidarScan>& scan) {
+  first_scan = scan;
+  first_interval = knots.size() - 2;
+  return ScanOutcome::first;
+}
+
+// Nothing where the registration is not to be believed; `update` then still says what was seen of it.
+std::optional<Registration> LidarOdometry::State::registered(const TimeBins& bins,
+                                                             OdometryUpdate& update) const {
+  auto found = started ? register_scan(window(), prior, bins, map, settings)
+                       : start_up(window(), prior, *first_scan, first_interval, bins, settings, parameters);
+  if (!found) return std::nullopt;
+  update.iterations = found->iterations;
+  update.matched_share = static_cast<double>(found->matched) / static_cast<double>(bins.points().size());
+  update.degeneracy = found->degeneracy;
+  if (update.matched_share < parameters.min_matched_share) return std::nullopt;
+  if (!is_plausible(found->knots.back(), knots.back())) return std::nullopt;
+  update.converged = found->converged;
+  update.covariance = found->last_information.inverse();
+  return found;
+}
+
+ScanOutcome LidarOdometry::State::start(const std::shared_ptr<const LidarScan>& scan, const TimeBins& bins,
+                                        OdometryUpdate& update) {
+  const auto found = registered(bins, update);
+  if (!found) {
+    carry_by_prior(update);
+    begin_with(scan);
+    return ScanOutcome::lost;
+  }
+  started = true;
+  const std::size_t interval = first_interval;
+  accept(*found);
+  insert(*first_scan, interval);
+  insert(*scan, knots.size() - 2);
+  first_scan.reset();
+  return ScanOutcome::registered;
+}
+
+ScanOutcome LidarOdometry::State::track(const LidarScan& scan, const TimeBins& bins, OdometryUpdate& update) {
+  if (const auto found = registered(bins, update)) {
+    lost_in_a_row = 0;
+    accept(*found);
+    insert(scan, knots.size() - 2);
+    return ScanOutcome::registered;
+  }
+  carry_by_prior(update);
+  if (++lost_in_a_row < kLostBeforeRestart) return ScanOutcome::lost;
+  lost_in_a_row = 0;
+  map.clear();
+  insert(scan, knots.size() - 2);
+  return ScanOutcome::restarted;
+}
+
+ScanOutcome LidarOdometry::State::estimate(const std::shared_ptr<const LidarScan>& scan,
+                                           OdometryUpdate& update) {
+  if (last_scan && same_returns(*last_scan, *scan)) {
+    carry_by_prior(update);
+    return ScanOutcome::repeated;
+  }
+  const TimeBins bins(select_keypoints(*scan, parameters), scan->start, knots[knots.size() - 2].time);
+  if (bins.points().size() < kFewestKeypoints) {
+    carry_by_prior(update);
+    return ScanOutcome::few_points;
+  }
+  if (started) return track(*scan, bins, update);
+  if (first_scan) return start(scan, bins, update);
+  carry_by_prior(update);
+  return begin_with(scan);
+}
+
+OdometryUpdate LidarOdometry::State::process(const std::shared_ptr<const LidarScan>& scan) {
+  require_next(*scan);
+  const std::size_t first_changed = window_begin;
+  append_knots(*scan);
+  OdometryUpdate update;
+  update.outcome = estimate(scan, update);
+  last_scan = scan;
+  update.knots.assign(knots.begin() + static_cast<std::ptrdiff_t>(first_changed), knots.end());
+  return update;
+}
+
+LidarOdometry::LidarOdometry(const OdometryParameters& parameters)
+    : state_(std::make_unique<State>(parameters)) {}
+LidarOdometry::~LidarOdometry() = default;
+LidarOdometry::LidarOdometry(LidarOdometry&&) noexcept = default;
+LidarOdometry& LidarOdometry::operator=(LidarOdometry&&) noexcept = default;
+
+OdometryUpdate LidarOdometry::process(std::shared_ptr<const LidarScan> scan) { return state_->process(scan); }
+bool LidarOdometry::started() const { return state_->started; }
+const std::vector<TrajectoryKnot>& LidarOdometry::knots() const { return state_->knots; }
+const Trajectory& LidarOdometry::trajectory() const { return state_->trajectory; }
+
+}  // namespace mapless

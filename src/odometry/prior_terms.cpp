@@ -1,0 +1,66 @@
+#include "odometry/prior_terms.hpp"
+
+#include "odometry/knot_interval.hpp"
+
+namespace mapless {
+
+Vector12d motion_error(const TrajectoryKnot& k1, const TrajectoryKnot& k2) {
+  const KnotInterval interval(k1, k2);
+  Vector12d e;
+  e << interval.xi() - interval.dt() * k1.varpi, interval.velocity_2() - k1.varpi;
+  return e;
+}
+
+Eigen::Matrix<double, 12, 24> motion_jacobian(const TrajectoryKnot& k1, const TrajectoryKnot& k2) {
+  const KnotInterval interval(k1, k2);
+  const Matrix6d& to_pose_1 = interval.xi_to_pose_1();
+  const Matrix6d& to_pose_2 = interval.jacobian_inverse();
+  Eigen::Matrix<double, 12, 24> J = Eigen::Matrix<double, 12, 24>::Zero();
+  J.block<6, 6>(0, 0) = to_pose_1;
+  J.block<6, 6>(0, 6) = -interval.dt() * Matrix6d::Identity();
+  J.block<6, 6>(0, 12) = to_pose_2;
+  J.block<6, 6>(6, 0) = interval.velocity_2_to_xi() * to_pose_1;
+  J.block<6, 6>(6, 6) = -Matrix6d::Identity();
+  J.block<6, 6>(6, 12) = interval.velocity_2_to_xi() * to_pose_2;
+  J.block<6, 6>(6, 18) = interval.jacobian_inverse();
+  return J;
+}
+
+Matrix12d motion_information(double dt, const AccelerationDensity& density) {
+  Vector6d inverse_density;
+  inverse_density.head<3>().setConstant(1 / density.translation);
+  inverse_density.tail<3>().setConstant(1 / density.rotation);
+  const Matrix6d Qc_inverse = inverse_density.asDiagonal();
+  Matrix12d out;
+  out.topLeftCorner<6, 6>() = 12 / (dt * dt * dt) * Qc_inverse;
+  out.topRightCorner<6, 6>() = -6 / (dt * dt) * Qc_inverse;
+  out.bottomLeftCorner<6, 6>() = out.topRightCorner<6, 6>();
+  out.bottomRightCorner<6, 6>() = 4 / dt * Qc_inverse;
+  return out;
+}
+
+Vector12d knot_error(const TrajectoryKnot& mean, const TrajectoryKnot& knot) {
+  Vector12d e;
+  e << (knot.T_v0 * mean.T_v0.inverse()).log(), knot.varpi - mean.varpi;
+  return e;
+}
+
+void add_motion_prior(const std::vector<TrajectoryKnot>& knots, std::size_t k,
+                      const AccelerationDensity& density, WindowSystem& system) {
+  const Vector12d e = motion_error(knots[k], knots[k + 1]);
+  const Eigen::Matrix<double, 12, 24> J = motion_jacobian(knots[k], knots[k + 1]);
+  const Matrix12d W = motion_information((knots[k + 1].time - knots[k].time).seconds(), density);
+  const Eigen::Matrix<double, 24, 12> JtW = J.transpose() * W;
+  system.add(k, JtW * J, JtW * e);
+}
+
+void add_knot_prior(const KnotPrior& prior, const TrajectoryKnot& knot, WindowSystem& system) {
+  const Vector12d e = knot_error(prior.mean, knot);
+  Matrix12d J = Matrix12d::Identity();
+  J.topLeftCorner<6, 6>() = left_jacobian_inverse(e.head<6>());
+  const Matrix12d JtW = J.transpose() * prior.information;
+  system.diagonal[0] += JtW * J;
+  system.gradient[0] += JtW * e;
+}
+
+}  // namespace mapless

@@ -1,0 +1,36 @@
+#pragma once
+
+#include "odometry/window_solver.hpp"
+
+namespace mapless {
+
+/// Power spectral densities Qc of the white noise on acceleration, equal on the axes of each group.
+struct AccelerationDensity {
+  double translation;  ///< [m^2/s^3]
+  double rotation;     ///< [rad^2/s^3]
+};
+
+/// What is known of one knot beforehand: after marginalisation, everything before it.
+struct KnotPrior {
+  TrajectoryKnot mean;
+  Matrix12d information;
+};
+
+/// Error of the motion prior between two knots, e = [xi - dt varpi_1; J^-1(xi) varpi_2 - varpi_1].
+[[nodiscard]] Vector12d motion_error(const TrajectoryKnot& k1, const TrajectoryKnot& k2);
+/// Its derivative to (pose 1, varpi 1, pose 2, varpi 2).
+[[nodiscard]] Eigen::Matrix<double, 12, 24> motion_jacobian(const TrajectoryKnot& k1,
+                                                            const TrajectoryKnot& k2);
+/// Q^-1 of that error.
+[[nodiscard]] Matrix12d motion_information(double dt, const AccelerationDensity& density);
+
+/// Error of a knot from its prior, [ln(T T_mean^-1); varpi - varpi_mean].
+[[nodiscard]] Vector12d knot_error(const TrajectoryKnot& mean, const TrajectoryKnot& knot);
+
+/// Adds the motion prior between knots k and k + 1.
+void add_motion_prior(const std::vector<TrajectoryKnot>& knots, std::size_t k,
+                      const AccelerationDensity& density, WindowSystem& system);
+/// Adds what is known of knot 0.
+void add_knot_prior(const KnotPrior& prior, const TrajectoryKnot& knot, WindowSystem& system);
+
+}  // namespace mapless

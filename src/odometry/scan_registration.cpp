@@ -1,0 +1,57 @@
+#include "odometry/scan_registration.hpp"
+
+#include <algorithm>
+
+#include "odometry/degeneracy.hpp"
+
+namespace mapless {
+namespace {
+
+// A step is small when it moves the last pose less than this.
+constexpr double kSmallTranslation = 1e-3;
+constexpr double kSmallRotation = 1e-4;
+
+bool is_small(const Vector12d& step) {
+  return step.head<3>().norm() < kSmallTranslation && step.segment<3>(3).norm() < kSmallRotation;
+}
+
+}  // namespace
+
+bool improve(const KnotPrior& prior, const TimeBins& bins, const VoxelMap& map,
+             const RegistrationSettings& settings, Registration& registration) {
+  std::vector<TrajectoryKnot>& knots = registration.knots;
+  const std::size_t last = knots.size() - 1;
+  const SE3& T_v0 = knots[last].T_v0;
+  auto sums = sum_residuals(bins, KnotInterval(knots[last - 1], knots[last]), map, settings.weights);
+  const Degeneracy degeneracy = find_degeneracy(sums, T_v0, settings.min_direction_share);
+  leave_to_prior(degeneracy, T_v0, sums);
+
+  WindowSystem system(knots.size());
+  add_knot_prior(prior, knots[0], system);
+  for (std::size_t k = 0; k < last; ++k) add_motion_prior(knots, k, settings.density, system);
+  add_points(sums, last - 1, system);
+  const auto solution = solve(system);
+  if (!solution) return false;
+
+  for (std::size_t k = 0; k <= last; ++k) knots[k] = perturbed(knots[k], solution->step[k]);
+  registration.last_information = solution->last_information;
+  registration.degeneracy = degeneracy;
+  registration.matched = 0;
+  for (const BinSums& bin : sums) registration.matched += bin.matched;
+  registration.converged = std::all_of(solution->step.begin(), solution->step.end(), is_small);
+  ++registration.iterations;
+  return true;
+}
+
+std::optional<Registration> register_scan(std::vector<TrajectoryKnot> knots, const KnotPrior& prior,
+                                          const TimeBins& bins, const VoxelMap& map,
+                                          const RegistrationSettings& settings) {
+  Registration out;
+  out.knots = std::move(knots);
+  while (!out.converged && out.iterations < settings.max_iterations) {
+    if (!improve(prior, bins, map, settings, out)) return std::nullopt;
+  }
+  return out;
+}
+
+}  // namespace mapless

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "odometry/prior_terms.hpp"
+#include "odometry/time_bins.hpp"
+
+namespace mapless {
+
+struct RegistrationSettings {
+  AccelerationDensity density;
+  PointWeights weights;
+  double min_direction_share;
+  int max_iterations;
+};
+
+/// A window of knots after registration of the scan in its last interval.
+struct Registration {
+  std::vector<TrajectoryKnot> knots;
+  Matrix12d last_information;  ///< of the last knot, the others marginalised
+  int iterations = 0;
+  int matched = 0;
+  Degeneracy degeneracy;
+  bool converged = false;
+};
+
+/// One Gauss-Newton step with newly found planes. False where there is no solution; `registration` is then as
+/// before.
+[[nodiscard]] bool improve(const KnotPrior& prior, const TimeBins& bins, const VoxelMap& map,
+                           const RegistrationSettings& settings, Registration& registration);
+
+/// Steps until they are small, or `max_iterations`. None where there is no solution.
+[[nodiscard]] std::optional<Registration> register_scan(std::vector<TrajectoryKnot> knots,
+                                                        const KnotPrior& prior, const TimeBins& bins,
+                                                        const VoxelMap& map,
+                                                        const RegistrationSettings& settings);
+
+}  // namespace mapless

@@ -1,0 +1,94 @@
+#include "odometry/time_bins.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Geometry>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+namespace mapless {
+namespace {
+
+constexpr std::int64_t kBinsPerScan = 32;
+// Points whose neighbours lie on a line (one ring of the lidar) have no plane.
+constexpr double kMinPlanarity = 0.1;
+
+// Where the point would have been measured at the middle of its bin.
+Eigen::Vector3d at_middle(const TimeBins::Point& point, const Vector6d& varpi) {
+  const Eigen::Vector3d step = varpi.head<3>() + varpi.tail<3>().cross(point.position_v);
+  return point.position_v - point.dt * step;
+}
+
+}  // namespace
+
+TimeBins::TimeBins(const std::vector<Keypoint>& keypoints, Time scan_start, Time earliest) {
+  const std::int64_t skip_ns = (earliest - scan_start).nanoseconds();
+  const auto first = std::find_if(keypoints.begin(), keypoints.end(),
+                                  [&](const Keypoint& keypoint) { return keypoint.time_ns >= skip_ns; });
+  if (first == keypoints.end()) return;
+  const std::int64_t start_ns = first->time_ns;
+  const std::int64_t width_ns = (keypoints.back().time_ns - start_ns) / kBinsPerScan + 1;
+  for (auto keypoint = first; keypoint != keypoints.end(); ++keypoint) {
+    const std::int64_t number = (keypoint->time_ns - start_ns) / width_ns;
+    const std::int64_t middle_ns = start_ns + number * width_ns + width_ns / 2;
+    const Time middle = scan_start + Duration::from_nanoseconds(middle_ns);
+    if (bins_.empty() || bins_.back().time != middle)
+      bins_.push_back({middle, points_.size(), points_.size()});
+    points_.push_back({keypoint->position_v, static_cast<double>(keypoint->time_ns - middle_ns) * 1e-9});
+    bins_.back().end = points_.size();
+  }
+}
+
+PointResidual point_residual(const Eigen::Vector3d& p_v, const SE3& T_v0, const MapPlane& plane,
+                             const PointWeights& weights) {
+  const Eigen::Vector3d normal_v = T_v0.rotation() * plane.normal_0;
+  PointResidual out;
+  out.error_m = normal_v.dot(p_v - T_v0 * plane.point_0);
+  if (plane.planarity < kMinPlanarity || !(std::abs(out.error_m) <= weights.gate_m)) return out;
+  out.a << normal_v, p_v.cross(normal_v);
+  const double scaled = out.error_m / weights.robust_scale_m;
+  const double planar = plane.planarity / weights.sigma_m;
+  out.weight = planar * planar / (1 + scaled * scaled);
+  return out;
+}
+
+void BinSums::add(const PointResidual& residual) {
+  if (residual.weight == 0) return;
+  const Vector6d weighted = residual.weight * residual.a;
+  information += weighted * residual.a.transpose();
+  gradient -= weighted * residual.error_m;
+  weight += residual.weight;
+  ++matched;
+}
+
+std::vector<BinSums> sum_residuals(const TimeBins& bins, const KnotInterval& interval, const VoxelMap& map,
+                                   const PointWeights& weights) {
+  std::vector<BinSums> sums(bins.bins().size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, sums.size(), 1), [&](const auto& range) {
+    for (std::size_t b = range.begin(); b < range.end(); ++b) {
+      const TimeBins::Bin& bin = bins.bins()[b];
+      const KnotInterval::State at = interval.at(bin.time);
+      sums[b].T_v0 = at.state.T_v0;
+      sums[b].pose_jacobian = at.pose_jacobian;
+      const SE3 T_0v = at.state.T_v0.inverse();
+      for (std::size_t i = bin.begin; i < bin.end; ++i) {
+        const Eigen::Vector3d p_v = at_middle(bins.points()[i], at.state.varpi);
+        if (const auto plane = map.plane_near(T_0v * p_v)) {
+          sums[b].add(point_residual(p_v, at.state.T_v0, *plane, weights));
+        }
+      }
+    }
+  });
+  return sums;
+}
+
+void add_points(const std::vector<BinSums>& sums, std::size_t k, WindowSystem& system) {
+  for (const BinSums& bin : sums) {
+    if (bin.matched == 0) continue;
+    const Eigen::Matrix<double, 24, 6> Gt = bin.pose_jacobian.transpose();
+    system.add(k, Gt * bin.information * bin.pose_jacobian, Gt * bin.gradient);
+  }
+}
+
+}  // namespace mapless
