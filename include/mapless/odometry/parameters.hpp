@@ -15,10 +15,10 @@ struct OdometryParameters {
   double gate_m = 0.5;
   double robust_scale_m = 0.1;
   double residual_sigma_m = 0.1;
-  double acceleration_density_translation = 50.0;
-  double acceleration_density_rotation = 5.0;
+  double acceleration_density_translation = 10.0;
+  double acceleration_density_rotation = 1.0;
   int max_iterations = 15;
-  double min_matched_share = 0.3;
+  double min_matched_share = 0.2;
   double min_direction_share = 0.005;
 
   static constexpr auto declarations() {
