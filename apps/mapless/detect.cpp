@@ -8,6 +8,7 @@
 #include <tbb/global_control.h>
 
 #include "interrupt.hpp"
+#include "motion_source.hpp"
 #include "option_checks.hpp"
 #include "parameter_options.hpp"
 #include "progress.hpp"
@@ -57,11 +58,11 @@ std::size_t selected_count(const DetectOptions& options, const Dataset& dataset)
 /// One run: scans in, files out.
 class DetectionRun {
  public:
-  DetectionRun(const Dataset& dataset, const Trajectory& trajectory, const ResultFolder& result,
+  DetectionRun(const Dataset& dataset, MotionSource& motion, const ResultFolder& result,
                const DetectorParameters& parameters, RunSummary& summary, std::size_t first,
                std::size_t count)
       : dataset_(dataset),
-        trajectory_(trajectory),
+        motion_(motion),
         result_(result),
         detector_(parameters),
         summary_(summary),
@@ -73,8 +74,9 @@ class DetectionRun {
   bool run() {
     for (std::size_t k = first_; k < first_ + count_; ++k) {
       if (InterruptGuard::requested()) return false;
-      if (const auto detection = detector_.process(read(k), trajectory_)) finish_scan(*detection);
+      if (!detect(motion_.add(read(k)))) return false;
     }
+    if (!detect(motion_.flush())) return false;
     while (const auto detection = detector_.flush()) {
       if (InterruptGuard::requested()) return false;
       finish_scan(*detection);
@@ -88,7 +90,7 @@ class DetectionRun {
     write_kitti_poses(result_.kitti_poses(), poses_);
     std::vector<TimedPose> rows = poses_;
     if (!rows.empty() && last_end_ > rows.back().time)
-      rows.push_back({last_end_, trajectory_.at(last_end_).T_v0});
+      rows.push_back({last_end_, motion_.trajectory().at(last_end_).T_v0});
     write_tum_trajectory(result_.trajectory(), rows);
     write_file_atomically(result_.summary(), summary_.text());
   }
@@ -97,8 +99,17 @@ class DetectionRun {
   [[nodiscard]] std::shared_ptr<const LidarScan> read(std::size_t k) {
     LidarScan scan = dataset_.read(k);
     summary_.add_input(scan);
-    if (scan.compensated_to) scan = restore_measured_rays(scan, trajectory_);
+    if (scan.compensated_to && !motion_.estimated()) scan = restore_measured_rays(scan, motion_.trajectory());
     return std::make_shared<const LidarScan>(std::move(scan));
+  }
+
+  // Scans whose motion is known now: one after another, but for the first two of an odometry.
+  bool detect(const std::vector<std::shared_ptr<const LidarScan>>& scans) {
+    for (const auto& scan : scans) {
+      if (InterruptGuard::requested()) return false;
+      if (const auto detection = detector_.process(scan, motion_.trajectory())) finish_scan(*detection);
+    }
+    return true;
   }
 
   void finish_scan(const Detection& detection) {
@@ -106,13 +117,13 @@ class DetectionRun {
     write_stage_file(result_.stage_file(k), stage_masks_of(detection));
     write_label_file(result_.label_file(k), labels_of(detection));
     summary_.add(detection);
-    poses_.push_back({detection.scan->start, trajectory_.at(detection.scan->start).T_v0});
-    last_end_ = std::min(detection.scan->end(), trajectory_.end());
+    poses_.push_back({detection.scan->start, motion_.trajectory().at(detection.scan->start).T_v0});
+    last_end_ = std::min(detection.scan->end(), motion_.trajectory().end());
     progress_.update(summary_.scans(), count_);
   }
 
   const Dataset& dataset_;
-  const Trajectory& trajectory_;
+  MotionSource& motion_;
   const ResultFolder& result_;
   Detector detector_;
   RunSummary& summary_;
@@ -122,12 +133,16 @@ class DetectionRun {
   Time last_end_;
 };
 
-void announce(const Dataset& dataset, const TrajectorySource& trajectory) {
+void announce(const Dataset& dataset, const MotionSource& motion) {
   fmt::print(stderr, "mapless: format {}, sensor {}, {} scans\n", dataset.format(), dataset.model()->name,
              dataset.size());
   for (const std::string& note : dataset.notes()) fmt::print(stderr, "mapless: {}\n", note);
+  if (motion.estimated()) {
+    fmt::print(stderr, "mapless: trajectory: estimated by lidar odometry\n");
+    return;
+  }
   std::string line;
-  for (const auto& [name, value] : trajectory.conventions) {
+  for (const auto& [name, value] : motion.source().conventions) {
     line += fmt::format("{}{} {}", line.empty() ? "" : ", ", name, value);
   }
   fmt::print(stderr, "mapless: trajectory: {}\n", line);
@@ -178,17 +193,20 @@ int detect(const DetectOptions& options) {
   const auto dataset = options.recording.open();
   const std::size_t count = selected_count(options, *dataset);
   require_time_order(*dataset, options.first, count);
-  const TrajectorySource trajectory = open_trajectory(*dataset, options.trajectory);
-  announce(*dataset, trajectory);
-  require_coverage(*dataset, *trajectory.trajectory, options.first, count);
+  MotionSource motion(*dataset, options.trajectory, options.first);
+  announce(*dataset, motion);
+  if (!motion.estimated()) require_coverage(*dataset, motion.trajectory(), options.first, count);
 
   const InterruptGuard interrupt;
-  RunSummary summary(*dataset, options.recording.path, trajectory, options.parameters.profile, options.first,
-                     count);
+  RunSummary summary(*dataset, options.recording.path, motion.source(), options.parameters.profile,
+                     options.first, count);
   result.create(options.overwrite, summary.text());
   write_file_atomically(result.config(), configuration_text(parameters));
-  DetectionRun run(*dataset, *trajectory.trajectory, result, parameters, summary, options.first, count);
-  return report(options, summary, run_to_the_end(run, summary));
+  DetectionRun run(*dataset, motion, result, parameters, summary, options.first, count);
+  const bool complete = run_to_the_end(run, summary);
+  if (const std::string trouble = motion.trouble(); !trouble.empty())
+    fmt::print(stderr, "mapless: {}\n", trouble);
+  return report(options, summary, complete);
 }
 
 }  // namespace

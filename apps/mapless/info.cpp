@@ -78,7 +78,7 @@ Json to_json(const Dataset& dataset, const RecordingSurvey& s) {
 }
 
 std::string trajectory_line(const Json& trajectory) {
-  if (trajectory.is_null()) return "none: detect needs --trajectory FILE or --stationary";
+  if (trajectory.is_null()) return "none: detect estimates it from the points (lidar odometry)";
   if (trajectory.contains("error"))
     return "not usable for all of it: " + trajectory["error"].get<std::string>();
   return fmt::format("in the recording, {:.3f} to {:.3f} s", trajectory["begin_s"].get<double>(),

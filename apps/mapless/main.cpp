@@ -54,6 +54,7 @@ int main(int argc, char** argv) {
       "option.");
   int exit_code = 0;
   mapless::app::add_detect(command, exit_code);
+  mapless::app::add_odometry(command, exit_code);
   mapless::app::add_evaluate(command, exit_code);
   mapless::app::add_info(command, exit_code);
   mapless::app::add_render(command, exit_code);

@@ -7,6 +7,7 @@ namespace mapless::app {
 /// Each adds its verb with all options to `app`; when the command line names the verb, it runs while the line
 /// is parsed and leaves what the process is to exit with in `exit_code`. Errors are thrown.
 void add_detect(CLI::App& app, int& exit_code);
+void add_odometry(CLI::App& app, int& exit_code);
 void add_evaluate(CLI::App& app, int& exit_code);
 void add_info(CLI::App& app, int& exit_code);
 void add_render(CLI::App& app, int& exit_code);
