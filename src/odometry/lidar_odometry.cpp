@@ -36,6 +36,13 @@ TrajectoryKnot predicted(const TrajectoryKnot& knot, Time t) {
   return {t, (SE3::exp((t - knot.time).seconds() * knot.varpi) * knot.T_v0).normalized(), knot.varpi};
 }
 
+// The start of the scan, or the first return where a laser fires before its column.
+Time start_of(const LidarScan& scan) {
+  Time start = scan.start;
+  for (const LidarReturn& r : scan.returns) start = std::min(start, scan.time_of(r));
+  return start;
+}
+
 // The end of the scan, or the last return where that is later.
 Time end_of(const LidarScan& scan) {
   Time end = scan.end();
@@ -119,7 +126,7 @@ void LidarOdometry::State::require_next(const LidarScan& scan) const {
 void LidarOdometry::State::append_knots(const LidarScan& scan) {
   const Time end = end_of(scan);
   if (knots.empty()) {
-    knots.push_back({scan.start, SE3(), Vector6d::Zero()});
+    knots.push_back({start_of(scan), SE3(), Vector6d::Zero()});
     prior = prior_of_first(knots.front());
   } else if ((scan.start - knots.back().time).seconds() > 0.5 * (end - scan.start).seconds()) {
     knots.push_back(predicted(knots.back(), scan.start));

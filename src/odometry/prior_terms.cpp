@@ -54,13 +54,14 @@ void add_motion_prior(const std::vector<TrajectoryKnot>& knots, std::size_t k,
   system.add(k, JtW * J, JtW * e);
 }
 
-void add_knot_prior(const KnotPrior& prior, const TrajectoryKnot& knot, WindowSystem& system) {
-  const Vector12d e = knot_error(prior.mean, knot);
+void add_knot_prior(const KnotPrior& prior, const std::vector<TrajectoryKnot>& knots, std::size_t k,
+                    WindowSystem& system) {
+  const Vector12d e = knot_error(prior.mean, knots[k]);
   Matrix12d J = Matrix12d::Identity();
   J.topLeftCorner<6, 6>() = left_jacobian_inverse(e.head<6>());
   const Matrix12d JtW = J.transpose() * prior.information;
-  system.diagonal[0] += JtW * J;
-  system.gradient[0] += JtW * e;
+  system.diagonal[k] += JtW * J;
+  system.gradient[k] += JtW * e;
 }
 
 }  // namespace mapless

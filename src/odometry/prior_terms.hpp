@@ -30,7 +30,8 @@ struct KnotPrior {
 /// Adds the motion prior between knots k and k + 1.
 void add_motion_prior(const std::vector<TrajectoryKnot>& knots, std::size_t k,
                       const AccelerationDensity& density, WindowSystem& system);
-/// Adds what is known of knot 0.
-void add_knot_prior(const KnotPrior& prior, const TrajectoryKnot& knot, WindowSystem& system);
+/// Adds what is known of knot k.
+void add_knot_prior(const KnotPrior& prior, const std::vector<TrajectoryKnot>& knots, std::size_t k,
+                    WindowSystem& system);
 
 }  // namespace mapless

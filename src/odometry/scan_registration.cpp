@@ -27,7 +27,7 @@ bool improve(const KnotPrior& prior, const TimeBins& bins, const VoxelMap& map,
   leave_to_prior(degeneracy, T_v0, sums);
 
   WindowSystem system(knots.size());
-  add_knot_prior(prior, knots[0], system);
+  add_knot_prior(prior, knots, 0, system);
   for (std::size_t k = 0; k < last; ++k) add_motion_prior(knots, k, settings.density, system);
   add_points(sums, last - 1, system);
   const auto solution = solve(system);

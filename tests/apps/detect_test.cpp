@@ -293,12 +293,21 @@ TEST_F(DetectTest, NamesAnInputThatIsNotThere) {
   EXPECT_FALSE(fs::exists(out()));
 }
 
-TEST_F(DetectTest, NamesAMissingTrajectory) {
+TEST_F(DetectTest, EstimatesAMissingTrajectory) {
   const std::string copy = street_copy();
   fs::remove(copy + "/trajectory.txt");
-  expect_error(detect({}, copy), 1, {"--trajectory", "--stationary"});
-  EXPECT_FALSE(fs::exists(out()));
-  EXPECT_EQ(detect({"--stationary", "--count", "2"}, copy).exit_code, 0);
+  const CommandResult r = detect({}, copy);
+  EXPECT_EQ(r.exit_code, 0) << r.err;
+  EXPECT_THAT(r.err, HasSubstr("trajectory: estimated by lidar odometry"));
+  EXPECT_EQ(summary()["trajectory"]["source"], "estimated by lidar odometry");
+  EXPECT_EQ(result().labelled_scans().size(), std::size_t{kScans});
+  const auto estimated = read_trajectory_file(result().trajectory(), {});
+  const auto truth = test::toy_street().trajectory;
+  const SE3 T_first = truth->at(estimated.poses().front().time).T_v0;
+  for (const TimedPose& pose : estimated.poses()) {
+    const SE3 T_true = truth->at(pose.time).T_v0 * T_first.inverse();
+    EXPECT_LT((pose.T_v0 * T_true.inverse()).log().head<3>().norm(), 0.1);
+  }
 }
 
 TEST_F(DetectTest, NamesFewerPosesThanScans) {

@@ -1,0 +1,53 @@
+#include "odometry/prior_terms.hpp"
+
+#include <gtest/gtest.h>
+
+#include "odometry/small_problem.hpp"
+
+namespace mapless {
+namespace {
+
+TEST(PriorTerms, ConstantVelocityCostsNothing) {
+  Vector6d varpi;
+  varpi << -20, 1, 0.5, 0.3, -1, 3;
+  const TrajectoryKnot k1 = {Time::from_seconds(1), SE3::exp(varpi), varpi};
+  const TrajectoryKnot k2 = {Time::from_seconds(1.1), SE3::exp(0.1 * varpi) * k1.T_v0, varpi};
+  EXPECT_LT(motion_error(k1, k2).norm(), 1e-9);
+}
+
+TEST(PriorTerms, MotionJacobianIsTheDerivative) {
+  std::mt19937 generator(3);
+  const auto knots = test::moving_knots(2, generator);
+  const auto error = [](const TrajectoryKnot& k1, const TrajectoryKnot& k2) -> Eigen::VectorXd {
+    return motion_error(k1, k2);
+  };
+  const Eigen::MatrixXd numerical = test::numerical_jacobian(knots[0], knots[1], error);
+  EXPECT_LT((numerical - motion_jacobian(knots[0], knots[1])).cwiseAbs().maxCoeff(), 2e-5);
+}
+
+// Q = [dt^3/3 Qc, dt^2/2 Qc; dt^2/2 Qc, dt Qc] (method.md section 3).
+TEST(PriorTerms, InformationIsTheInverseOfTheCovariance) {
+  const double dt = 0.1;
+  Vector6d density;
+  density << 2, 2, 2, 0.3, 0.3, 0.3;
+  const Matrix6d Qc = density.asDiagonal();
+  Matrix12d Q;
+  Q << dt * dt * dt / 3 * Qc, dt * dt / 2 * Qc, dt * dt / 2 * Qc, dt * Qc;
+  EXPECT_LT((motion_information(dt, {2, 0.3}) * Q - Matrix12d::Identity()).norm(), 1e-9);
+}
+
+TEST(PriorTerms, KnotPriorPullsToItsMean) {
+  std::mt19937 generator(4);
+  std::vector<TrajectoryKnot> knots = test::moving_knots(1, generator);
+  const KnotPrior prior = {perturbed(knots[0], test::random_step(generator, 0.2, 1)),
+                           3 * Matrix12d::Identity()};
+  for (int i = 0; i < 5; ++i) {
+    WindowSystem system(1);
+    add_knot_prior(prior, knots, 0, system);
+    knots[0] = perturbed(knots[0], solve(system).value().step[0]);
+  }
+  EXPECT_LT(knot_error(prior.mean, knots[0]).norm(), 1e-9);
+}
+
+}  // namespace
+}  // namespace mapless
