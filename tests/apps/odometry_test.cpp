@@ -1,0 +1,53 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "support/command.hpp"
+#include "support/temporary_folder.hpp"
+#include "support/toy_sequence.hpp"
+#include <mapless/io/atomic_file.hpp>
+#include <mapless/io/trajectory_file.hpp>
+
+namespace mapless {
+namespace {
+
+using test::run_command;
+using testing::HasSubstr;
+
+TEST(Odometry, WritesThePosesOfTheInstantAskedFor) {
+  const test::TemporaryFolder folder;
+  const test::ToyScene street = test::toy_street("VLP-16");
+  test::write_toy_sequence(street, 8, folder / "street");
+  for (const std::string instant : {"start", "middle", "end"}) {
+    SCOPED_TRACE(instant);
+    const std::string out = folder / instant;
+    const auto r = run_command({"odometry", folder / "street", "-o", out, "--pose-instant", instant});
+    ASSERT_EQ(r.exit_code, 0) << r.err;
+    const auto poses = read_trajectory_file(out + "/trajectory.txt", {}).poses();
+    ASSERT_EQ(poses.size(), 8u);
+    const double after_start = instant == "start" ? 0 : instant == "middle" ? 0.05 : 0.1;
+    const SE3 T_first = street.trajectory->at(cast_scan(street, 0).scan->start).T_v0;
+    for (std::size_t k = 0; k < poses.size(); ++k) {
+      EXPECT_NEAR(poses[k].time.seconds(), 0.1 * static_cast<double>(k) + after_start, 1e-4);
+      const SE3 T_true = street.trajectory->at(poses[k].time).T_v0 * T_first.inverse();
+      EXPECT_LT((poses[k].T_v0 * T_true.inverse()).log().head<3>().norm(), 0.1);
+    }
+    TrajectoryFileOptions rows;
+    for (const TimedPose& pose : poses) rows.row_times.push_back(pose.time);
+    const auto kitti = read_trajectory_file(out + "/poses_kitti.txt", rows).poses();
+    EXPECT_LT((kitti[7].T_v0.matrix() - poses[7].T_v0.matrix()).norm(), 1e-6);
+  }
+}
+
+TEST(Odometry, ReplacesPosesOnlyWhenAsked) {
+  const test::TemporaryFolder folder;
+  test::write_toy_sequence(test::toy_street("VLP-16"), 2, folder / "street");
+  const std::string out = folder / "out";
+  EXPECT_EQ(run_command({"odometry", folder / "street", "-o", out}).exit_code, 0);
+  const auto r = run_command({"odometry", folder / "street", "-o", out});
+  EXPECT_EQ(r.exit_code, 1);
+  EXPECT_THAT(r.err, HasSubstr("--overwrite"));
+  EXPECT_EQ(run_command({"odometry", folder / "street", "-o", out, "--overwrite"}).exit_code, 0);
+}
+
+}  // namespace
+}  // namespace mapless
