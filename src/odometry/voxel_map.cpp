@@ -11,22 +11,33 @@
 namespace mapless {
 namespace {
 
-constexpr int kNeighbours = 20;
-constexpr int kMinNeighbours = 10;
+constexpr std::size_t kNeighbours = 20;
+constexpr std::size_t kMinNeighbours = 10;
 constexpr std::size_t kFirstCapacity = 1024;
 
-struct Candidate {
-  float squared;
-  Eigen::Vector3f offset;  // from the query point
-};
+// Moves the nearest kNeighbours to the front, in their order. Selecting among
+// bare distances is several times faster than among points.
+std::size_t keep_nearest(Eigen::Vector3f* offsets, std::size_t count) {
+  if (count <= kNeighbours) return count;
+  std::array<float, 8 * VoxelMap::kSlots> squared, sorted;
+  for (std::size_t i = 0; i < count; ++i) sorted[i] = squared[i] = offsets[i].squaredNorm();
+  std::nth_element(sorted.begin(), sorted.begin() + (kNeighbours - 1), sorted.begin() + count);
+  const float farthest = sorted[kNeighbours - 1];
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < count && kept < kNeighbours; ++i) {
+    if (squared[i] <= farthest) offsets[kept++] = offsets[i];
+  }
+  return kept;
+}
 
-std::optional<MapPlane> fit_plane(const Candidate* points, int count, const Eigen::Vector3d& q_0) {
+std::optional<MapPlane> fit_plane(const Eigen::Vector3f* offsets, std::size_t count,
+                                  const Eigen::Vector3d& q_0) {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  for (int i = 0; i < count; ++i) mean += points[i].offset.cast<double>();
-  mean /= count;
+  for (std::size_t i = 0; i < count; ++i) mean += offsets[i].cast<double>();
+  mean /= static_cast<double>(count);
   Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
-  for (int i = 0; i < count; ++i) {
-    const Eigen::Vector3d d = points[i].offset.cast<double>() - mean;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Eigen::Vector3d d = offsets[i].cast<double>() - mean;
     scatter += d * d.transpose();
   }
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
@@ -114,25 +125,18 @@ std::optional<MapPlane> VoxelMap::plane_near(const Eigen::Vector3d& q_0) const {
   if (!has_cube(q_0, voxel_m_)) return std::nullopt;
   // The eight cubes whose common corner is the cube corner nearest to the point.
   const Eigen::Array3i low = (q_0 / voxel_m_).array().round().cast<int>() - 1;
-  std::array<Candidate, 8 * kSlots> candidates;
+  std::array<Eigen::Vector3f, 8 * kSlots> offsets;
   std::size_t count = 0;
   for (int i = 0; i < 8; ++i) {
     const Eigen::Array3i corner = low + Eigen::Array3i(i & 1, i >> 1 & 1, i >> 2);
     const Voxel* voxel = find(corner);
     if (voxel == nullptr) continue;
     const Eigen::Vector3f from_query = (voxel_m_ * corner.cast<double>().matrix() - q_0).cast<float>();
-    for (int p = 0; p < voxel->count; ++p) {
-      const Eigen::Vector3f offset = from_query + voxel->points[static_cast<std::size_t>(p)];
-      candidates[count++] = {offset.squaredNorm(), offset};
-    }
+    for (int p = 0; p < voxel->count; ++p)
+      offsets[count++] = from_query + voxel->points[static_cast<std::size_t>(p)];
   }
   if (count < kMinNeighbours) return std::nullopt;
-  if (count > kNeighbours) {
-    const auto end = candidates.begin() + static_cast<std::ptrdiff_t>(count);
-    std::nth_element(candidates.begin(), candidates.begin() + kNeighbours, end,
-                     [](const Candidate& a, const Candidate& b) { return a.squared < b.squared; });
-  }
-  return fit_plane(candidates.data(), static_cast<int>(std::min<std::size_t>(count, kNeighbours)), q_0);
+  return fit_plane(offsets.data(), keep_nearest(offsets.data(), count), q_0);
 }
 
 }  // namespace mapless
