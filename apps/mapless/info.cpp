@@ -77,18 +77,12 @@ Json to_json(const Dataset& dataset, const RecordingSurvey& s) {
           {"notes", dataset.notes()}};
 }
 
-<<<<<<< HEAD
-std::string trajectory_line(const Json& trajectory) {
-  if (trajectory.is_null()) return "none: detect estimates it from the points (lidar odometry)";
-  if (trajectory.contains("error"))
-    return "not usable for all of it: " + trajectory["error"].get<std::string>();
-=======
 std::string trajectory_line(const Json& trajectory, bool compensated) {
   if (trajectory.is_null())
     return compensated ? "none: detect needs --trajectory FILE to undo the compensation"
                        : "none: detect estimates it from the points (lidar odometry)";
-  if (trajectory.contains("error")) return "unusable: " + trajectory["error"].get<std::string>();
->>>>>>> 85b74e1 (Test the odometry: Jacobians, oracles, drives at speed, lost scans, a tunnel)
+  if (trajectory.contains("error"))
+    return "not usable for all of it: " + trajectory["error"].get<std::string>();
   return fmt::format("in the recording, {:.3f} to {:.3f} s", trajectory["begin_s"].get<double>(),
                      trajectory["end_s"].get<double>());
 }
