@@ -108,7 +108,8 @@ void add_simulate(CLI::App& app, int& exit_code) {
       app.add_subcommand("simulate", "Make a recording of a simulated scene, with truth for every point");
   const auto options = std::make_shared<SimulateOptions>();
   verb->add_option("SCENE", options->scene, fmt::format("one of {}", fmt::join(scene_names(), ", ")))
-      ->required();
+      ->required()
+      ->check(CLI::IsMember(scene_names()));
   verb->add_option("-o,--output", options->output, "folder for the recording; must not exist")->required();
   verb->add_option("--sensor", options->sensor, "a named model, or a calibration file")
       ->capture_default_str();

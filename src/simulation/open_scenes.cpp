@@ -130,7 +130,7 @@ void build_forest(const Scenery& scenery, const std::vector<RoadUser>& users, st
   });
   scene.place(ground, SE3(), ObjectClass::ground);
   RandomSequence random(seed, 2200);
-  for (int k = 0; k < 900; ++k) {
+  for (int k = 0; k < 1500; ++k) {
     const Vector2d p(random.uniform(-kForest, kForest), random.uniform(-kForest, kForest));
     const int variant = random.index(24);
     const double angle = random.uniform(0, kTurn);

@@ -43,6 +43,7 @@ SimulatedSensor::SimulatedSensor(std::shared_ptr<const LidarModel> model,
       options_(options),
       column_period_(Duration::from_seconds(1 / model_->rotation_rate_hz / model_->columns)) {
   for (const Laser& laser : model_->lasers) {
+    directions_h_.push_back(laser.direction_h());
     first_firing_ = std::min(first_firing_, laser.firing_offset);
     last_firing_ = std::max(last_firing_, laser.firing_offset);
   }
@@ -53,8 +54,8 @@ Time SimulatedSensor::firing_time(Time start, int column, int laser) const {
          model_->lasers[static_cast<std::size_t>(laser)].firing_offset;
 }
 
-bool SimulatedSensor::is_faulty(const RayHit& hit, double chance) const {
-  if (!options_.faulty) return false;
+double SimulatedSensor::fault_probability(const RayHit& hit) const {
+  if (!options_.faulty) return 0;
   // Glass mirrors the beam away, dark paint swallows it; both more so at a slant and far away.
   const double slant = 1 - hit.cos_incidence;
   double probability = 0;
@@ -62,12 +63,11 @@ bool SimulatedSensor::is_faulty(const RayHit& hit, double chance) const {
   if (hit.material == Material::dark_paint) probability = 0.2 + 0.5 * slant + hit.range_m / 150;
   // What comes back from grazed far ground falls below the detector's threshold.
   const double signal = reflectivity(hit.material) * hit.cos_incidence * 1e4 / (hit.range_m * hit.range_m);
-  probability = std::max(probability, std::clamp(1 - signal / 0.02, 0.0, 1.0));
-  return chance <= probability;
+  return std::max(probability, std::clamp(1 - signal / 0.02, 0.0, 1.0));
 }
 
-void SimulatedSensor::finish_record(int number, int laser, int column, const std::optional<RayHit>& hit,
-                                    SimulatedScan& out) const {
+void SimulatedSensor::finish_record(int number, int laser, int column, const Eigen::Matrix3d& C_vh,
+                                    const std::optional<RayHit>& hit, SimulatedScan& out) const {
   const std::size_t i = static_cast<std::size_t>(laser) * static_cast<std::size_t>(model_->columns) +
                         static_cast<std::size_t>(column);
   LidarRecord& record = out.records[i];
@@ -82,11 +82,15 @@ void SimulatedSensor::finish_record(int number, int laser, int column, const std
     return random_bits({options_.seed, purpose, counter(number), counter(laser), counter(column)});
   };
   record.code = ReturnCode::faulty;
-  if (hit->range_m < model_->min_range_m || is_faulty(*hit, unit_number(bits(kFault)))) return;
+  if (hit->range_m < model_->min_range_m) return;
+  const double fault = fault_probability(*hit);
+  if (fault > 0 && unit_number(bits(kFault)) <= fault) return;
   const double noise =
       options_.range_noise_m > 0 ? options_.range_noise_m * normal_number(bits(kRangeNoise)) : 0;
   record.code = ReturnCode::hit;
-  record.position_v = model_->point_v(laser, column, hit->range_m + noise).cast<float>();
+  const auto l = static_cast<std::size_t>(laser);
+  const Vector3d p_h = model_->lasers[l].origin_h_m + (hit->range_m + noise) * directions_h_[l];
+  record.position_v = (C_vh * p_h).cast<float>();
   const bool moves = hit->velocity_0.norm() > kDynamicSpeed;
   out.labels[i] = (moves ? kLabelDynamic : kLabelStatic) | static_cast<std::uint32_t>(hit->object_id) << 16;
   out.intensities[i] = intensity_of(*hit);
@@ -96,19 +100,22 @@ void SimulatedSensor::cast_column(int number, int column, SimulatedScan& out) co
   const int lasers = static_cast<int>(model_->lasers.size());
   std::vector<TimedRay> rays;
   rays.reserve(model_->lasers.size());
+  const Eigen::Matrix3d C_vh = rotation_z(model_->hub_angle(column));
   SE3 T_0h;
   for (int l = 0; l < lasers; ++l) {
     const Laser& laser = model_->lasers[static_cast<std::size_t>(l)];
     const Time t = firing_time(out.start, column, l);
     if (rays.empty() || rays.back().time != t) {
       // The turn of the hub during firing_offset is in the laser's own azimuth.
-      T_0h = trajectory_->at(t).T_v0.inverse() * SE3(rotation_z(model_->hub_angle(column)), Vector3d::Zero());
+      T_0h = trajectory_->at(t).T_v0.inverse() * SE3(C_vh, Vector3d::Zero());
     }
-    rays.push_back({T_0h * laser.origin_h_m, T_0h.rotation() * laser.direction_h(), t});
+    rays.push_back(
+        {T_0h * laser.origin_h_m, T_0h.rotation() * directions_h_[static_cast<std::size_t>(l)], t});
   }
   std::vector<std::optional<RayHit>> hits(rays.size());
   world_.cast(rays, model_->max_range_m, hits);
-  for (int l = 0; l < lasers; ++l) finish_record(number, l, column, hits[static_cast<std::size_t>(l)], out);
+  for (int l = 0; l < lasers; ++l)
+    finish_record(number, l, column, C_vh, hits[static_cast<std::size_t>(l)], out);
 }
 
 SimulatedScan SimulatedSensor::scan(int number) {

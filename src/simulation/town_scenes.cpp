@@ -75,7 +75,7 @@ Scene crossing(const SceneOptions& options) {
   add_users(builder, users, tracks, 0);
   Scene scene;
   // On a tripod at the corner of the middle junction.
-  const double corner = plan.half_road_m + 0.6;
+  const double corner = plan.half_road_m + 2.4;
   const Eigen::Vector2d at = plan.junction(1, 1) + Eigen::Vector2d(corner, corner);
   const SE3 T_0v(rotation_z(0.6), {at.x(), at.y(), plan.terrain()(at.x(), at.y()) + 2.2});
   scene.poses = sample_poses([&](double) { return T_0v; }, options.duration_s);

@@ -41,15 +41,16 @@ class SimulatedSensor {
 
  private:
   void cast_column(int number, int column, SimulatedScan& out) const;
-  void finish_record(int number, int laser, int column, const std::optional<RayHit>& hit,
-                     SimulatedScan& out) const;
-  [[nodiscard]] bool is_faulty(const RayHit& hit, double chance) const;
+  void finish_record(int number, int laser, int column, const Eigen::Matrix3d& C_vh,
+                     const std::optional<RayHit>& hit, SimulatedScan& out) const;
+  [[nodiscard]] double fault_probability(const RayHit& hit) const;
   [[nodiscard]] Time firing_time(Time start, int column, int laser) const;
 
   std::shared_ptr<const LidarModel> model_;
   std::shared_ptr<const Trajectory> trajectory_;
   SimulatedWorld& world_;
   SensorOptions options_;
+  std::vector<Eigen::Vector3d> directions_h_;  // of the lasers
   Duration column_period_;
   Duration first_firing_, last_firing_;  // of a column's lasers, from the column's instant
 };
