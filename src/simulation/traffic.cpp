@@ -18,7 +18,7 @@ constexpr double kCorridor = 1.7;  // whoever is nearer than this to my path ahe
 constexpr double kMinimumGap = 2.0;
 constexpr double kHeadway_s = 1.3;
 constexpr double kCycle_s = 36;
-constexpr int kPatience = 150;  // steps of standing in somebody's way before going through
+constexpr int kPatience = 150;  // steps of standing before going through those who cross
 
 struct StopLine {
   double s;
@@ -154,7 +154,7 @@ class Traffic {
     if (agent.v > desired) a = std::max(a, -2.5);
     a = std::min(a, for_lights(agent, t_s, desired));
     const bool impatient = agent.stuck > kPatience;
-    if (!impatient) a = std::min(a, for_others(i, desired));
+    a = std::min(a, for_others(i, desired, impatient));
     agent.stuck = agent.v < 0.1 ? agent.stuck + 1 : impatient && agent.v < 3 ? agent.stuck : 0;
     return std::clamp(a, -kHardestBraking, 2.5);
   }
@@ -172,7 +172,8 @@ class Traffic {
     return following(agent.v, desired, gap + kMinimumGap - 0.5, 0);
   }
 
-  double for_others(std::size_t i, double desired) const {
+  // Who has waited too long for those who cross waits only for those ahead in his lane.
+  double for_others(std::size_t i, double desired, bool impatient) const {
     const Agent& me = agents_[i];
     double a = kHardestBraking;
     const double look = 8 + 3 * me.v + me.v * me.v / 4;
@@ -184,6 +185,7 @@ class Traffic {
       // Whoever comes towards me keeps to his own side.
       const double along = other.heading.dot(me.heading);
       if (!on_foot(other.user.object_class) && along < -0.5) continue;
+      if (impatient && along < 0.5) continue;
       const double gap = gap_to(me, other, look);
       if (gap < 0) continue;
       a = std::min(a, following(me.v, desired, gap, std::max(0.0, other.v * along)));
