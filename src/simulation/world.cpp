@@ -224,24 +224,36 @@ RayHit SimulatedWorld::exact_hit(const TimedRay& ray, double range_m, unsigned i
 
 void SimulatedWorld::cast(std::span<const TimedRay> rays, double max_range_m,
                           std::span<std::optional<RayHit>> hits) const {
+  constexpr std::size_t kLanes = 8;
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  for (std::size_t i = 0; i < rays.size(); ++i) {
-    RTCRayHit query{};
-    const Eigen::Vector3f o = rays[i].origin_0.cast<float>();
-    const Eigen::Vector3f d = rays[i].direction_0.cast<float>();
-    query.ray.org_x = o.x(), query.ray.org_y = o.y(), query.ray.org_z = o.z();
-    query.ray.dir_x = d.x(), query.ray.dir_y = d.y(), query.ray.dir_z = d.z();
-    query.ray.tnear = 0;
-    query.ray.tfar = static_cast<float>(max_range_m);
-    query.ray.time = scenes_->ray_time(rays[i].time);
-    query.ray.mask = ~0u;
-    query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-    rtcIntersect1(scenes_->top(), &context, &query);
-    hits[i].reset();
-    if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) continue;
-    hits[i] = exact_hit(rays[i], query.ray.tfar, query.hit.instID[0], query.hit.primID);
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  for (std::size_t first = 0; first < rays.size(); first += kLanes) {
+    const std::size_t count = std::min(kLanes, rays.size() - first);
+    alignas(32) RTCRayHit8 query{};
+    alignas(32) std::array<int, kLanes> valid{};
+    for (std::size_t k = 0; k < count; ++k) {
+      const TimedRay& ray = rays[first + k];
+      valid[k] = -1;
+      query.ray.org_x[k] = static_cast<float>(ray.origin_0.x());
+      query.ray.org_y[k] = static_cast<float>(ray.origin_0.y());
+      query.ray.org_z[k] = static_cast<float>(ray.origin_0.z());
+      query.ray.dir_x[k] = static_cast<float>(ray.direction_0.x());
+      query.ray.dir_y[k] = static_cast<float>(ray.direction_0.y());
+      query.ray.dir_z[k] = static_cast<float>(ray.direction_0.z());
+      query.ray.tfar[k] = static_cast<float>(max_range_m);
+      query.ray.time[k] = scenes_->ray_time(ray.time);
+      query.ray.mask[k] = ~0u;
+      query.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
+      query.hit.instID[0][k] = RTC_INVALID_GEOMETRY_ID;
+    }
+    rtcIntersect8(valid.data(), scenes_->top(), &context, &query);
+    for (std::size_t k = 0; k < count; ++k) {
+      hits[first + k].reset();
+      if (query.hit.geomID[k] == RTC_INVALID_GEOMETRY_ID) continue;
+      hits[first + k] =
+          exact_hit(rays[first + k], query.ray.tfar[k], query.hit.instID[0][k], query.hit.primID[k]);
+    }
   }
 }
 
