@@ -6,7 +6,7 @@ set -eu
 
 packages="cmake g++ ninja-build pkg-config
   libeigen3-dev libtbb-dev libnanoflann-dev libyaml-cpp-dev libfmt-dev libspdlog-dev
-  libprotobuf-dev protobuf-compiler libcli11-dev nlohmann-json3-dev libpng-dev"
+  libprotobuf-dev protobuf-compiler libembree-dev libcli11-dev nlohmann-json3-dev libpng-dev"
 if [ "${1:-}" = test ]; then
   packages="$packages libgtest-dev libgmock-dev libbenchmark-dev libceres-dev clang-format clang-tidy python3"
 fi

@@ -11,6 +11,7 @@ void add_odometry(CLI::App& app, int& exit_code);
 void add_evaluate(CLI::App& app, int& exit_code);
 void add_info(CLI::App& app, int& exit_code);
 void add_render(CLI::App& app, int& exit_code);
+void add_simulate(CLI::App& app, int& exit_code);
 void add_config(CLI::App& app, int& exit_code);
 
 }  // namespace mapless::app

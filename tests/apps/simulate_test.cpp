@@ -1,0 +1,75 @@
+#include <csignal>
+#include <filesystem>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "support/command.hpp"
+#include "support/temporary_folder.hpp"
+#include <mapless/io/atomic_file.hpp>
+#include <mapless/io/dataset.hpp>
+
+namespace mapless {
+namespace {
+
+namespace fs = std::filesystem;
+using test::CommandResult;
+using test::run_command;
+using testing::HasSubstr;
+
+TEST(Simulate, SameSeedGivesTheSameBytesAtAnyNumberOfThreadsAndLongerOnlyGoesOn) {
+  const test::TemporaryFolder folder;
+  const std::string one = (folder.path() / "one").string();
+  const std::string two = (folder.path() / "two").string();
+  const CommandResult first = run_command(
+      {"simulate", "tunnel", "-o", one, "--sensor", "VLP-16", "--duration-s", "0.2", "--threads", "1"});
+  ASSERT_EQ(first.exit_code, 0) << first.err;
+  EXPECT_THAT(first.out, HasSubstr("2 scans of tunnel"));
+  ASSERT_EQ(
+      run_command({"simulate", "tunnel", "-o", two, "--sensor", "VLP-16", "--duration-s", "0.5"}).exit_code,
+      0);
+  for (const char* file :
+       {"scans/000000.pcd", "scans/000001.pcd", "labels/000001.label", "objects.csv", "sensor.yaml"})
+    EXPECT_EQ(read_whole_file(fs::path(one) / file), read_whole_file(fs::path(two) / file)) << file;
+  for (const char* file : {"times.txt", "trajectory.txt"}) {
+    const std::string part = read_whole_file(fs::path(one) / file);
+    EXPECT_EQ(part, read_whole_file(fs::path(two) / file).substr(0, part.size())) << file;
+  }
+}
+
+TEST(Simulate, WrongUseIsOneLineAndLeavesNothingBehind) {
+  const test::TemporaryFolder folder;
+  const std::string out = (folder.path() / "out").string();
+  for (const std::vector<std::string>& arguments :
+       {std::vector<std::string>{"simulate", "nowhere", "-o", out},
+        {"simulate", "town1", "-o", out, "--sensor", "HDL-65"},
+        {"simulate", "town1", "-o", out, "--duration-s", "0.01"},
+        {"simulate", "town1", "-o", out, "--format", "las"}}) {
+    const CommandResult result = run_command(arguments);
+    EXPECT_NE(result.exit_code, 0);
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+    EXPECT_FALSE(fs::exists(out));
+  }
+  const CommandResult existing = run_command({"simulate", "town1", "-o", folder.path().string()});
+  EXPECT_EQ(existing.exit_code, 1);
+  EXPECT_THAT(existing.err, HasSubstr("exists already"));
+}
+
+TEST(Simulate, WhatIsFinishedAtAnInterruptIsARecording) {
+  const test::TemporaryFolder folder;
+  const fs::path out = folder.path() / "out";
+  test::RunningCommand command(
+      {"simulate", "flyer", "-o", out.string(), "--sensor", "VLP-16", "--duration-s", "200"});
+  ASSERT_TRUE(command.wait_for_error_line("1 of 2000"));
+  command.send(SIGINT);
+  const CommandResult result = command.wait();
+  EXPECT_EQ(result.exit_code, 130);
+  EXPECT_THAT(result.err, HasSubstr("valid shorter sequence"));
+  const auto dataset = open_dataset(out);
+  EXPECT_GE(dataset->size(), 1u);
+  EXPECT_LT(dataset->size(), 2000u);
+  EXPECT_TRUE(dataset->read_labels(0));
+}
+
+}  // namespace
+}  // namespace mapless
