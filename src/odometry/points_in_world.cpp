@@ -44,7 +44,8 @@ std::vector<Eigen::Vector3d> points_in_world(const LidarScan& scan, const Trajec
       const LidarReturn& r = scan.returns[i];
       const std::int64_t s = std::max(0, r.time_ns) / width_ns;
       const Step& step = steps[static_cast<std::size_t>(s)];
-      const double dt = static_cast<double>(r.time_ns - s * width_ns - width_ns / 2) * 1e-9;
+      const std::int64_t middle_ns = s * width_ns + width_ns / 2;
+      const double dt = static_cast<double>(r.time_ns - middle_ns) * 1e-9;
       const Eigen::Vector3d p_v = r.position_v.cast<double>();
       all[i] = step.T_0v * (p_v - dt * (step.varpi.head<3>() + step.varpi.tail<3>().cross(p_v)));
     }

@@ -33,7 +33,7 @@ class SceneBuilder {
 [[nodiscard]] Mesh vehicle_body(ObjectClass c, int variant);
 
 /// Each adds a mover that follows the track: turning wheels; legs whose planted foot stands still.
-void add_vehicle(SceneBuilder& scene, ObjectClass c, int variant, std::shared_ptr<const Track> track);
+void add_vehicle(SceneBuilder& scene, ObjectClass c, int variant, const std::shared_ptr<const Track>& track);
 void add_person(SceneBuilder& scene, int variant, std::shared_ptr<const Track> track);
 void add_cyclist(SceneBuilder& scene, ObjectClass c, std::shared_ptr<const Track> track);
 void add_dog(SceneBuilder& scene, std::shared_ptr<const Track> track);

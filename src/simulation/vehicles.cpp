@@ -134,7 +134,7 @@ Mesh vehicle_body(ObjectClass c, int variant) {
   }
 }
 
-void add_vehicle(SceneBuilder& scene, ObjectClass c, int variant, std::shared_ptr<const Track> track) {
+void add_vehicle(SceneBuilder& scene, ObjectClass c, int variant, const std::shared_ptr<const Track>& track) {
   const VehicleSize size = size_of(c);
   Mover mover;
   mover.object_class = c;
