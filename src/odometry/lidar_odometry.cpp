@@ -253,7 +253,9 @@ LidarOdometry::~LidarOdometry() = default;
 LidarOdometry::LidarOdometry(LidarOdometry&&) noexcept = default;
 LidarOdometry& LidarOdometry::operator=(LidarOdometry&&) noexcept = default;
 
-OdometryUpdate LidarOdometry::process(std::shared_ptr<const LidarScan> scan) { return state_->process(scan); }
+OdometryUpdate LidarOdometry::process(const std::shared_ptr<const LidarScan>& scan) {
+  return state_->process(scan);
+}
 bool LidarOdometry::started() const { return state_->started; }
 const std::vector<TrajectoryKnot>& LidarOdometry::knots() const { return state_->knots; }
 const Trajectory& LidarOdometry::trajectory() const { return state_->trajectory; }

@@ -60,7 +60,7 @@ class LidarOdometry {
   /// Extends the trajectory to the end of `scan`. Only the second usable scan changes knots before the one at
   /// its own start: it tells how fast the first was. Throws InputError for a scan that starts before the last
   /// one or ends within it, or was compensated by somebody else; the odometry is then as before the call.
-  OdometryUpdate process(std::shared_ptr<const LidarScan> scan);
+  OdometryUpdate process(const std::shared_ptr<const LidarScan>& scan);
 
   /// False until the motion during the first scan is known (see process).
   [[nodiscard]] bool started() const;
