@@ -34,9 +34,9 @@ class SceneBuilder {
 
 /// Each adds a mover that follows the track: turning wheels; legs whose planted foot stands still.
 void add_vehicle(SceneBuilder& scene, ObjectClass c, int variant, const std::shared_ptr<const Track>& track);
-void add_person(SceneBuilder& scene, int variant, std::shared_ptr<const Track> track);
-void add_cyclist(SceneBuilder& scene, ObjectClass c, std::shared_ptr<const Track> track);
-void add_dog(SceneBuilder& scene, std::shared_ptr<const Track> track);
+void add_person(SceneBuilder& scene, int variant, const std::shared_ptr<const Track>& track);
+void add_cyclist(SceneBuilder& scene, ObjectClass c, const std::shared_ptr<const Track>& track);
+void add_dog(SceneBuilder& scene, const std::shared_ptr<const Track>& track);
 /// Things that fly where `T_0b` takes them.
 void add_bird(SceneBuilder& scene, Motion T_0b, double flaps_hz);
 void add_drone(SceneBuilder& scene, Motion T_0b);

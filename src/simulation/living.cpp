@@ -47,7 +47,8 @@ Mesh foot() {
 }
 
 // Adds thigh, shin and foot that reach from `hip` (x, y, z in the body) to where `foot_at` says (x, z).
-void add_leg(SceneBuilder& scene, Mover& mover, const Vector3d& hip, std::function<Vector2d(Time)> foot_at) {
+void add_leg(SceneBuilder& scene, Mover& mover, const Vector3d& hip,
+             const std::function<Vector2d(Time)>& foot_at) {
   const auto pose = [hip, foot_at](Time t) { return bend_leg({hip.x(), hip.z()}, foot_at(t), kLink); };
   const auto thigh = scene.shape("thigh", [] { return limb(kLink, 0.09, 0.065, Material::cloth); });
   const auto shin = scene.shape("shin", [] { return limb(kLink, 0.06, 0.045, Material::cloth); });
@@ -136,7 +137,7 @@ Vector2d foot_of_walker(double distance_m, double stride_m, bool left) {
   return {-0.25 * stride_m * std::cos(std::numbers::pi * u), 0.06 + 0.1 * std::sin(std::numbers::pi * u)};
 }
 
-void add_person(SceneBuilder& scene, int variant, std::shared_ptr<const Track> track) {
+void add_person(SceneBuilder& scene, int variant, const std::shared_ptr<const Track>& track) {
   Mover mover;
   mover.object_class = ObjectClass::person;
   mover.radius_m = 2.2;
@@ -153,7 +154,7 @@ void add_person(SceneBuilder& scene, int variant, std::shared_ptr<const Track> t
   scene.add(std::move(mover));
 }
 
-void add_cyclist(SceneBuilder& scene, ObjectClass c, std::shared_ptr<const Track> track) {
+void add_cyclist(SceneBuilder& scene, ObjectClass c, const std::shared_ptr<const Track>& track) {
   Mover mover;
   mover.object_class = c;
   mover.radius_m = 2.2;
@@ -172,7 +173,7 @@ void add_cyclist(SceneBuilder& scene, ObjectClass c, std::shared_ptr<const Track
   scene.add(std::move(mover));
 }
 
-void add_dog(SceneBuilder& scene, std::shared_ptr<const Track> track) {
+void add_dog(SceneBuilder& scene, const std::shared_ptr<const Track>& track) {
   Mover mover;
   mover.object_class = ObjectClass::dog;
   mover.radius_m = 1.2;

@@ -73,7 +73,7 @@ std::shared_ptr<const Path> random_drive(const TownPlan& plan, RandomSequence& r
   double length = 0;
   Vector2d before = Vector2d::Zero();
   while (length < length_m) {
-    const Vector2d along = kDirections[static_cast<std::size_t>(direction)];
+    const Vector2d& along = kDirections[static_cast<std::size_t>(direction)];
     const Vector2d right(along.y(), -along.x());
     const Vector2d from = plan.junction(at.i, at.j) + along * box + right * aside_m;
     at = next(at, direction);
