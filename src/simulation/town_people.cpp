@@ -24,9 +24,10 @@ bool is_in(const TownPlan& plan, Crossing c) {
   return c.i >= 0 && c.j >= 0 && c.i < plan.nx && c.j < plan.ny;
 }
 
-// A quadratic Bezier curve from a to b, in the directions they are met.
-void add_turn(std::vector<Vector2d>& points, const Vector2d& a, const Vector2d& along_a, const Vector2d& b,
+// A quadratic Bezier curve from the last of `points` to b, in the directions they are met.
+void add_turn(std::vector<Vector2d>& points, const Vector2d& along_a, const Vector2d& b,
               const Vector2d& along_b) {
+  const Vector2d a = points.back();  // a copy: the points move as they grow
   const double cross = along_a.x() * along_b.y() - along_a.y() * along_b.x();
   if (std::abs(cross) < 0.1) return;  // straight on
   const Vector2d apart = b - a;
@@ -78,7 +79,7 @@ std::shared_ptr<const Path> random_drive(const TownPlan& plan, RandomSequence& r
     const Vector2d from = plan.junction(at.i, at.j) + along * box + right * aside_m;
     at = next(at, direction);
     const Vector2d to = plan.junction(at.i, at.j) - along * box + right * aside_m;
-    if (!points.empty()) add_turn(points, points.back(), before, from, along);
+    if (!points.empty()) add_turn(points, before, from, along);
     points.push_back(from);
     points.push_back(to);
     length += (to - from).norm() + 2 * box;
