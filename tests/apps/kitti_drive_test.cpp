@@ -30,7 +30,7 @@ std::array<Mover, 2> van_and_cyclist(const Detection& detection, const std::vect
   for (std::size_t i = 0; i < detection.object.size(); ++i) {
     const LidarReturn& r = detection.scan->returns[i];
     if (motion_of_label(truth[r.input_index]) != MotionTruth::moving) continue;
-    // A second cyclist leaves the camera's view, and with it the truth, in the first scans.
+    // A third mover leaves the camera's view, and with it the truth, in the first scans.
     if (r.position_v.y() < -4) continue;
     Mover& mover = movers[r.position_v.y() > 1.5F ? 0 : 1];
     ++mover.points;
