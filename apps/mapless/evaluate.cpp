@@ -50,7 +50,7 @@ std::string table(const ResultEvaluation& e, const std::optional<double>& max_ra
   for (std::size_t s = 0; s < e.after_stage.size(); ++s) {
     if (e.after_stage[s].scans() > 0) out += table_row(kStageNames.at(s), e.after_stage[s]);
   }
-  return out + table_row("final labels", e.final);
+  return out + table_row("final labels", e.report.points);
 }
 
 Json rate_json(const std::optional<double>& rate) { return rate ? Json(*rate) : Json(nullptr); }
@@ -83,7 +83,7 @@ Json to_json(const ResultEvaluation& e, const std::optional<double>& max_range_m
           {"scans_without_truth", e.scans_without_truth},
           {"max_range_m", rate_json(max_range_m)},
           {"stages", stages},
-          {"final", to_json("final labels", e.final)}};
+          {"final", to_json("final labels", e.report.points)}};
 }
 
 int evaluate(const EvaluateOptions& options) {

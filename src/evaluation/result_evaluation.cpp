@@ -41,7 +41,7 @@ void evaluate_scan(const Dataset& dataset, const ResultFolder& result, std::size
                    ResultEvaluation& out) {
   const Mask counted = range_mask(dataset, scan, options.max_range_m);
   const auto labels = read_label_file(result.label_file(scan), truth.size());
-  out.final.add(count_points(truth, dynamic_labels(labels), counted));
+  out.report.points.add(count_points(truth, dynamic_labels(labels), counted));
   if (!std::filesystem::exists(result.stage_file(scan))) return;
   const Mask masks = read_stage_file(result.stage_file(scan), truth.size());
   for (int s = 0; s < options.stages; ++s) {

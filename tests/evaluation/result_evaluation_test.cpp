@@ -33,7 +33,7 @@ class ResultEvaluationTest : public testing::Test {
   test::TemporaryFolder folder;
   MemoryDataset dataset;
   ResultFolder result;
-  EvaluationOptions options{.stages = 5, .max_range_m = {}, .progress = {}};
+  EvaluationOptions options{.stages = 5, .max_range_m = {}, .objects = {}, .progress = {}};
 };
 
 TEST_F(ResultEvaluationTest, CountsOnlyScansWithTruthAndResult) {
@@ -45,7 +45,7 @@ TEST_F(ResultEvaluationTest, CountsOnlyScansWithTruthAndResult) {
   EXPECT_EQ(e.labelled_scans, 2u);
   EXPECT_EQ(e.scans_without_truth, 1u);
   EXPECT_EQ(e.scans, std::vector<std::size_t>{0});
-  EXPECT_EQ(e.final.total(), (Counts{.tp = 1, .fp = 0, .fn = 1, .tn = 1}));
+  EXPECT_EQ(e.report.points.total(), (Counts{.tp = 1, .fp = 0, .fn = 1, .tn = 1}));
 }
 
 TEST_F(ResultEvaluationTest, ReadsEachStageFromItsBit) {
@@ -55,7 +55,7 @@ TEST_F(ResultEvaluationTest, ReadsEachStageFromItsBit) {
   // the first.
   write_stage_file(result.stage_file(1), {0b11011, 0b00001, 0b00011, 0b00001});
   const ResultEvaluation e = evaluate_result(dataset, result, options);
-  EXPECT_EQ(e.final.scans(), 2);
+  EXPECT_EQ(e.report.points.scans(), 2);
   ASSERT_EQ(e.after_stage.size(), 5u);
   EXPECT_EQ(e.after_stage[0].scans(), 1) << "scan 0 has no stage file";
   EXPECT_EQ(e.after_stage[0].total(), (Counts{.tp = 2, .fp = 1, .fn = 0, .tn = 0}));
@@ -67,10 +67,10 @@ TEST_F(ResultEvaluationTest, ReadsEachStageFromItsBit) {
 TEST_F(ResultEvaluationTest, LeavesOutPointsBeyondTheRange) {
   add_scan(0);
   options.max_range_m = 1.5;
-  EXPECT_EQ(evaluate_result(dataset, result, options).final.total(),
+  EXPECT_EQ(evaluate_result(dataset, result, options).report.points.total(),
             (Counts{.tp = 1, .fp = 0, .fn = 0, .tn = 0}));
   options.max_range_m = 2.0;
-  EXPECT_EQ(evaluate_result(dataset, result, options).final.total(),
+  EXPECT_EQ(evaluate_result(dataset, result, options).report.points.total(),
             (Counts{.tp = 1, .fp = 0, .fn = 1, .tn = 0}));
 }
 

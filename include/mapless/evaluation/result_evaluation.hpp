@@ -1,11 +1,12 @@
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <vector>
 
-#include <mapless/evaluation/precision_recall.hpp>
+#include <mapless/evaluation/evaluation_report.hpp>
 #include <mapless/io/dataset.hpp>
 #include <mapless/io/result_folder.hpp>
 
@@ -17,12 +18,13 @@ struct ResultEvaluation {
   std::size_t scans_without_truth = 0;       ///< of these, the ones that cannot count
   std::vector<std::size_t> scans;            ///< those that count: label and truth are both there
   std::vector<PrecisionRecall> after_stage;  ///< by stage; over the scans of `scans` that have a stage file
-  PrecisionRecall final;
+  EvaluationReport report;                   ///< of the final labels
 };
 
 struct EvaluationOptions {
   int stages = 0;                     ///< bits used in a stage file
   std::optional<double> max_range_m;  ///< points farther from their laser do not count
+  std::filesystem::path objects;      ///< folder of objects.csv and object_states.csv; empty: there are none
   std::function<void(std::size_t done, std::size_t of)> progress;
 };
 

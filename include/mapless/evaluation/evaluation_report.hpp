@@ -1,0 +1,99 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <mapless/evaluation/precision_recall.hpp>
+
+namespace mapless {
+
+/// How many of some were found: a share whose denominator is 0 is absent.
+struct Found {
+  std::int64_t found = 0;
+  std::int64_t of = 0;
+
+  bool operator==(const Found&) const = default;
+  [[nodiscard]] std::optional<double> share() const;
+};
+
+/// What lies in (above, up_to]; up_to of the last band is infinite.
+template <class What>
+struct InBand {
+  double above = 0;
+  double up_to = 0;
+  What counts;
+};
+
+/// Points no farther from their laser than a limit: the paper's plot of recall over a range limit.
+struct WithinRange {
+  double limit_m = 0;
+  PrecisionRecall points;
+};
+
+/// Points and objects of one class of the recording's objects.csv.
+struct OfClass {
+  std::string object_class;  ///< kNoObject: object id 0. kUnlisted: an id that objects.csv does not have
+  Counts points;
+  Found objects;                        ///< as EvaluationReport::objects
+  std::optional<Found> evident_movers;  ///< as EvaluationReport::evident_movers
+};
+inline constexpr std::string_view kNoObject = "(no object)";
+inline constexpr std::string_view kUnlisted = "(unlisted)";
+
+/// Where the errors are: points of one class and kind ("mover", "parked") of objects.csv. FP are its points
+/// called dynamic while they stand still, FN those that were missed.
+struct OfKind {
+  std::string object_class;  ///< as OfClass::object_class
+  std::string kind;          ///< empty for kNoObject and kUnlisted
+  Counts points;
+};
+
+/// Objects of the result: the numbers in the high 16 bits of its dynamic labels, which count anew in every
+/// scan.
+struct FalseObjects {
+  std::int64_t scans = 0;
+  std::int64_t objects = 0;     ///< with at least one point of known truth
+  std::int64_t false_ones = 0;  ///< of these, those of whose points of known truth more than half are static
+  std::int64_t unnumbered_points = 0;  ///< dynamic points of no object
+
+  /// Absent without a scan, and where points are called dynamic but none belongs to an object.
+  [[nodiscard]] std::optional<double> per_scan() const;
+};
+
+/// How well labels agree with the truth. "Dynamic" and "static" are of motion_of_label (io/labels.hpp);
+/// points whose truth is unknown (0, 1) count nowhere, a predicted label that is not dynamic counts as
+/// static.
+///
+/// Ranges are those of the return, from its own laser. An *object* is all points of a scan whose true label
+/// has its id (not 0) in the high 16 bits; its *visible points* are these, static or dynamic. An object in a
+/// scan counts where at least one of its points is dynamic, and is *found* where at least half of its dynamic
+/// points are called dynamic. Its true speed is that of object_states.csv: of its body's origin in the middle
+/// of the scan.
+struct EvaluationReport {
+  PrecisionRecall points;  ///< of all points that count, total and average over scans
+
+  std::vector<InBand<Counts>> by_range;   ///< [m]; points without a return are in no band
+  std::vector<WithinRange> within_range;  ///< every 5 m
+  std::vector<OfClass> by_class;          ///< by name; empty without objects.csv
+  std::vector<OfKind> by_kind;            ///< by name; empty without objects.csv
+
+  /// Recall of dynamic points by their object's true speed [m/s]; empty without object_states.csv.
+  std::vector<InBand<Found>> by_speed;
+  /// Recall of dynamic points by the number of visible points of their object; points of no object in no
+  /// band.
+  std::vector<InBand<Found>> by_visible_points;
+
+  Found objects;  ///< objects in scans
+  /// The same among those faster than kEvidentSpeed with kEvidentPoints visible points or more, whose mean
+  /// range is at most kEvidentRange; absent without object_states.csv.
+  std::optional<Found> evident_movers;
+  FalseObjects false_objects;
+};
+inline constexpr double kEvidentSpeed = 0.5;  ///< [m/s]
+inline constexpr std::int64_t kEvidentPoints = 20;
+inline constexpr double kEvidentRange = 50;  ///< [m]
+
+}  // namespace mapless

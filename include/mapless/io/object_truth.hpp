@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <utility>
+
+#include <Eigen/Core>
+
+#include <mapless/core/time.hpp>
+
+namespace mapless {
+
+/// A row of objects.csv.
+struct ObjectDescription {
+  std::string object_class;
+  std::string kind;  ///< "mover" or "parked" of a simulated recording
+};
+
+/// A row of object_states.csv: a mover in the middle of a scan in which it has a return. World frame of the
+/// recording's trajectory.
+struct ObjectState {
+  Time time;
+  Eigen::Vector3d centre_0;    ///< of the box about all its parts, along the axes of its body [m]
+  Eigen::Vector3d velocity_0;  ///< of its body's origin [m/s]
+  double speed_mps = 0;
+};
+
+/// What a recording tells of the objects its true labels number.
+struct ObjectTruth {
+  bool has_descriptions = false;                                        ///< there is an objects.csv
+  bool has_states = false;                                              ///< there is an object_states.csv
+  std::map<std::uint32_t, ObjectDescription> descriptions;              ///< by object id
+  std::map<std::pair<std::size_t, std::uint32_t>, ObjectState> states;  ///< by scan and object id
+};
+
+/// Reads objects.csv (object_id,class,kind) and object_states.csv
+/// (scan,object_id,time_s,x_m,y_m,z_m,vx_mps,vy_mps,vz_mps,speed_mps) of a folder, where they are. Throws
+/// InputError naming file and line for what is no such table, and for an object, or its state, given twice.
+[[nodiscard]] ObjectTruth read_object_truth(const std::filesystem::path& folder);
+
+/// The head of object_states.csv and a row of it, each with its end of line.
+[[nodiscard]] std::string object_states_head();
+[[nodiscard]] std::string object_state_row(std::size_t scan, std::uint32_t object_id,
+                                           const ObjectState& state);
+
+}  // namespace mapless
