@@ -1,3 +1,4 @@
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -6,6 +7,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "evaluation_json.hpp"
+#include "evaluation_tables.hpp"
 #include "json_text.hpp"
 #include "option_checks.hpp"
 #include "progress.hpp"
@@ -53,37 +56,33 @@ std::string table(const ResultEvaluation& e, const std::optional<double>& max_ra
   return out + table_row("final labels", e.report.points);
 }
 
-Json rate_json(const std::optional<double>& rate) { return rate ? Json(*rate) : Json(nullptr); }
-
-Json to_json(std::string_view name, const PrecisionRecall& r) {
-  const Counts& c = r.total();
-  return {{"name", name},
-          {"scans", r.scans()},
-          {"tp", c.tp},
-          {"fp", c.fp},
-          {"fn", c.fn},
-          {"tn", c.tn},
-          {"precision", rate_json(c.precision())},
-          {"recall", rate_json(c.recall())},
-          {"average_precision", rate_json(r.average_precision())},
-          {"n_p", r.precision_scans()},
-          {"average_recall", rate_json(r.average_recall())},
-          {"n_r", r.recall_scans()},
-          {"f1", rate_json(c.f1())},
-          {"iou", rate_json(c.iou())}};
+Json named_json(std::string_view name, const PrecisionRecall& rates) {
+  Json out = {{"name", name}};
+  out.update(to_json(rates));
+  return out;
 }
 
-Json to_json(const ResultEvaluation& e, const std::optional<double>& max_range_m) {
+Json result_json(const ResultEvaluation& e, const std::optional<double>& max_range_m) {
   Json stages = Json::array();
   for (std::size_t s = 0; s < e.after_stage.size(); ++s) {
-    if (e.after_stage[s].scans() > 0) stages.push_back(to_json(kStageNames.at(s), e.after_stage[s]));
+    if (e.after_stage[s].scans() > 0) stages.push_back(named_json(kStageNames.at(s), e.after_stage[s]));
   }
   return {{"scans", e.scans.size()},
           {"labelled_scans", e.labelled_scans},
           {"scans_without_truth", e.scans_without_truth},
-          {"max_range_m", rate_json(max_range_m)},
+          {"max_range_m", max_range_m ? Json(*max_range_m) : Json(nullptr)},
           {"stages", stages},
-          {"final", to_json("final labels", e.report.points)}};
+          {"final", named_json("final labels", e.report.points)},
+          {"report", to_json(e.report)}};
+}
+
+// The tables of objects belong to the true labels.
+std::filesystem::path objects_folder(const RecordingOptions& recording) {
+  if (recording.dataset.labels.empty()) return recording.path;
+  return std::filesystem::absolute(recording.dataset.labels / "")
+      .lexically_normal()
+      .parent_path()
+      .parent_path();
 }
 
 int evaluate(const EvaluateOptions& options) {
@@ -91,25 +90,28 @@ int evaluate(const EvaluateOptions& options) {
   EvaluationOptions how;
   how.stages = kStageCount;
   how.max_range_m = options.max_range_m;
+  how.objects = objects_folder(options.recording);
   Progress progress("scans");
   how.progress = [&progress](std::size_t done, std::size_t of) { progress.update(done, of); };
   const ResultEvaluation evaluation = evaluate_result(*dataset, ResultFolder(options.result), how);
   progress.clear();
-  const std::string json = json_text(to_json(evaluation, options.max_range_m));
+  const std::string json = json_text(result_json(evaluation, options.max_range_m));
   if (options.json == "-") {
     fmt::print("{}", json);
     return 0;
   }
   if (!options.json.empty()) write_file_atomically(options.json, json);
-  fmt::print("{}", table(evaluation, options.max_range_m));
+  fmt::print("{}{}", table(evaluation, options.max_range_m), report_tables(evaluation.report));
   return 0;
 }
 
 }  // namespace
 
 void add_evaluate(CLI::App& app, int& exit_code) {
-  auto* verb = app.add_subcommand(
-      "evaluate", "Compare a result with the true labels: precision, recall, F1 and IoU after each stage");
+  auto* verb =
+      app.add_subcommand("evaluate",
+                         "Compare a result with the true labels: precision, recall, F1 and IoU after each "
+                         "stage; by range, class, speed and visible points; objects found");
   const auto options = std::make_shared<EvaluateOptions>();
   add_recording_options(*verb, options->recording);
   verb->add_option("OUT", options->result,

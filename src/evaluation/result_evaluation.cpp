@@ -1,8 +1,10 @@
 #include <filesystem>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include <mapless/core/errors.hpp>
+#include <mapless/evaluation/evaluator.hpp>
 #include <mapless/evaluation/result_evaluation.hpp>
 #include <mapless/io/labels.hpp>
 
@@ -12,20 +14,11 @@ namespace {
 using Mask = std::vector<std::uint8_t>;
 
 // 1 for the records whose return is within the range; empty, which masks nothing, without a limit.
-Mask range_mask(const Dataset& dataset, std::size_t scan_number, const std::optional<double>& max_range_m) {
+Mask range_mask(const std::vector<float>& ranges_m, const std::optional<double>& max_range_m) {
   if (!max_range_m) return {};
-  const LidarScan scan = dataset.read(scan_number);
-  Mask mask(scan.input_size, 0);
-  for (const LidarReturn& r : scan.returns) {
-    if (static_cast<double>(r.range_m) <= *max_range_m) mask[r.input_index] = 1;
-  }
-  return mask;
-}
-
-Mask dynamic_labels(const std::vector<std::uint32_t>& labels) {
-  Mask mask(labels.size());
-  for (std::size_t i = 0; i < labels.size(); ++i) {
-    mask[i] = motion_of_label(labels[i]) == MotionTruth::moving ? 1 : 0;
+  Mask mask(ranges_m.size(), 0);
+  for (std::size_t i = 0; i < mask.size(); ++i) {
+    if (static_cast<double>(ranges_m[i]) <= *max_range_m) mask[i] = 1;
   }
   return mask;
 }
@@ -36,14 +29,29 @@ Mask bit_of(const Mask& masks, int bit) {
   return out;
 }
 
+// The states are numbered by scan; in a recording of which scans were taken out, they would be those of
+// others.
+void require_states_of(const Dataset& dataset, const ObjectTruth& objects,
+                       const std::filesystem::path& folder) {
+  for (const auto& [key, state] : objects.states) {
+    const auto& [scan, id] = key;
+    if (scan >= dataset.size()) continue;
+    if (state.time >= dataset.scan_start(scan) && state.time <= dataset.scan_end(scan)) continue;
+    throw InputError({(folder / "object_states.csv").string(), fmt::format("scan {}, object {}", scan, id),
+                      fmt::format("{} s", state.time.seconds()), "not during that scan of the recording",
+                      "give the whole recording the table was written with, or remove the table"});
+  }
+}
+
 void evaluate_scan(const Dataset& dataset, const ResultFolder& result, std::size_t scan,
                    const std::vector<std::uint32_t>& truth, const EvaluationOptions& options,
-                   ResultEvaluation& out) {
-  const Mask counted = range_mask(dataset, scan, options.max_range_m);
+                   Evaluator& evaluator, ResultEvaluation& out) {
+  const std::vector<float> ranges = ranges_of(dataset.read(scan));
   const auto labels = read_label_file(result.label_file(scan), truth.size());
-  out.report.points.add(count_points(truth, dynamic_labels(labels), counted));
+  evaluator.add({scan, truth, labels, ranges});
   if (!std::filesystem::exists(result.stage_file(scan))) return;
   const Mask masks = read_stage_file(result.stage_file(scan), truth.size());
+  const Mask counted = range_mask(ranges, options.max_range_m);
   for (int s = 0; s < options.stages; ++s) {
     out.after_stage[static_cast<std::size_t>(s)].add(count_points(truth, bit_of(masks, s), counted));
   }
@@ -57,6 +65,10 @@ ResultEvaluation evaluate_result(const Dataset& dataset, const ResultFolder& res
   ResultEvaluation out;
   out.labelled_scans = scans.size();
   out.after_stage.resize(static_cast<std::size_t>(options.stages));
+  ObjectTruth objects;
+  if (!options.objects.empty()) objects = read_object_truth(options.objects);
+  require_states_of(dataset, objects, options.objects);
+  Evaluator evaluator(std::move(objects), options.max_range_m);
   for (std::size_t i = 0; i < scans.size(); ++i) {
     if (scans[i] >= dataset.size()) {
       throw InputError({result.label_file(scans[i]).string(), "scan", std::to_string(scans[i]),
@@ -65,7 +77,7 @@ ResultEvaluation evaluate_result(const Dataset& dataset, const ResultFolder& res
     }
     if (const auto truth = dataset.read_labels(scans[i])) {
       out.scans.push_back(scans[i]);
-      evaluate_scan(dataset, result, scans[i], *truth, options, out);
+      evaluate_scan(dataset, result, scans[i], *truth, options, evaluator, out);
     } else {
       ++out.scans_without_truth;
     }
@@ -76,6 +88,7 @@ ResultEvaluation evaluate_result(const Dataset& dataset, const ResultFolder& res
                       "none has both a label file and a truth in the recording",
                       "give the folder of true labels with --labels"});
   }
+  out.report = evaluator.report();
   return out;
 }
 

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <limits>
 #include <system_error>
@@ -68,6 +69,16 @@ void put_record(std::string& bytes, const LidarRecord& r) {
   put(bytes, static_cast<std::uint8_t>(code));
 }
 
+std::uint8_t in_255ths(float intensity) {
+  return static_cast<std::uint8_t>(std::lround(255 * std::clamp(intensity, 0.0F, 1.0F)));
+}
+
+void require_one_each(const fs::path& file, const char* what, std::size_t found, std::size_t records) {
+  if (found == 0 || found == records) return;
+  throw InputError({file.string(), what, std::to_string(found),
+                    fmt::format("not one for each of {} records", records), "give all of them, or none"});
+}
+
 // A laser may fire before its column's instant, and before the scan's start then.
 char type_of_times(const std::vector<LidarRecord>& records) {
   const bool negative =
@@ -75,13 +86,14 @@ char type_of_times(const std::vector<LidarRecord>& records) {
   return negative ? 'I' : 'U';
 }
 
-PcdCloud organised_cloud(const LidarModel& model, char time_type) {
+PcdCloud organised_cloud(const LidarModel& model, char time_type, bool with_intensity) {
   PcdCloud cloud;
   cloud.width = static_cast<std::size_t>(model.columns);
   cloud.height = model.lasers.size();
   for (const char* name : {"x", "y", "z"}) cloud.add_field(name, 'F', 4);
   cloud.add_field("t", time_type, 4);
   cloud.add_field("code", 'U', 1);
+  if (with_intensity) cloud.add_field("intensity", 'U', 1);
   return cloud;
 }
 
@@ -96,23 +108,21 @@ NativeWriter::NativeWriter(fs::path folder, LidarModel model)
 }
 
 void NativeWriter::add_scan(Time start, const std::vector<LidarRecord>& records,
-                            const std::vector<std::uint32_t>& labels) {
+                            const std::vector<std::uint32_t>& labels, const std::vector<float>& intensities) {
   const std::string name = fmt::format("{:06}", starts_.size());
   const fs::path file = folder_ / "scans" / (name + ".pcd");
   if (!starts_.empty() && start <= starts_.back()) {
     throw InputError(
         {file.string(), "start", decimal_seconds(start), "not after the scan before", "sort the scans"});
   }
-  if (!labels.empty() && labels.size() != records.size()) {
-    throw InputError({file.string(), "labels", std::to_string(labels.size()),
-                      fmt::format("not one for each of {} records", records.size()),
-                      "give all of them, or none"});
-  }
+  require_one_each(file, "labels", labels.size(), records.size());
+  require_one_each(file, "intensities", intensities.size(), records.size());
   const std::vector<std::size_t> by_cell = records_by_cell(model_, records, file.string());
-  PcdCloud cloud = organised_cloud(model_, type_of_times(records));
+  PcdCloud cloud = organised_cloud(model_, type_of_times(records), !intensities.empty());
   std::vector<std::uint32_t> cell_labels;
   for (const std::size_t i : by_cell) {
     put_record(cloud.bytes, i == kNoRecord ? LidarRecord{{}, 0, 0, 0, ReturnCode::faulty} : records[i]);
+    if (!intensities.empty()) put(cloud.bytes, i == kNoRecord ? std::uint8_t{0} : in_255ths(intensities[i]));
     if (!labels.empty()) cell_labels.push_back(i == kNoRecord ? kLabelUnknown : labels[i]);
   }
   write_pcd(file, cloud);

@@ -8,11 +8,13 @@
 #include <fmt/format.h>
 
 #include "io/text.hpp"
+#include "simulation/object_states.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/io/atomic_file.hpp>
 #include <mapless/io/labels.hpp>
 #include <mapless/io/mdlidar_writer.hpp>
 #include <mapless/io/native_writer.hpp>
+#include <mapless/io/object_truth.hpp>
 #include <mapless/io/trajectory_file.hpp>
 #include <mapless/simulation/sequence_writer.hpp>
 
@@ -44,7 +46,9 @@ class NativeSequence final : public SequenceWriter {
  public:
   NativeSequence(const fs::path& folder, const LidarModel& model, std::vector<TimedPose> poses)
       : writer_(folder, model), poses_(std::move(poses)) {}
-  void add(const SimulatedScan& scan) override { writer_.add_scan(scan.start, scan.records, scan.labels); }
+  void add(const SimulatedScan& scan) override {
+    writer_.add_scan(scan.start, scan.records, scan.labels, scan.intensities);
+  }
   void finish() override { writer_.finish(poses_); }
 
  private:
@@ -189,6 +193,31 @@ class KittiSequence final : public SequenceWriter {
   std::vector<TimedPose> poses_;
 };
 
+// Any of them, with the tables of objects beside it.
+class WithObjectTables final : public SequenceWriter {
+ public:
+  WithObjectTables(std::unique_ptr<SequenceWriter> sequence, const fs::path& folder, double rotation_rate_hz,
+                   const Scene& scene)
+      : sequence_(std::move(sequence)),
+        half_turn_(Duration::from_seconds(0.5 / rotation_rate_hz)),
+        states_(scene),
+        table_(folder / "object_states.csv") {
+    write_file_atomically(folder / "objects.csv", object_table(scene.world));
+  }
+  void add(const SimulatedScan& scan) override {
+    sequence_->add(scan);
+    table_.add(scans_++, states_.of_seen(scan, scan.start + half_turn_));
+  }
+  void finish() override { sequence_->finish(); }
+
+ private:
+  std::unique_ptr<SequenceWriter> sequence_;
+  Duration half_turn_;
+  ObjectStates states_;
+  ObjectStatesWriter table_;
+  std::size_t scans_ = 0;
+};
+
 }  // namespace
 
 const std::vector<std::string>& sequence_formats() {
@@ -207,6 +236,7 @@ std::unique_ptr<SequenceWriter> make_sequence_writer(std::string_view format, co
                                                      std::shared_ptr<const LidarModel> model,
                                                      const Scene& scene) {
   require_new(folder);
+  const double rate_hz = model->rotation_rate_hz;
   std::unique_ptr<SequenceWriter> writer;
   if (format == "native") {
     writer = std::make_unique<NativeSequence>(folder, *model, scene.poses_in_world());
@@ -218,8 +248,7 @@ std::unique_ptr<SequenceWriter> make_sequence_writer(std::string_view format, co
     throw ParameterError({"format", "name", std::string(format), "cannot be written",
                           fmt::format("choose one of {}", fmt::join(sequence_formats(), ", "))});
   }
-  write_file_atomically(folder / "objects.csv", object_table(scene.world));
-  return writer;
+  return std::make_unique<WithObjectTables>(std::move(writer), folder, rate_hz, scene);
 }
 
 }  // namespace mapless

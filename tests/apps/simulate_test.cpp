@@ -31,7 +31,7 @@ TEST(Simulate, SameSeedGivesTheSameBytesAtAnyNumberOfThreadsAndLongerOnlyGoesOn)
   for (const char* file :
        {"scans/000000.pcd", "scans/000001.pcd", "labels/000001.label", "objects.csv", "sensor.yaml"})
     EXPECT_EQ(read_whole_file(fs::path(one) / file), read_whole_file(fs::path(two) / file)) << file;
-  for (const char* file : {"times.txt", "trajectory.txt"}) {
+  for (const char* file : {"times.txt", "trajectory.txt", "object_states.csv"}) {
     const std::string part = read_whole_file(fs::path(one) / file);
     EXPECT_EQ(part, read_whole_file(fs::path(two) / file).substr(0, part.size())) << file;
   }

@@ -6,7 +6,9 @@
 #include "support/temporary_folder.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/evaluation/result_evaluation.hpp>
+#include <mapless/io/atomic_file.hpp>
 #include <mapless/io/labels.hpp>
+#include <mapless/io/object_truth.hpp>
 
 namespace mapless {
 namespace {
@@ -72,6 +74,29 @@ TEST_F(ResultEvaluationTest, LeavesOutPointsBeyondTheRange) {
   options.max_range_m = 2.0;
   EXPECT_EQ(evaluate_result(dataset, result, options).report.points.total(),
             (Counts{.tp = 1, .fp = 0, .fn = 1, .tn = 0}));
+}
+
+TEST_F(ResultEvaluationTest, TakesClassesAndSpeedsFromTheTables) {
+  add_scan(1);
+  dataset.labels[1] = {kMoving | 5u << 16, kMoving | 5u << 16, kStill, 0};
+  options.objects = folder / "tables";
+  std::filesystem::create_directories(options.objects);
+  EXPECT_TRUE(evaluate_result(dataset, result, options).report.by_class.empty());
+  write_file_atomically(options.objects / "objects.csv", "object_id,class,kind\n5,dog,mover\n");
+  ObjectStatesWriter states(options.objects / "object_states.csv");
+  ObjectState state{Time::from_seconds(0.15), {0, 0, 0}, {0, 3, 0}, 3};
+  states.add(1, {{5, state}});
+  const EvaluationReport report = evaluate_result(dataset, result, options).report;
+  ASSERT_EQ(report.by_class.size(), 2u);
+  EXPECT_EQ(report.by_class[1].object_class, "dog");
+  EXPECT_EQ(report.by_class[1].points, (Counts{.tp = 1, .fn = 1}));
+  EXPECT_EQ(report.by_class[1].objects, (Found{1, 1}));
+  EXPECT_EQ(report.by_speed[4].counts, (Found{1, 2})) << "between 2 and 5 m/s";
+  EXPECT_EQ(report.by_range[0].counts, (Counts{.tp = 1, .fn = 1, .tn = 1}));
+  // A scan taken out of the recording would shift the rest.
+  state.time = Time::from_seconds(0.25);
+  states.add(0, {{5, state}});
+  EXPECT_THROW((void)evaluate_result(dataset, result, options), InputError);
 }
 
 TEST_F(ResultEvaluationTest, RefusesResultsOfAnotherRecording) {

@@ -4,15 +4,19 @@
 
 #include <gtest/gtest.h>
 
+#include "io/pcd.hpp"
 #include "support/temporary_folder.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/io/atomic_file.hpp>
 #include <mapless/io/dataset.hpp>
 #include <mapless/io/labels.hpp>
+#include <mapless/io/object_truth.hpp>
 #include <mapless/simulation/sequence_writer.hpp>
 
 namespace mapless {
 namespace {
+
+using Eigen::Vector3d;
 
 constexpr int kScans = 3;
 
@@ -103,6 +107,67 @@ TEST(SequenceWriter, NamesEveryObjectOnce) {
   EXPECT_NE(table.find("\n1,bird,mover\n"), std::string::npos);
   EXPECT_EQ(static_cast<std::size_t>(std::count(table.begin(), table.end(), '\n')),
             1 + recording.scene.world.movers.size());
+}
+
+/// A car-sized box 10 m ahead of a standing sensor at the origin, one far above it, both 3 m/s along y and
+/// turning about z; told in a frame whose x, y, z are the level y, z, x.
+Scene two_boxes() {
+  Scene scene;
+  scene.world.shapes.resize(1);
+  scene.world.shapes[0].add_box({-2, -1, -1}, {2, 1, 2}, Material::metal);
+  const auto add = [&scene](int id, double z) {
+    Mover box;
+    box.object_id = id;
+    box.T_0b = [z](Time t) { return SE3(rotation_z(t.seconds()), {10, 3 * t.seconds(), z}); };
+    box.parts.push_back({0, nullptr});
+    scene.world.movers.push_back(std::move(box));
+  };
+  add(4, 0);
+  add(2, 500);
+  scene.poses = {{Time::from_seconds(-1), SE3()}, {Time::from_seconds(1), SE3()}};
+  Eigen::Matrix3d turn;
+  turn << 0, 1, 0, 0, 0, 1, 1, 0, 0;
+  scene.T_w0 = SE3(turn, {100, 200, 300});
+  return scene;
+}
+
+TEST(SequenceWriter, TellsTheStateOfEveryMoverSeenWhileItGoesOn) {
+  const test::TemporaryFolder folder;
+  const Scene scene = two_boxes();
+  const auto model = std::make_shared<const LidarModel>(named_model("VLP-16"));
+  SimulatedWorld world(scene.world);
+  const auto trajectory = std::make_shared<const SampledTrajectory>(scene.poses, Duration(), "test");
+  SimulatedSensor lidar(model, trajectory, world, SensorOptions());
+  const auto writer = make_sequence_writer("native", folder / "out", model, scene);
+  for (int k = 0; k < 2; ++k) writer->add(lidar.scan(k));
+  // Not finished, as after a crash.
+  const ObjectTruth truth = read_object_truth(folder / "out");
+  ASSERT_EQ(truth.states.size(), 2u) << "nothing of the one above is seen";
+  for (std::size_t k = 0; k < 2; ++k) {
+    SCOPED_TRACE(k);
+    const ObjectState& state = truth.states.at({k, 4});
+    const double t = 0.05 + 0.1 * static_cast<double>(k);
+    EXPECT_DOUBLE_EQ(state.time.seconds(), t);
+    // The box is from -1 to 2 in its z: level centre (10, 3 t, 0.5), velocity (0, 3, 0).
+    EXPECT_LT((state.centre_0 - Vector3d(100 + 3 * t, 200.5, 310)).norm(), 2e-4);
+    EXPECT_LT((state.velocity_0 - Vector3d(3, 0, 0)).norm(), 2e-4);
+    EXPECT_NEAR(state.speed_mps, 3, 1e-4);
+  }
+}
+
+TEST(SequenceWriter, NativeScansKeepTheIntensityOfEveryReturn) {
+  const test::TemporaryFolder folder;
+  const Recording recording = recorded("native", "VLP-16", folder / "out");
+  const PcdCloud cloud = read_pcd(folder / "out/scans/000001.pcd");
+  const std::vector<std::int64_t> stored = cloud.integers(cloud.require("intensity"));
+  const std::vector<float>& made = recording.scans[1].intensities;
+  ASSERT_EQ(stored.size(), made.size());
+  std::int64_t highest = 0;
+  for (std::size_t i = 0; i < made.size(); ++i) {
+    ASSERT_NEAR(static_cast<double>(stored[i]), 255 * made[i], 0.5001);
+    highest = std::max(highest, stored[i]);
+  }
+  EXPECT_GT(highest, 10);
 }
 
 TEST(SequenceWriter, RefusesAFolderThatIsThereAndAnUnknownFormat) {

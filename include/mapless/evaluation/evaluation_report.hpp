@@ -19,7 +19,7 @@ struct Found {
   [[nodiscard]] std::optional<double> share() const;
 };
 
-/// What lies in (above, up_to]; up_to of the last band is infinite.
+/// What lies in (above, up_to], in the first band at 0 too; up_to of the last band is infinite.
 template <class What>
 struct InBand {
   double above = 0;

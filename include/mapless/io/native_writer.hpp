@@ -19,11 +19,12 @@ class NativeWriter {
   NativeWriter(std::filesystem::path folder, LidarModel model);
 
   /// Writes the next scan: a cell for every laser and column of the model, those no record names as faulty
-  /// (unknown). `labels` are none, or one for each record; cells no record names get 0. Throws InputError
-  /// where the start is not after that of the scan before, a record names no cell of the image or one that is
-  /// taken, or the labels are not as many as the records.
+  /// (unknown). `labels` and `intensities` (0 to 1, rounded to 255ths) are none, or one for each record;
+  /// cells no record names get 0. Throws InputError where the start is not after that of the scan before, a
+  /// record names no cell of the image or one that is taken, or labels or intensities are not as many as the
+  /// records.
   void add_scan(Time start, const std::vector<LidarRecord>& records,
-                const std::vector<std::uint32_t>& labels = {});
+                const std::vector<std::uint32_t>& labels = {}, const std::vector<float>& intensities = {});
 
   /// Writes trajectory.txt (where there are poses) and then times.txt.
   void finish(const std::vector<TimedPose>& trajectory);

@@ -41,9 +41,18 @@ struct ObjectTruth {
 /// InputError naming file and line for what is no such table, and for an object, or its state, given twice.
 [[nodiscard]] ObjectTruth read_object_truth(const std::filesystem::path& folder);
 
-/// The head of object_states.csv and a row of it, each with its end of line.
-[[nodiscard]] std::string object_states_head();
-[[nodiscard]] std::string object_state_row(std::size_t scan, std::uint32_t object_id,
-                                           const ObjectState& state);
+/// Writes object_states.csv scan by scan; what is there is whole at any time.
+class ObjectStatesWriter {
+ public:
+  /// Makes the file. Throws OutputError.
+  explicit ObjectStatesWriter(std::filesystem::path file);
+
+  /// Appends the states of one scan, by object id. Throws OutputError and leaves the rows before as they
+  /// were.
+  void add(std::size_t scan, const std::map<std::uint32_t, ObjectState>& states);
+
+ private:
+  std::filesystem::path file_;
+};
 
 }  // namespace mapless

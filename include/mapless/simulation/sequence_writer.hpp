@@ -30,8 +30,8 @@ class SequenceWriter {
 /// The model as the format can hold it: without firing times within a column for mdlidar.
 [[nodiscard]] LidarModel model_for_format(LidarModel model, std::string_view format);
 
-/// Makes the folder; also writes objects.csv. `trajectory` in the world frame that is told. Throws
-/// OutputError where the folder exists or cannot be made, ParameterError for an unknown format.
+/// Makes the folder; also writes objects.csv and, scan by scan, object_states.csv (io/object_truth.hpp).
+/// Throws OutputError where the folder exists or cannot be made, ParameterError for an unknown format.
 [[nodiscard]] std::unique_ptr<SequenceWriter> make_sequence_writer(std::string_view format,
                                                                    const std::filesystem::path& folder,
                                                                    std::shared_ptr<const LidarModel> model,

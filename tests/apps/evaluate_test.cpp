@@ -1,0 +1,111 @@
+#include <filesystem>
+#include <fstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "support/command.hpp"
+#include "support/temporary_folder.hpp"
+#include <mapless/io/atomic_file.hpp>
+#include <mapless/io/dataset.hpp>
+#include <mapless/io/labels.hpp>
+#include <mapless/io/result_folder.hpp>
+
+namespace mapless {
+namespace {
+
+namespace fs = std::filesystem;
+using test::CommandResult;
+using test::run_command;
+using testing::HasSubstr;
+using testing::Not;
+
+/// Three simulated scans, and their truth for a result, as the result of one object a scan.
+void make_recording_and_result(const std::string& format, const fs::path& recording, const fs::path& result) {
+  const CommandResult made = run_command({"simulate", "crossing", "-o", recording.string(), "--sensor",
+                                          "VLP-16", "--duration-s", "0.3", "--format", format});
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  const ResultFolder folder(result);
+  fs::create_directories(folder.labels());
+  DatasetOptions reading;
+  reading.format = format;
+  const auto dataset = open_dataset(recording, reading);
+  for (std::size_t k = 0; k < dataset->size(); ++k) {
+    std::vector<std::uint32_t> labels = dataset->read_labels(k).value();
+    for (std::uint32_t& label : labels) {
+      label &= 0xFFFFu;
+      if (motion_of_label(label) == MotionTruth::moving) label |= 1u << 16;
+    }
+    write_label_file(folder.label_file(k), labels);
+  }
+}
+
+class EvaluateSimulated : public testing::TestWithParam<const char*> {};
+
+TEST_P(EvaluateSimulated, TheTruthItselfIsRightByEveryMeasure) {
+  const test::TemporaryFolder folder;
+  const std::string recording = (folder / "recording");
+  const std::string result = (folder / "result");
+  make_recording_and_result(GetParam(), recording, result);
+  const std::string json = folder / "e.json";
+  const CommandResult r =
+      run_command({"evaluate", recording, result, "--format", GetParam(), "--json", json});
+  ASSERT_EQ(r.exit_code, 0) << r.err;
+  for (const char* table : {"final labels", "range [m]", "class", "true speed [m/s]", "visible points",
+                            "objects found", "evident movers", "false objects"}) {
+    EXPECT_THAT(r.out, HasSubstr(table));
+  }
+  const auto report = nlohmann::json::parse(read_whole_file(json))["report"];
+  EXPECT_EQ(report["points"]["scans"], 3);
+  const std::int64_t moving = report["points"]["tp"];
+  EXPECT_GT(moving, 0);
+  EXPECT_EQ(report["points"]["iou"], 1.0);
+  EXPECT_EQ(report["objects"]["share"], 1.0);
+  EXPECT_GT(report["evident_movers"]["of"], 0);
+  EXPECT_EQ(report["false_objects"]["objects"], 3);
+  EXPECT_EQ(report["false_objects"]["per_scan"], 0.0);
+  // Every dynamic point is of one mover, which has a state and a class.
+  for (const char* split : {"by_speed", "by_visible_points"}) {
+    std::int64_t sum = 0;
+    for (const auto& band : report[split]) sum += band["of"].get<std::int64_t>();
+    EXPECT_EQ(sum, moving) << split;
+  }
+  std::int64_t of_movers = 0;
+  for (const auto& kind : report["by_kind"]) {
+    EXPECT_NE(kind["class"], "(unlisted)");
+    if (kind["kind"] == "mover") of_movers += kind["tp"].get<std::int64_t>();
+  }
+  EXPECT_EQ(of_movers, moving);
+}
+
+INSTANTIATE_TEST_SUITE_P(Formats, EvaluateSimulated, testing::Values("native", "mdlidar", "kitti"));
+
+TEST(Evaluate, PrintsWhatTheTruthAllows) {
+  const test::TemporaryFolder folder;
+  const std::string recording = folder / "recording";
+  const std::string result = folder / "result";
+  make_recording_and_result("native", recording, result);
+  // Labels from elsewhere do not number the objects as the recording's tables do.
+  fs::create_directories(fs::path(folder / "elsewhere"));
+  fs::rename(recording + "/labels", folder / "elsewhere/labels");
+  const std::vector<std::string> command = {"evaluate", recording, result, "--labels",
+                                            folder / "elsewhere/labels"};
+  const CommandResult without = run_command(command);
+  ASSERT_EQ(without.exit_code, 0) << without.err;
+  EXPECT_THAT(without.out, HasSubstr("range [m]"));
+  EXPECT_THAT(without.out, HasSubstr("objects found"));
+  EXPECT_THAT(without.out, Not(HasSubstr("true speed")));
+  EXPECT_THAT(without.out, Not(HasSubstr("evident")));
+  fs::copy_file(recording + "/objects.csv", folder / "elsewhere/objects.csv");
+  const CommandResult with_classes = run_command(command);
+  EXPECT_THAT(with_classes.out, HasSubstr("class"));
+  EXPECT_THAT(with_classes.out, Not(HasSubstr("true speed")));
+  std::ofstream(folder / "elsewhere/object_states.csv") << "scan,id\n";
+  const CommandResult broken = run_command(command);
+  EXPECT_EQ(broken.exit_code, 1);
+  EXPECT_THAT(broken.err, HasSubstr("object_states.csv:1"));
+}
+
+}  // namespace
+}  // namespace mapless
