@@ -34,7 +34,7 @@ std::string band_name(const InBand<What>& band, bool whole) {
 std::string range_table(const EvaluationReport& report) {
   std::string out = counts_head("range [m]") + "\n";
   for (const InBand<Counts>& band : report.by_range) {
-    if (band.counts.points() > 0) out += counts_row(band_name(band, false), band.counts) + "\n";
+    if (band.counts.points() > band.counts.tn) out += counts_row(band_name(band, false), band.counts) + "\n";
   }
   return out;
 }

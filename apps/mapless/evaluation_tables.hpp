@@ -6,8 +6,8 @@
 
 namespace mapless::app {
 
-/// The report as tables to be read, but for its `points`: what the recording has the truth for, and rows that
-/// have a point. Begins with an empty line.
+/// The report as tables to be read, but for its `points`: what the recording has the truth for, without rows
+/// of nothing. Begins with an empty line.
 [[nodiscard]] std::string report_tables(const EvaluationReport& report);
 
 }  // namespace mapless::app

@@ -23,8 +23,9 @@ struct ObjectDescription {
 /// recording's trajectory.
 struct ObjectState {
   Time time;
-  Eigen::Vector3d centre_0;    ///< of the box about all its parts, along the axes of its body [m]
-  Eigen::Vector3d velocity_0;  ///< of its body's origin [m/s]
+  /// Centre of the box about all its parts, along the axes of its body [m].
+  Eigen::Vector3d centre_0 = Eigen::Vector3d::Zero();
+  Eigen::Vector3d velocity_0 = Eigen::Vector3d::Zero();  ///< of its body's origin [m/s]
   double speed_mps = 0;
 };
 
