@@ -42,7 +42,7 @@ struct ObjectTruth {
 /// InputError naming file and line for what is no such table, and for an object, or its state, given twice.
 [[nodiscard]] ObjectTruth read_object_truth(const std::filesystem::path& folder);
 
-/// Writes object_states.csv scan by scan; what is there is whole at any time.
+/// Writes object_states.csv scan by scan; between two calls it is whole.
 class ObjectStatesWriter {
  public:
   /// Makes the file. Throws OutputError.
