@@ -66,6 +66,21 @@ void Canvas::disc(float x, float y, float radius, Color color, float opacity) {
   }
 }
 
+void Canvas::line(float x1, float y1, float x2, float y2, float width, Color color, float opacity) {
+  const float dx = x2 - x1, dy = y2 - y1, length2 = dx * dx + dy * dy, reach = width / 2 + 1;
+  const int left = static_cast<int>(std::floor(std::min(x1, x2) - reach)),
+            right = static_cast<int>(std::ceil(std::max(x1, x2) + reach));
+  const int top = static_cast<int>(std::floor(std::min(y1, y2) - reach)),
+            bottom = static_cast<int>(std::ceil(std::max(y1, y2) + reach));
+  for (int j = top; j < bottom; ++j) {
+    for (int i = left; i < right; ++i) {
+      const float x = static_cast<float>(i) + 0.5F - x1, y = static_cast<float>(j) + 0.5F - y1;
+      const float along = length2 > 0 ? std::clamp((x * dx + y * dy) / length2, 0.0F, 1.0F) : 0.0F;
+      blend(i, j, color, opacity * coverage(width / 2 - std::hypot(x - along * dx, y - along * dy)));
+    }
+  }
+}
+
 void Canvas::ring(float x, float y, float radius, float line_width, Color color, float opacity) {
   for (int j = clip_top_; j < clip_bottom_; ++j) {
     for (int i = clip_left_; i < clip_right_; ++i) {

@@ -27,6 +27,7 @@ class Canvas {
 
   void rectangle(int x, int y, int width, int height, Color color, float opacity = 1);
   void disc(float x, float y, float radius, Color color, float opacity = 1);
+  void line(float x1, float y1, float x2, float y2, float width, Color color, float opacity = 1);
   void ring(float x, float y, float radius, float line_width, Color color, float opacity = 1);
   /// A triangle that points to the right, its middle at (x, y).
   void arrow_right(float x, float y, float size, Color color);

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+
+#include <nlohmann/json.hpp>
+
+#include "benchmark/plan.hpp"
+#include <mapless/evaluation/precision_recall.hpp>
+
+namespace mapless::app {
+
+/// Detects and evaluates one run, scan by scan, in memory that does not grow with its length but for the
+/// milliseconds of its scans. `scan_done` after every scan. Pictures, if the job asks for them, go to
+/// `pictures`. Empty where interrupted. Throws InputError for a recording that cannot be used.
+///
+/// The result has: scans; final and stages (rates); measures (EvaluationReport); timing (timing_json);
+/// pictures (file, kind "gallery" or "cascade", caption).
+[[nodiscard]] std::optional<nlohmann::ordered_json> run_job(const Job& job,
+                                                            const std::filesystem::path& recording,
+                                                            const std::filesystem::path& pictures,
+                                                            const std::function<void()>& scan_done);
+
+/// Counts, rates and their N. A rate that is absent is null.
+[[nodiscard]] nlohmann::ordered_json rates_json(const PrecisionRecall& rates);
+
+}  // namespace mapless::app

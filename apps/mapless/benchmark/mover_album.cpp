@@ -1,0 +1,95 @@
+#include "benchmark/mover_album.hpp"
+
+#include <array>
+#include <set>
+#include <sstream>
+
+#include <fmt/format.h>
+
+#include "benchmark/mover_picture.hpp"
+#include <mapless/io/atomic_file.hpp>
+
+namespace mapless::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Classes = std::map<std::uint32_t, std::string>;
+
+constexpr std::size_t kGallery = 8;
+constexpr int kWidth = 480, kHeight = 360;
+
+// objects.csv of a simulated recording: object_id,class,kind.
+Classes read_classes(const std::filesystem::path& recording) {
+  Classes classes;
+  std::istringstream rows(read_whole_file(recording / "objects.csv"));
+  std::string id, name, rest;
+  std::getline(rows, rest);
+  while (std::getline(rows, id, ',') && std::getline(rows, name, ',') && std::getline(rows, rest))
+    classes[static_cast<std::uint32_t>(std::stoul(id))] = name;
+  return classes;
+}
+
+// The vehicle with most points in its view at a distance at which all of it is seen.
+const MoverView* vehicle_for_cascade(const std::map<std::uint32_t, MoverView>& views,
+                                     const Classes& classes) {
+  static const std::set<std::string> kVehicles = {"car", "van", "truck", "bus"};
+  const MoverView* best = nullptr;
+  for (const auto& [id, view] : views) {
+    const auto name = classes.find(id);
+    if (name == classes.end() || !kVehicles.contains(name->second) || view.centre_v.norm() < 6) continue;
+    if (best == nullptr || view.moving_points > best->moving_points) best = &view;
+  }
+  return best;
+}
+
+std::string share_text(std::size_t some, std::size_t of) {
+  return fmt::format("{} of {} moving points found", some, of);
+}
+
+Json gallery_picture(const MoverView& view, const Classes& classes, const std::filesystem::path& folder,
+                     const std::string& name) {
+  const std::string file = fmt::format("{}.gallery_{}.png", name, view.object_id);
+  draw_mover(view, kWidth, kHeight, 1.2F, [](const ViewedPoint& p) {
+    return p.dynamic;
+  }).write_png(folder / file);
+  const auto known = classes.find(view.object_id);
+  return {{"file", file},
+          {"kind", "gallery"},
+          {"caption",
+           fmt::format("{}, {:.0f} m away, scan {}: {}", known == classes.end() ? "mover" : known->second,
+                       view.centre_v.norm(), view.scan, share_text(view.found_points, view.moving_points))}};
+}
+
+Json cascade_picture(const MoverView& view, Stage stage, const std::filesystem::path& folder,
+                     const std::string& name) {
+  const auto number = static_cast<std::size_t>(stage);
+  const std::string file = fmt::format("{}.cascade_{}.png", name, number + 1);
+  const auto dynamic = [stage](const ViewedPoint& p) { return dynamic_after(p.trace, stage); };
+  draw_mover(view, kWidth, kHeight, MoverView::kSurroundings * 0.8F, dynamic).write_png(folder / file);
+  std::size_t found = 0, wrong = 0;
+  for (const ViewedPoint& p : view.points) {
+    found += p.moving && dynamic(p) ? 1 : 0;
+    wrong += p.known && !p.moving && dynamic(p) ? 1 : 0;
+  }
+  return {{"file", file},
+          {"kind", "cascade"},
+          {"caption", fmt::format("{}. {}: {}, {} false", number + 1, kStageNames.at(number),
+                                  share_text(found, view.moving_points), wrong)}};
+}
+
+}  // namespace
+
+Json draw_album(const MoverViews& views, const std::filesystem::path& recording,
+                const std::filesystem::path& folder, const std::string& name) {
+  const Classes classes = read_classes(recording);
+  Json pictures = Json::array();
+  for (const MoverView* view : choose_for_gallery(views.views(), classes, kGallery))
+    pictures.push_back(gallery_picture(*view, classes, folder, name));
+  if (const MoverView* vehicle = vehicle_for_cascade(views.views(), classes)) {
+    for (std::size_t s = 0; s < kStageCount; ++s)
+      pictures.push_back(cascade_picture(*vehicle, static_cast<Stage>(s), folder, name));
+  }
+  return pictures;
+}
+
+}  // namespace mapless::app
