@@ -4,6 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include <Eigen/Geometry>
+
 namespace mapless::app {
 namespace {
 
