@@ -5,21 +5,26 @@
 #include <memory>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "benchmark/mover_album.hpp"
 #include "benchmark/mover_views.hpp"
 #include "benchmark/untold_motion.hpp"
+#include "evaluation_json.hpp"
 #include "interrupt.hpp"
 #include "motion_source.hpp"
 #include "run_summary.hpp"
+#include "scan_picture.hpp"
 #include <mapless/detection/detector.hpp>
+#include <mapless/evaluation/evaluator.hpp>
 #include <mapless/io/dataset.hpp>
+#include <mapless/io/detection_labels.hpp>
+#include <mapless/io/object_truth.hpp>
 
 namespace mapless::app {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-Json rate(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
 
 MotionSource motion_of(const Job& job, const Dataset& dataset) {
   return job.odometry ? MotionSource::odometry() : MotionSource(dataset, {}, 0);
@@ -27,11 +32,13 @@ MotionSource motion_of(const Job& job, const Dataset& dataset) {
 
 class JobRun {
  public:
-  JobRun(const Job& job, const Dataset& dataset, const std::function<void()>& scan_done)
+  JobRun(const Job& job, const Dataset& dataset, const ObjectTruth& objects,
+         const std::function<void()>& scan_done)
       : job_(job),
         dataset_(dataset),
         motion_(motion_of(job, dataset)),
         detector_(job.parameters),
+        evaluator_(objects),
         scan_done_(scan_done) {}
 
   /// False where interrupted.
@@ -52,15 +59,20 @@ class JobRun {
     Json stages = Json::array();
     for (std::size_t s = 0; s < kStageCount; ++s) {
       stages.push_back({{"after", kStageNames.at(s)}});
-      stages.back().update(rates_json(after_stage_.at(s)));
+      stages.back().update(to_json(after_stage_.at(s)));
     }
-    return {{"scans", final_.scans()},
-            {"final", rates_json(final_)},
-            {"stages", stages},
-            {"timing", timing_json(seconds_)},
-            {"odometry_trouble", motion_.trouble()}};
+    const EvaluationReport report = evaluator_.report();
+    Json out = {{"scans", report.points.scans()},
+                {"final", to_json(report.points)},
+                {"stages", stages},
+                {"timing", timing_json(seconds_)},
+                {"odometry_trouble", motion_.trouble()}};
+    if (job_.part == Part::table) out["measures"] = to_json(report);
+    return out;
   }
   [[nodiscard]] const MoverViews& views() const { return views_; }
+  /// The scan in the middle of the recording.
+  [[nodiscard]] const std::optional<Canvas>& scan_picture() const { return scan_picture_; }
 
  private:
   bool detect(const std::vector<std::shared_ptr<const LidarScan>>& scans) {
@@ -80,10 +92,23 @@ class JobRun {
         return dynamic_after(detection.trace[i], static_cast<Stage>(s));
       }));
     }
-    final_.add(judged(detection, truth, [&](std::size_t i) { return detection.dynamic(i); }));
+    const auto labels = labels_of(detection);
+    evaluator_.add({k, truth, labels, ranges_of(*detection.scan)});
     seconds_.push_back(detection.seconds);
-    if (job_.pictures) views_.add(k, detection, truth);
+    if (job_.pictures) look_at(detection, labels, truth);
     scan_done_();
+  }
+
+  void look_at(const Detection& detection, const std::vector<std::uint32_t>& labels,
+               const std::vector<std::uint32_t>& truth) {
+    const std::size_t k = detection.sequence_number;
+    views_.add(k, detection, truth);
+    if (k != dataset_.size() / 2) return;
+    PictureOptions how;
+    how.extent_m = 40;
+    how.title =
+        fmt::format("{}, {}, scan {} of {}", job_.recording.scene, job_.recording.sensor, k, dataset_.size());
+    scan_picture_ = draw_scan(*detection.scan, labels, truth, how);
   }
 
   template <class Dynamic>
@@ -99,39 +124,35 @@ class JobRun {
   const Dataset& dataset_;
   MotionSource motion_;
   Detector detector_;
+  Evaluator evaluator_;
   const std::function<void()>& scan_done_;
   std::array<PrecisionRecall, kStageCount> after_stage_;
-  PrecisionRecall final_;
   std::vector<StageSeconds> seconds_;
   MoverViews views_;
+  std::optional<Canvas> scan_picture_;
 };
 
 }  // namespace
 
-Json rates_json(const PrecisionRecall& r) {
-  const Counts& c = r.total();
-  return {{"scans", r.scans()},
-          {"tp", c.tp},
-          {"fp", c.fp},
-          {"fn", c.fn},
-          {"tn", c.tn},
-          {"precision", rate(c.precision())},
-          {"recall", rate(c.recall())},
-          {"f1", rate(c.f1())},
-          {"iou", rate(c.iou())},
-          {"average_precision", rate(r.average_precision())},
-          {"n_p", r.precision_scans()},
-          {"average_recall", rate(r.average_recall())},
-          {"n_r", r.recall_scans()}};
-}
-
 std::optional<Json> run_job(const Job& job, const std::filesystem::path& recording,
                             const std::filesystem::path& pictures, const std::function<void()>& scan_done) {
   const auto dataset = open_dataset(recording);
-  JobRun run(job, *dataset, scan_done);
+  const ObjectTruth objects = read_object_truth(recording);
+  JobRun run(job, *dataset, objects, scan_done);
   if (!run.run()) return std::nullopt;
   Json result = run.result();
-  if (job.pictures) result["pictures"] = draw_album(run.views(), recording, pictures, job.recording.name());
+  if (!job.pictures) return result;
+  result["pictures"] = draw_album(run.views(), objects, pictures, job.recording.name());
+  if (run.scan_picture()) {
+    const std::string file = job.recording.name() + ".scan.png";
+    run.scan_picture()->write_png(pictures / file);
+    result["pictures"].push_back({{"file", file},
+                                  {"kind", "scan"},
+                                  {"caption",
+                                   "The scan in the middle of the recording, as the sensor sees it and "
+                                   "from above: moving points found green, missed blue, still ones "
+                                   "called dynamic red"}});
+  }
   return result;
 }
 

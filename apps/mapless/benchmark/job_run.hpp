@@ -7,7 +7,6 @@
 #include <nlohmann/json.hpp>
 
 #include "benchmark/plan.hpp"
-#include <mapless/evaluation/precision_recall.hpp>
 
 namespace mapless::app {
 
@@ -15,14 +14,12 @@ namespace mapless::app {
 /// milliseconds of its scans. `scan_done` after every scan. Pictures, if the job asks for them, go to
 /// `pictures`. Empty where interrupted. Throws InputError for a recording that cannot be used.
 ///
-/// The result has: scans; final and stages (rates); measures (EvaluationReport); timing (timing_json);
-/// pictures (file, kind "gallery" or "cascade", caption).
+/// The result has: scans; final and stages (rates); timing (timing_json); odometry_trouble; for a job of the
+/// table also measures (EvaluationReport), and with pictures a list of them (draw_album, and one of kind
+/// "scan").
 [[nodiscard]] std::optional<nlohmann::ordered_json> run_job(const Job& job,
                                                             const std::filesystem::path& recording,
                                                             const std::filesystem::path& pictures,
                                                             const std::function<void()>& scan_done);
-
-/// Counts, rates and their N. A rate that is absent is null.
-[[nodiscard]] nlohmann::ordered_json rates_json(const PrecisionRecall& rates);
 
 }  // namespace mapless::app

@@ -1,13 +1,10 @@
 #include "benchmark/mover_album.hpp"
 
-#include <array>
 #include <set>
-#include <sstream>
 
 #include <fmt/format.h>
 
 #include "benchmark/mover_picture.hpp"
-#include <mapless/io/atomic_file.hpp>
 
 namespace mapless::app {
 namespace {
@@ -18,25 +15,20 @@ using Classes = std::map<std::uint32_t, std::string>;
 constexpr std::size_t kGallery = 8;
 constexpr int kWidth = 480, kHeight = 360;
 
-// objects.csv of a simulated recording: object_id,class,kind.
-Classes read_classes(const std::filesystem::path& recording) {
+Classes classes_of(const ObjectTruth& objects) {
   Classes classes;
-  std::istringstream rows(read_whole_file(recording / "objects.csv"));
-  std::string id, name, rest;
-  std::getline(rows, rest);
-  while (std::getline(rows, id, ',') && std::getline(rows, name, ',') && std::getline(rows, rest))
-    classes[static_cast<std::uint32_t>(std::stoul(id))] = name;
+  for (const auto& [id, description] : objects.descriptions) classes[id] = description.object_class;
   return classes;
 }
 
-// The vehicle with most points in its view at a distance at which all of it is seen.
+// The vehicle with most points in its view.
 const MoverView* vehicle_for_cascade(const std::map<std::uint32_t, MoverView>& views,
                                      const Classes& classes) {
   static const std::set<std::string> kVehicles = {"car", "van", "truck", "bus"};
   const MoverView* best = nullptr;
   for (const auto& [id, view] : views) {
     const auto name = classes.find(id);
-    if (name == classes.end() || !kVehicles.contains(name->second) || view.centre_v.norm() < 6) continue;
+    if (name == classes.end() || !kVehicles.contains(name->second)) continue;
     if (best == nullptr || view.moving_points > best->moving_points) best = &view;
   }
   return best;
@@ -79,9 +71,9 @@ Json cascade_picture(const MoverView& view, Stage stage, const std::filesystem::
 
 }  // namespace
 
-Json draw_album(const MoverViews& views, const std::filesystem::path& recording,
-                const std::filesystem::path& folder, const std::string& name) {
-  const Classes classes = read_classes(recording);
+Json draw_album(const MoverViews& views, const ObjectTruth& objects, const std::filesystem::path& folder,
+                const std::string& name) {
+  const Classes classes = classes_of(objects);
   Json pictures = Json::array();
   for (const MoverView* view : choose_for_gallery(views.views(), classes, kGallery))
     pictures.push_back(gallery_picture(*view, classes, folder, name));

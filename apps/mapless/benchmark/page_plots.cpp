@@ -36,7 +36,7 @@ std::vector<Curve> curves_of(const std::vector<Json>& rows) {
   return curves;
 }
 
-// From a round number below the least of the values up to 1.
+// From a tick below the least of the values up to 1.
 Axis rate_axis(const std::string& name, const std::vector<Curve>& curves, bool x) {
   double least = 0.9;
   for (const Curve& curve : curves) {
@@ -44,8 +44,8 @@ Axis rate_axis(const std::string& name, const std::vector<Curve>& curves, bool x
       for (const auto& [px, py] : line->points) least = std::min(least, x ? px : py);
     }
   }
-  const double from = std::max(0.0, std::floor(least * 10 - 0.2) / 10);
-  return {name, from, 1, 1 - from > 0.55 ? 0.2 : 0.1};
+  const double step = least < 0.5 ? 0.2 : 0.1;
+  return {name, std::max(0.0, std::floor(least / step - 0.1) * step), 1, step};
 }
 
 }  // namespace

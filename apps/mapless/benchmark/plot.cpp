@@ -9,7 +9,7 @@
 namespace mapless::app {
 namespace {
 
-constexpr double kLeft = 56, kRight = 190, kTop = 64, kBottom = 48;  // margins [px]
+constexpr double kLeft = 56, kRight = 216, kTop = 64, kBottom = 48;  // margins [px]
 constexpr Color kInk{34, 38, 46}, kFaint{107, 114, 128}, kGrid{226, 229, 234};
 constexpr std::array<Color, 8> kPalette = {{{31, 95, 191},
                                             {214, 90, 24},
