@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <tbb/task_arena.h>
 
 #include "benchmark/mover_album.hpp"
 #include "benchmark/mover_views.hpp"
@@ -66,6 +67,7 @@ class JobRun {
                 {"final", to_json(report.points)},
                 {"stages", stages},
                 {"timing", timing_json(seconds_)},
+                {"threads", tbb::this_task_arena::max_concurrency()},
                 {"odometry_trouble", motion_.trouble()}};
     if (job_.part == Part::table) out["measures"] = to_json(report);
     return out;

@@ -57,7 +57,7 @@ Json cascade_picture(const MoverView& view, Stage stage, const std::filesystem::
   const auto number = static_cast<std::size_t>(stage);
   const std::string file = fmt::format("{}.cascade_{}.png", name, number + 1);
   const auto dynamic = [stage](const ViewedPoint& p) { return dynamic_after(p.trace, stage); };
-  draw_mover(view, kWidth, kHeight, MoverView::kSurroundings * 0.8F, dynamic).write_png(folder / file);
+  draw_mover(view, kWidth, kHeight, MoverView::kSurroundings * 0.55F, dynamic).write_png(folder / file);
   std::size_t found = 0, wrong = 0;
   for (const ViewedPoint& p : view.points) {
     found += p.moving && dynamic(p) ? 1 : 0;

@@ -46,9 +46,12 @@ Json list(const Json& measures, const char* key) {
   return found != measures.end() && found->is_array() ? *found : Json::array();
 }
 
+// Points come whole: what is above 4 begins with 5.
 std::string band_name(const Json& band, const std::string& unit) {
-  const auto from = band["above"].get<double>();
-  if (!band["up_to"].is_number()) return fmt::format("above {} {}", from, unit);
+  const bool whole = unit == "points";
+  const double from = band["above"].get<double>() + (whole ? 1 : 0);
+  if (!band["up_to"].is_number())
+    return whole ? fmt::format("{} {} or more", from, unit) : fmt::format("above {} {}", from, unit);
   return fmt::format("{} to {} {}", from, band["up_to"].get<double>(), unit);
 }
 

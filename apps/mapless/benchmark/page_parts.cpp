@@ -69,8 +69,9 @@ std::string pictures(const Json& figures, const BenchmarkFolder& folder, const s
     }
     if (of_row.empty()) continue;
     if (shown++ == rows) break;
-    out += fmt::format("<h3>{}</h3>\n<div class=\"{}\">\n{}</div>\n",
-                       escaped(row["job"]["recording"]["scene"].get<std::string>()), kind, of_row);
+    if (rows > 1)
+      out += fmt::format("<h3>{}</h3>\n", escaped(row["job"]["recording"]["scene"].get<std::string>()));
+    out += fmt::format("<div class=\"{}\">\n{}</div>\n", kind, of_row);
   }
   return out;
 }

@@ -25,11 +25,10 @@ Cells rate_cells(const Json& rates) {
 
 const Cells kRateHead = {"precision", "recall", "F1", "IoU", "avg. precision (N)", "avg. recall (N)"};
 
-// Moving points there are, and static ones called dynamic: what recall and precision rest on.
+// What recall rests on.
 Cells count_cells(const Json& rates) {
   return {count_text(rates["scans"]),
-          count_text(rates["tp"].get<std::int64_t>() + rates["fn"].get<std::int64_t>()),
-          count_text(rates["tp"].get<std::int64_t>() + rates["fp"].get<std::int64_t>())};
+          count_text(rates["tp"].get<std::int64_t>() + rates["fn"].get<std::int64_t>())};
 }
 
 const Json* with_odometry(const std::vector<Json>& rows, const Json& row) {
@@ -47,9 +46,13 @@ std::string results_table(const Json& figures) {
   const auto rows = rows_of(figures, "table");
   Cells head = joined({"scene", "sensor", "noise [m]", "seed"}, kRateHead);
   if (odometry) head = joined(head, {"IoU, own odometry", "difference"});
-  head = joined(head, {"scans", "moving points", "called dynamic"});
+  head = joined(head, {"scans", "moving points"});
   std::vector<Cells> body;
+  std::string troubles;
   for (const Json& row : rows) {
+    if (const std::string trouble = row["result"]["odometry_trouble"]; !trouble.empty())
+      troubles +=
+          fmt::format("<p class=\"soft\">{}: {}</p>\n", escaped(run_name(row["job"])), escaped(trouble));
     if (row["job"]["poses"] != "true") continue;
     const Json& r = row["job"]["recording"];
     const Json& rates = row["result"]["final"];
@@ -64,7 +67,7 @@ std::string results_table(const Json& figures) {
     }
     body.push_back(joined(cells, count_cells(rates)));
   }
-  return html_table(head, body, 2);
+  return html_table(head, body, 2) + troubles;
 }
 
 std::string stages_table(const Json& figures) {
@@ -127,7 +130,8 @@ std::string timing_table(const Json& figures) {
   Cells head = {"step"};
   for (const Json& row : rows) {
     const Json& r = row["job"]["recording"];
-    head.push_back(fmt::format("{}, {}", r["sensor"].get<std::string>(), r["scene"].get<std::string>()));
+    head.push_back(fmt::format("{}, {}, {} thread(s)", r["sensor"].get<std::string>(),
+                               r["scene"].get<std::string>(), row["result"]["threads"].get<int>()));
   }
   std::vector<Cells> body;
   if (rows.empty()) return "";
