@@ -20,12 +20,12 @@ using test::run_command;
 using testing::HasSubstr;
 using testing::Not;
 
-constexpr int kScans = 6;
-const std::string kRecording = "tunnel_VLP-16_noise0.02_seed1_0.6s";
+constexpr int kScans = 3;
+const std::string kRecording = "tunnel_VLP-16_noise0.02_seed1_0.3s";
 
 std::vector<std::string> arguments(const std::string& out, const std::vector<std::string>& more = {}) {
   std::vector<std::string> words = {"benchmark",    "--quick", "--scenes",  "tunnel", "--sensors", "vlp-16",
-                                    "--duration-s", "0.6",     "--threads", "2",      "-o",        out};
+                                    "--duration-s", "0.3",     "--threads", "2",      "-o",        out};
   words.insert(words.end(), more.begin(), more.end());
   return words;
 }
@@ -77,20 +77,18 @@ TEST_F(BenchmarkTest, GivesPagePlotsAndFiguresOfEveryRun) {
 
 TEST_F(BenchmarkTest, ThePageNeedsNothingElse) {
   const std::string page = read_whole_file(finished() / "index.html");
-  EXPECT_THAT(page, HasSubstr("data:image/png;base64,"));
+  // Not by matchers, which would print the whole page.
+  const auto has = [&page](const std::string& text) { return page.find(text) != std::string::npos; };
+  EXPECT_TRUE(has("data:image/png;base64,"));
   for (const char* outside : {"<script", "<link", "src=\"http", "href=", "src=\"pictures", "url("})
-    EXPECT_THAT(page, Not(HasSubstr(outside)));
+    EXPECT_FALSE(has(outside)) << outside;
   for (const char* section : {"Results", "error threshold", "range limit", "stage by stage", "Movers",
                               "By class", "What each part is worth", "Milliseconds"})
-    EXPECT_THAT(page, HasSubstr(section));
+    EXPECT_TRUE(has(section)) << section;
 }
 
 TEST_F(BenchmarkTest, SameFiguresFromKeptRecordingsOnAnotherNumberOfThreads) {
   const std::string out = folder / "other";
-  const CommandResult again =
-      run_command(arguments(out, {"--recordings", finished() / "recordings", "--threads", "1"}));
-  // The last --threads counts only if the command says so; ours refuses a second one.
-  EXPECT_EQ(again.exit_code, 2);
   std::vector<std::string> words = arguments(out, {"--recordings", finished() / "recordings"});
   *(std::find(words.begin(), words.end(), "--threads") + 1) = "1";
   const CommandResult single = run_command(words);
@@ -102,7 +100,7 @@ TEST_F(BenchmarkTest, SameFiguresFromKeptRecordingsOnAnotherNumberOfThreads) {
 TEST_F(BenchmarkTest, AnInterruptKeepsWhatIsFinishedAndTheNextCallGoesOn) {
   const std::string out = folder / "out";
   test::RunningCommand command(arguments(out, {"--recordings", finished() / "recordings"}));
-  ASSERT_TRUE(command.wait_for_error_line("of 84 scans (5"));  // 14 runs of 6 scans
+  ASSERT_TRUE(command.wait_for_error_line("5 of 42 scans"));  // 14 runs of 3
   command.send(SIGINT);
   const CommandResult interrupted = command.wait();
   ASSERT_EQ(interrupted.exit_code, 130) << interrupted.err;
@@ -163,7 +161,7 @@ TEST_F(BenchmarkTest, OwnOdometryStandsBesideTheTruePoses) {
   EXPECT_EQ(rows[0]["job"]["poses"], "true");
   EXPECT_EQ(rows[1]["job"]["poses"], "own odometry");
   EXPECT_EQ(rows[1]["result"]["final"]["scans"], kScans);
-  EXPECT_THAT(read_whole_file(fs::path(out) / "index.html"), HasSubstr("IoU, own odometry"));
+  EXPECT_NE(read_whole_file(fs::path(out) / "index.html").find("IoU, own odometry"), std::string::npos);
 }
 
 void expect_refused(const std::vector<std::string>& words, int exit_code, const std::string& part) {

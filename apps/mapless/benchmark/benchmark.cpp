@@ -159,8 +159,8 @@ void add_table_options(CLI::App& verb, PlanOptions& plan) {
   verb.add_option("--scenes", plan.scenes,
                   "these scenes instead of the declared table (with --sensors and --noise: their product)")
       ->check(CLI::IsMember(scene_names()));
-  verb.add_option("--sensors", plan.sensors, "these sensors: named models")
-      ->check(CLI::IsMember(named_models(), CLI::ignore_case));
+  verb.add_option("--sensors", plan.sensors,
+                  fmt::format("these sensors, of {}", fmt::join(named_models(), ", ")));
   verb.add_option("--noise", plan.range_noises_m, "these standard deviations of the ranges [m]")
       ->check(CLI::Range(0.0, 1.0));
   verb.add_option("--seeds", plan.seeds, "of the scenes, their traffic and the noise")->capture_default_str();

@@ -1,6 +1,7 @@
 #include "benchmark/mover_album.hpp"
 
 #include <set>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -21,15 +22,16 @@ Classes classes_of(const ObjectTruth& objects) {
   return classes;
 }
 
-// The vehicle with most points in its view.
-const MoverView* vehicle_for_cascade(const std::map<std::uint32_t, MoverView>& views,
-                                     const Classes& classes) {
+// The vehicle with most points in its view; where there is none, the mover with most.
+const MoverView* mover_for_cascade(const std::map<std::uint32_t, MoverView>& views, const Classes& classes) {
   static const std::set<std::string> kVehicles = {"car", "van", "truck", "bus"};
+  const auto rank = [&](const MoverView& view) {
+    const auto name = classes.find(view.object_id);
+    return std::pair(name != classes.end() && kVehicles.contains(name->second), view.moving_points);
+  };
   const MoverView* best = nullptr;
   for (const auto& [id, view] : views) {
-    const auto name = classes.find(id);
-    if (name == classes.end() || !kVehicles.contains(name->second)) continue;
-    if (best == nullptr || view.moving_points > best->moving_points) best = &view;
+    if (best == nullptr || rank(view) > rank(*best)) best = &view;
   }
   return best;
 }
@@ -77,9 +79,9 @@ Json draw_album(const MoverViews& views, const ObjectTruth& objects, const std::
   Json pictures = Json::array();
   for (const MoverView* view : choose_for_gallery(views.views(), classes, kGallery))
     pictures.push_back(gallery_picture(*view, classes, folder, name));
-  if (const MoverView* vehicle = vehicle_for_cascade(views.views(), classes)) {
+  if (const MoverView* mover = mover_for_cascade(views.views(), classes)) {
     for (std::size_t s = 0; s < kStageCount; ++s)
-      pictures.push_back(cascade_picture(*vehicle, static_cast<Stage>(s), folder, name));
+      pictures.push_back(cascade_picture(*mover, static_cast<Stage>(s), folder, name));
   }
   return pictures;
 }

@@ -103,9 +103,10 @@ std::string body(const Json& figures, const BenchmarkFolder& folder, const std::
   out += section("Precision and recall over the error threshold", swept,
                  sweeps.empty() ? "" : plots_html(sweeps) + folded("as a table", sweep_table(figures)));
   out += section("Recall within a range limit", "", plots_html(ranges));
-  out += section("One vehicle, stage by stage",
-                 "<p>The moving vehicle of which most points were seen in one scan. A stage takes away, "
-                 "but for the last, which completes the object.</p>\n" +
+  out += section("One mover, stage by stage",
+                 "<p>The moving vehicle of which most points were seen in one scan. The second, third and "
+                 "fourth stage take away "
+                 "what stands; the last completes the object.</p>\n" +
                      std::string(kKey),
                  pictures(figures, folder, "cascade", 1));
   out += section(

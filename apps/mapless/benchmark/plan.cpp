@@ -8,6 +8,7 @@
 
 #include <mapless/core/errors.hpp>
 #include <mapless/core/parameters.hpp>
+#include <mapless/lidar/lidar_model.hpp>
 #include <mapless/simulation/scene.hpp>
 
 namespace mapless::app {
@@ -57,8 +58,9 @@ std::vector<RecordingKey> chosen_table(const PlanOptions& options) {
       options.range_noises_m.empty() ? std::vector<double>{kMainNoise_m} : options.range_noises_m;
   std::vector<RecordingKey> rows;
   for (const std::string& sensor : sensors) {
+    const std::string name = named_model(sensor).name;
     for (const double noise_m : noises_m) {
-      for (const std::string& scene : scenes) rows.push_back({scene, sensor, noise_m});
+      for (const std::string& scene : scenes) rows.push_back({scene, name, noise_m});
     }
   }
   return rows;

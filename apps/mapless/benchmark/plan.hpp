@@ -53,7 +53,7 @@ struct Job {
 struct PlanOptions {
   bool quick = false;
   // Any of these three given: their product, HDL-64E-S2, 0.02 m and all scenes (quick: town1) for the rest.
-  std::vector<std::string> scenes, sensors;
+  std::vector<std::string> scenes, sensors;  // sensors in any case of letters
   std::vector<double> range_noises_m;
   std::vector<std::uint64_t> seeds = {1};
   std::optional<double> duration_s;
@@ -64,7 +64,8 @@ struct PlanOptions {
 /// How many scans of a recording the sweep and the ablations use.
 [[nodiscard]] std::size_t stretch_scans(const PlanOptions& options);
 
-/// Every run of the benchmark, in the order of the page. Throws ParameterError as ParameterOptions::chosen.
+/// Every run of the benchmark, in the order of the page. Throws ParameterError for an unknown sensor, and as
+/// ParameterOptions::chosen.
 [[nodiscard]] std::vector<Job> make_plan(const PlanOptions& options);
 
 /// The parameters with one error threshold, as the paper sweeps it: that of the comparison, and those of the

@@ -104,6 +104,10 @@ class FolderInTheMaking {
 }  // namespace
 
 std::size_t RecordingStore::scans(const RecordingKey& key) {
+  if (key.duration_s > kMaxSceneDuration_s) {
+    throw ParameterError({"--duration-s", "", fmt::format("{}", key.duration_s), "too long",
+                          fmt::format("give at most {}, or several seeds", kMaxSceneDuration_s)});
+  }
   const double rate_hz = named_model(key.sensor).rotation_rate_hz;
   const auto count = std::floor(key.duration_s * rate_hz + 1e-6);
   if (count < 1) {

@@ -18,7 +18,7 @@ class RecordingStore {
 
   [[nodiscard]] std::filesystem::path path(const RecordingKey& key) const { return folder_ / key.name(); }
 
-  /// Scans a recording of this key has. Throws ParameterError where that is none.
+  /// Scans a recording of this key has. Throws ParameterError where that is none, or too many.
   [[nodiscard]] static std::size_t scans(const RecordingKey& key);
 
   /// Whether there is one of this key that the simulator would make the same today: its first and last scan
