@@ -48,10 +48,9 @@ std::string opening(const Json& figures) {
   return fmt::format(
       "<h1>mapless: benchmark</h1>\n"
       "<p>Which points of a spinning lidar are moving now? Scans of simulated places, every ray cast at its "
-      "own "
-      "firing time into a world that moves meanwhile, with the truth for every point; labelled scan by scan "
-      "without "
-      "a map, and compared point by point.</p>\n"
+      "own\n"
+      "firing time into a world that moves meanwhile, with the truth for every point; labelled scan by scan\n"
+      "without a map, and compared point by point.</p>\n"
       "<p class=\"soft\">mapless {}, profile {}{}. {}, {} threads, {}. {}</p>\n",
       escaped(figures["version"].get<std::string>()), escaped(figures["profile"].get<std::string>()),
       escaped(settings), escaped(figures["processor"].get<std::string>()),
@@ -65,49 +64,47 @@ constexpr const char* kKey =
     "<li><i style=\"background:#e23a2e\"></i>still, called dynamic</li>"
     "<li><i style=\"background:#b0b7c1\"></i>still</li></ul>\n";
 
-constexpr const char* kDefinitions =
-    "<ul>\n<li>A point is <em>moving</em> in truth if the surface it lies on moves faster than 0.2 m/s at "
-    "the instant "
-    "of its ray.</li>\n"
-    "<li><em>Precision</em> is the share of points called dynamic that move, <em>recall</em> the share of "
-    "moving "
-    "points that were found, <em>F1</em> their harmonic mean, <em>IoU</em> TP / (TP + FP + FN).</li>\n"
-    "<li>Rates are <em>total</em>, from sums over all scans, unless called <em>average</em>: the mean over "
-    "the scans "
-    "whose own denominator is not 0; N says how many these are.</li>\n"
-    "<li>Every scan counts, the first ones too, for which there is no earlier scan to compare with.</li>\n"
-    "<li>An <em>object</em> in a scan is found if at least half of its moving points are. An <em>evident "
-    "mover</em> is "
-    "faster than 0.5 m/s with 20 visible points or more within 50 m. A <em>false object</em> is one reported "
-    "whose points are mostly still.</li>\n"
-    "<li>Poses are the true ones unless said: the figures are of detection alone, as in the "
-    "paper.</li>\n</ul>\n";
+constexpr const char* kSweepText = R"(<p>One error threshold is swept, as in the paper: that of the pointcloud
+comparison, and with it those of the freespace check, in the proportion they have to it in the profile. Every point
+of a curve is a run of the whole detector over the first {} scans, or all where there are fewer.</p>
+)";
+
+constexpr const char* kAblationText = R"(<p>One thing taken away at a time, on the first {} scans.
+<em>Not compensated</em>: points, rays or both are taken as if the sensor stood at the pose it has in the middle of the
+scan.</p>
+)";
+
+constexpr const char* kCascadeText =
+    R"(<p>The moving vehicle of which most points were seen in one scan. The second,
+third and fourth stage take away what stands; the last completes the object.</p>
+)";
+
+constexpr const char* kDefinitions = R"(<ul>
+<li>A point is <em>moving</em> in truth if the surface it lies on moves faster than 0.2 m/s at the instant of its
+ray.</li>
+<li><em>Precision</em> is the share of points called dynamic that move, <em>recall</em> the share of moving points that
+were found, <em>F1</em> their harmonic mean, <em>IoU</em> TP / (TP + FP + FN).</li>
+<li>Rates are <em>total</em>, from sums over all scans, unless called <em>average</em>: the mean over the scans whose
+own denominator is not 0; N says how many these are.</li>
+<li>Every scan counts, the first ones too, for which there is no earlier scan to compare with.</li>
+<li>An <em>object</em> in a scan is found if at least half of its moving points are. An <em>evident mover</em> is faster
+than 0.5 m/s with 20 visible points or more within 50 m. A <em>false object</em> is one reported of whose points more
+than half are still.</li>
+<li>Poses are the true ones unless said: the figures are of detection alone, as in the paper.</li>
+</ul>
+)";
 
 std::string body(const Json& figures, const BenchmarkFolder& folder, const std::vector<NamedPlot>& sweeps,
                  const std::vector<NamedPlot>& ranges) {
   const auto stretch = figures["stretch_scans"].get<std::size_t>();
-  const auto swept = fmt::format(
-      "<p>One error threshold is swept, as in the paper: that of the pointcloud comparison, and with it "
-      "those of the "
-      "freespace check in the proportion they have to it in the profile. Every point of a curve is a run of "
-      "the whole "
-      "detector over the first {} scans of the recording.</p>\n",
-      stretch);
-  const auto ablated = fmt::format(
-      "<p>One thing taken away at a time, on the first {} scans. <em>Not compensated</em>: points, rays or "
-      "both are "
-      "taken as if the sensor stood at its pose of the middle of the scan.</p>\n",
-      stretch);
+  const auto swept = fmt::format(kSweepText, stretch);
+  const auto ablated = fmt::format(kAblationText, stretch);
   std::string out = opening(figures) + headline(figures) + pictures(figures, folder, "scan", 1);
   out += section("Results", "", results_table(figures) + folded("after each stage", stages_table(figures)));
   out += section("Precision and recall over the error threshold", swept,
                  sweeps.empty() ? "" : plots_html(sweeps) + folded("as a table", sweep_table(figures)));
   out += section("Recall within a range limit", "", plots_html(ranges));
-  out += section("One mover, stage by stage",
-                 "<p>The moving vehicle of which most points were seen in one scan. The second, third and "
-                 "fourth stage take away "
-                 "what stands; the last completes the object.</p>\n" +
-                     std::string(kKey),
+  out += section("One mover, stage by stage", std::string(kCascadeText) + kKey,
                  pictures(figures, folder, "cascade", 1));
   out += section(
       "Movers",

@@ -23,6 +23,7 @@ Cells rate_cells(const Json& rates) {
           with_n(rates["average_recall"], rates["n_r"])};
 }
 
+constexpr std::ptrdiff_t kAfterIou = 4 + 4;  // in the table of results
 const Cells kRateHead = {"precision", "recall", "F1", "IoU", "avg. precision (N)", "avg. recall (N)"};
 
 // What recall rests on.
@@ -45,7 +46,7 @@ std::string results_table(const Json& figures) {
   const bool odometry = figures["odometry"];
   const auto rows = rows_of(figures, "table");
   Cells head = joined({"scene", "sensor", "noise [m]", "seed"}, kRateHead);
-  if (odometry) head = joined(head, {"IoU, own odometry", "difference"});
+  if (odometry) head.insert(head.begin() + kAfterIou, {"IoU, own odometry", "difference"});
   head = joined(head, {"scans", "moving points"});
   std::vector<Cells> body;
   std::string troubles;
@@ -60,8 +61,8 @@ std::string results_table(const Json& figures) {
                          rate_cells(rates));
     if (const Json* own = odometry ? with_odometry(rows, row) : nullptr) {
       const bool both = (*own)["iou"].is_number() && rates["iou"].is_number();
-      cells = joined(
-          cells,
+      cells.insert(
+          cells.begin() + kAfterIou,
           {rate_text((*own)["iou"]),
            both ? fmt::format("{:+.3f}", (*own)["iou"].get<double>() - rates["iou"].get<double>()) : "-"});
     }
