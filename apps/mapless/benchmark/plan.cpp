@@ -25,7 +25,7 @@ constexpr std::array<std::string_view, 3> kAblationScenes = {"town1", "town2", "
 constexpr std::array<double, 9> kThresholds_m = {0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.7, 1.0};
 constexpr std::array<double, 5> kQuickThresholds_m = {0.05, 0.1, 0.2, 0.4, 0.8};
 constexpr double kDuration_s = 20, kQuickDuration_s = 10;
-constexpr std::size_t kStretch = 100, kQuickStretch = 40;
+constexpr std::size_t kStretch = 100, kQuickStretch = 30;
 
 template <class Range, class Value>
 bool contains(const Range& range, const Value& value) {
