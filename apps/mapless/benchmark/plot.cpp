@@ -60,7 +60,7 @@ void draw_line(const Plot& plot, const PlotLine& line, Drawing& drawing) {
     const auto [x, y] = plot.pixel(line.points[i].first, line.points[i].second);
     drawing.disc(x, y, line.dashed ? 2.2 : 3.2, color);
     if (i < line.point_names.size())
-      drawing.text(x + 8, y + 7, line.point_names[i], Anchor::left, TextSize::normal, color);
+      drawing.text(x + 7, y - 9, line.point_names[i], Anchor::left, TextSize::normal, color);
   }
 }
 
