@@ -184,7 +184,7 @@ void add_benchmark(CLI::App& app, int& exit_code) {
   add_parameter_options(*verb, options->plan.parameters);
   verb->add_option(
       "--recordings", options->recordings,
-      "folder for the simulated recordings, about 27 MB a second of HDL-64E (OUTPUT/recordings)");
+      "folder for the simulated recordings, about 30 MB a second of HDL-64E (OUTPUT/recordings)");
   verb->add_option("--threads", options->threads,
                    "threads used (all cores where not given); the figures are the same")
       ->check(CLI::Range(1, 1024));
