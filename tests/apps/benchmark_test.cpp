@@ -178,6 +178,8 @@ TEST(Benchmark, WrongUseIsOneLineAndLeavesNothingBehind) {
   expect_refused({"benchmark", "-o", out, "--scenes", "nowhere"}, 2, "nowhere");
   expect_refused({"benchmark", "-o", out, "--sensors", "HDL-65"}, 2, "HDL-65");
   expect_refused({"benchmark", "-o", out, "--noise", "-0.1"}, 2, "--noise");
+  expect_refused({"benchmark", "-o", out, "--noise", "nan"}, 2, "--noise");
+  expect_refused({"benchmark", "-o", out, "--seeds", "-1"}, 2, "--seeds");
   expect_refused({"benchmark", "-o", out, "--duration-s", "0.01"}, 2, "--duration-s");
   expect_refused({"benchmark", "-o", out, "--duration-s", "6000"}, 2, "--duration-s");
   expect_refused({"benchmark", "-o", out, "--set", "scan_gap=0"}, 2, "scan_gap");

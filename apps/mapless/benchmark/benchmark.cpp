@@ -161,9 +161,10 @@ void add_table_options(CLI::App& verb, PlanOptions& plan) {
       ->check(CLI::IsMember(scene_names()));
   verb.add_option("--sensors", plan.sensors,
                   fmt::format("these sensors, of {}", fmt::join(named_models(), ", ")));
-  verb.add_option("--noise", plan.range_noises_m, "these standard deviations of the ranges [m]")
-      ->check(CLI::Range(0.0, 1.0));
-  verb.add_option("--seeds", plan.seeds, "of the scenes, their traffic and the noise")->capture_default_str();
+  verb.add_option("--noise", plan.range_noises_m, "these standard deviations of the ranges [m], 0 to 1");
+  verb.add_option("--seeds", plan.seeds, "of the scenes, their traffic and the noise")
+      ->check(whole_number(0))
+      ->capture_default_str();
   verb.add_option("--duration-s", plan.duration_s,
                   "of every recording [s], at most 600 (20 where not given, 10 with --quick)")
       ->check(positive_number());

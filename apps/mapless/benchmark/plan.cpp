@@ -48,6 +48,12 @@ std::vector<RecordingKey> declared_table() {
   return rows;
 }
 
+void require_noise(double noise_m) {
+  if (noise_m >= 0 && noise_m <= 1) return;  // false for NaN
+  throw ParameterError({"--noise", "", fmt::format("{}", noise_m), "no standard deviation of ranges",
+                        "give metres from 0 to 1"});
+}
+
 std::vector<RecordingKey> chosen_table(const PlanOptions& options) {
   const auto scenes = !options.scenes.empty() ? options.scenes
                       : options.quick         ? std::vector<std::string>{"town1"}
@@ -56,6 +62,7 @@ std::vector<RecordingKey> chosen_table(const PlanOptions& options) {
       options.sensors.empty() ? std::vector<std::string>{std::string(kMainSensor)} : options.sensors;
   const auto noises_m =
       options.range_noises_m.empty() ? std::vector<double>{kMainNoise_m} : options.range_noises_m;
+  for (const double noise_m : noises_m) require_noise(noise_m);
   std::vector<RecordingKey> rows;
   for (const std::string& sensor : sensors) {
     const std::string name = named_model(sensor).name;

@@ -64,8 +64,8 @@ struct PlanOptions {
 /// How many scans of a recording the sweep and the ablations use.
 [[nodiscard]] std::size_t stretch_scans(const PlanOptions& options);
 
-/// Every run of the benchmark, in the order of the page. Throws ParameterError for an unknown sensor, and as
-/// ParameterOptions::chosen.
+/// Every run of the benchmark, in the order of the page. Throws ParameterError for an unknown sensor or a
+/// noise beyond 0 to 1 m, and as ParameterOptions::chosen.
 [[nodiscard]] std::vector<Job> make_plan(const PlanOptions& options);
 
 /// The parameters with one error threshold, as the paper sweeps it: that of the comparison, and those of the
