@@ -74,7 +74,7 @@ class Traffic {
     if (const StreetCrossing* crossing = agent.crossing(); crossing != nullptr && !agent.is_on_road()) {
       const double gap = crossing->from_m - agent.s - 0.3;
       agent.holds = gap < 1 && (agent.holds || may_cross(agents_, i, junctions_, t_s));
-      if (!agent.holds) wanted = std::min(wanted, gap < 0.1 ? 0 : std::sqrt(1.6 * gap));
+      if (!agent.holds) wanted = std::min(wanted, gap < 0.1 ? 0 : std::sqrt(1.2 * gap));
     }
     for (const Agent& other : agents_) {
       if (&other == &agent) continue;
@@ -92,7 +92,7 @@ class Traffic {
       const double along = other.heading.dot(agent.heading);
       if (along > 0) wanted = std::min(wanted, other.v * along + 0.2);
     }
-    return std::clamp((wanted - agent.v) / 0.5, -2.0, 1.5);
+    return std::clamp((wanted - agent.v) / 0.3, -2.0, 1.5);
   }
 
   static bool stands_before(const Agent& vehicle, const Agent& walker) {
