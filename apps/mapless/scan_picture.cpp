@@ -227,7 +227,9 @@ Canvas draw_scan(const LidarScan& scan, const std::vector<std::uint32_t>& labels
     y += range_height;
   }
   if (options.bird_view) {
-    BirdView(canvas, {kMargin, y, kInnerWidth, kBirdViewHeight}, options.extent_m).draw(points);
+    BirdView view(canvas, {kMargin, y, kInnerWidth, kBirdViewHeight}, options.extent_m);
+    const auto& above = options.from_above;
+    view.draw(above ? points_in_drawing_order(above->scan, above->labels, above->truth) : points);
     y += bird_height;
   }
   draw_legend(canvas, y, points, truth.has_value());
