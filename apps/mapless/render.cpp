@@ -22,6 +22,7 @@ struct RenderOptions {
   std::size_t scan = 0;
   int around = 0;
   int every = 1;
+  int reduce = 1;
   std::string picture;
   std::string view = "both";
   PictureOptions drawing;
@@ -96,7 +97,7 @@ int render(RenderOptions options) {
   options.drawing.range_image = options.view != "bev";
   options.drawing.title = fmt::format("scan {} of {} ({}, {})", options.scan, dataset->size(),
                                       dataset->format(), dataset->model()->name);
-  draw_scan(scan, labels, truth, options.drawing).write_png(options.picture);
+  draw_scan(scan, labels, truth, options.drawing).write_png(options.picture, options.reduce);
   fmt::print("{}\n", options.picture);
   return 0;
 }
@@ -130,6 +131,9 @@ void add_render(CLI::App& app, int& exit_code) {
       ->capture_default_str();
   verb->add_option("--every", options->every, "with --around, one scan of so many")
       ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  verb->add_option("--reduce", options->reduce, "makes so many by so many pixels one, for a small file")
+      ->check(CLI::Range(1, 8))
       ->capture_default_str();
   verb->callback([options, &exit_code] { exit_code = render(*options); });
 }

@@ -184,7 +184,7 @@ std::size_t count(const std::vector<PicturePoint>& points, Verdict verdict) {
 std::size_t count_objects(const std::vector<PicturePoint>& points) {
   std::set<std::uint32_t> objects;
   for (const PicturePoint& p : points) {
-    if (p.object != 0) objects.insert(p.object);
+    if (p.object != 0 && p.verdict != Verdict::still) objects.insert(p.object);
   }
   return objects.size();
 }

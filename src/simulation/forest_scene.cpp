@@ -47,7 +47,7 @@ Clearings about_paths(const std::vector<RoadUser>& users) {
   Clearings clearings;
   for (const RoadUser& user : users) {
     const double once_round = std::min(user.path->length_m(), 700.0);
-    for (double s = 0; s < once_round; s += 1) clearings.take(user.path->at(s), 1.6);
+    for (double s = 0; s < once_round; s += 1) clearings.take(user.path->at(s), 1.2);
   }
   return clearings;
 }
@@ -76,15 +76,20 @@ void build_forest(const Scenery& scenery, const std::vector<RoadUser>& users, st
 }
 
 std::vector<RoadUser> forest_walkers(const SceneOptions& options) {
+  constexpr std::size_t kWays = 8;
   std::vector<RoadUser> users;
   for (std::size_t k = 0; k < 26; ++k) {
+    const std::size_t way = k % kWays;
     RandomSequence random(options.seed, 3200 + k);
+    RandomSequence laying(options.seed, 3250 + way);
     RoadUser user;
     user.object_class = k % 6 == 5 ? ObjectClass::dog : ObjectClass::person;
-    const Vector2d centre(random.uniform(-25, 25), random.uniform(-25, 25));
-    user.path = wavy_ring(k == 0 ? Vector2d(0, 0) : centre, k == 0 ? 45 : random.uniform(15, 60),
-                          random.uniform(1, 4), random.uniform(0, kTurn), 2 * kMaxSceneDuration_s,
-                          random.chance(0.5));
+    const Vector2d centre(laying.uniform(-25, 25), laying.uniform(-25, 25));
+    const double radius = laying.uniform(15, 60);
+    const double wave = laying.uniform(1, 4);
+    const double phase = laying.uniform(0, kTurn);
+    user.path = wavy_ring(way == 0 ? Vector2d(0, 0) : centre, way == 0 ? 45 : radius, wave, phase,
+                          2 * kMaxSceneDuration_s, random.chance(0.5));
     user.desired_speed = random.uniform(0.9, 1.8);
     user.wheelbase_m = 0.8;
     user.start_m = random.uniform(0, 100);
