@@ -121,7 +121,7 @@ void Canvas::write_png(const std::filesystem::path& file, int reduce) const {
   const int width = width_ / reduce, height = height_ / reduce;
   const auto coarse = [reduce](float value) {
     const std::uint8_t byte = byte_of(value);
-    return reduce == 1 ? byte : static_cast<std::uint8_t>(byte / 16 * 17);
+    return reduce == 1 ? byte : static_cast<std::uint8_t>(byte / 8 * 8 + 4);
   };
   std::vector<std::uint8_t> bytes;
   bytes.reserve(static_cast<std::size_t>(width * height) * 3);

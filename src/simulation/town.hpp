@@ -31,6 +31,9 @@ struct TownPlan {
   [[nodiscard]] double road_length_m() const { return (nx - 1) * ny * dx_m + nx * (ny - 1) * dy_m; }
 };
 
+[[nodiscard]] TownPlan town1_plan();
+[[nodiscard]] TownPlan town2_plan();
+
 /// Streets, pavements, houses, trees, furniture and parked cars.
 void build_town(const TownPlan& plan, const Scenery& scenery, std::uint64_t seed);
 

@@ -10,26 +10,6 @@ using Eigen::Vector3d;
 
 constexpr double kRoof = 1.95;  // height of the sensor over the road [m]
 
-TownPlan town1_plan() { return {}; }  // 9 x 180 + 8 x 160 = 2900 m of street
-
-TownPlan town2_plan() {  // 9 x 120 + 8 x 102.5 = 1900 m, narrower, with more fences
-  TownPlan plan;
-  plan.dx_m = 120;
-  plan.dy_m = 102.5;
-  plan.half_road_m = 5.0;
-  plan.lane_m = 1.7;
-  plan.pavement_m = 2.2;
-  plan.front_garden_m = 2.5;
-  plan.fences = 0.75;
-  plan.parked = 0.7;
-  plan.speed = 9;
-  plan.hills_m = 2.2;
-  plan.cars = 22;
-  plan.buses = 3;
-  plan.people = 90;
-  return plan;
-}
-
 TownPlan crossing_plan() {
   TownPlan plan;
   plan.nx = plan.ny = 3;
@@ -64,6 +44,26 @@ Scene drive_through(const TownPlan& plan, const SceneOptions& options, const SE3
 SE3 on_roof() { return {Eigen::Matrix3d::Identity(), {0, 0, kRoof}}; }
 
 }  // namespace
+
+TownPlan town1_plan() { return {}; }  // 9 x 180 + 8 x 160 = 2900 m of street
+
+TownPlan town2_plan() {  // 9 x 120 + 8 x 102.5 = 1900 m, narrower, with more fences
+  TownPlan plan;
+  plan.dx_m = 120;
+  plan.dy_m = 102.5;
+  plan.half_road_m = 5.0;
+  plan.lane_m = 1.7;
+  plan.pavement_m = 2.2;
+  plan.front_garden_m = 2.5;
+  plan.fences = 0.75;
+  plan.parked = 0.7;
+  plan.speed = 9;
+  plan.hills_m = 2.2;
+  plan.cars = 22;
+  plan.buses = 3;
+  plan.people = 90;
+  return plan;
+}
 
 Scene town1(const SceneOptions& options) { return drive_through(town1_plan(), options, on_roof()); }
 

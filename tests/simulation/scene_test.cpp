@@ -100,7 +100,10 @@ TEST(Scene, UnknownNamesAndDurationsAreRefused) {
   EXPECT_THROW((void)make_scene("town1", lasting(std::nan(""))), ParameterError);
 }
 
-TEST(Scene, TheTownsHaveTheRoadsOfThePaper) { EXPECT_DOUBLE_EQ(TownPlan().road_length_m(), 2900); }
+TEST(Scene, TheTownsHaveTheRoadsOfThePaper) {
+  EXPECT_DOUBLE_EQ(town1_plan().road_length_m(), 2900);
+  EXPECT_DOUBLE_EQ(town2_plan().road_length_m(), 1900);
+}
 
 TEST(Walker, PlantedFootStandsStillAndTheOtherMovesOn) {
   constexpr double kStride = 1.4;
