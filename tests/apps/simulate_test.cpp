@@ -38,6 +38,25 @@ TEST(Simulate, SameSeedGivesTheSameBytesAtAnyNumberOfThreadsAndLongerOnlyGoesOn)
   }
 }
 
+TEST(Simulate, ItsTruthIsDrawnFromSeveralScansWithoutAResult) {
+  const test::TemporaryFolder folder;
+  const std::string recording = (folder.path() / "out").string();
+  ASSERT_EQ(run_command({"simulate", "tunnel", "-o", recording, "--sensor", "VLP-16", "--duration-s", "0.3"})
+                .exit_code,
+            0);
+  const auto drawn = [&](const std::vector<std::string>& more) {
+    const fs::path picture = folder.path() / "picture.png";
+    std::vector<std::string> arguments = {"render", recording, "--scan", "1", "-o", picture.string()};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const CommandResult result = run_command(arguments);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return read_whole_file(picture);
+  };
+  const std::string one = drawn({});
+  EXPECT_NE(drawn({"--around", "1"}), one);
+  EXPECT_LT(drawn({"--reduce", "2"}).size(), one.size());
+}
+
 TEST(Simulate, WrongUseIsOneLineAndLeavesNothingBehind) {
   const test::TemporaryFolder folder;
   const std::string out = (folder.path() / "out").string();
