@@ -41,10 +41,12 @@ class Canvas {
   int text(int x, int y, std::string_view text, int scale, Color color, float opacity = 1);
   [[nodiscard]] static int text_width(std::string_view text, int scale);
 
-  /// Writes a PNG beside the file and renames it. Throws OutputError.
-  void write_png(const std::filesystem::path& file) const;
+  /// Writes a PNG beside the file and renames it. Every `reduce` x `reduce` pixels become one, of fewer
+  /// colours where there are several. Throws OutputError.
+  void write_png(const std::filesystem::path& file, int reduce = 1) const;
 
  private:
+  [[nodiscard]] Color mean(int x, int y, int size) const;
   void blend(int x, int y, Color color, float opacity);
 
   int width_, height_;
