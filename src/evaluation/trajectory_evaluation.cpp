@@ -13,6 +13,8 @@ namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kWidestGapInScans = 1.5;
+// A pose for the end of a scan is one for the start of the next, whatever the last digits say.
+constexpr double kEarlyInScans = 0.05;
 
 bool covers(const Trajectory& trajectory, Time begin, Time end) {
   return trajectory.begin() <= begin && end <= trajectory.end();
@@ -110,11 +112,11 @@ std::vector<PosePair> pair_poses(const Dataset& dataset, const Trajectory& truth
   const auto end = estimate.poses().end();
   for (std::size_t k = 0; k < dataset.size(); ++k) {
     const bool last = k + 1 == dataset.size();
-    const Time scan_end = last ? dataset.scan_end(k) : dataset.scan_start(k + 1);
-    while (row != end && row->time < dataset.scan_start(k)) ++row;
+    const Duration early = scan_length(dataset, k) * kEarlyInScans;
+    const Time scan_end = (last ? dataset.scan_end(k) : dataset.scan_start(k + 1)) - early;
+    while (row != end && row->time < dataset.scan_start(k) - early) ++row;
     if (row == end) break;
-    if (row->time > scan_end || (row->time == scan_end && !last)) continue;
-    if (!covers(truth, row->time, row->time)) continue;
+    if (row->time >= scan_end || !covers(truth, row->time, row->time)) continue;
     pairs.push_back({k, row->time, truth.at(row->time).T_v0.inverse(), row->T_v0.inverse()});
   }
   return pairs;

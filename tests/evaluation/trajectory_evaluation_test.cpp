@@ -47,6 +47,16 @@ TEST_F(TrajectoryEvaluation, ComparesAtTheFirstRowOfEachScan) {
   }
 }
 
+TEST_F(TrajectoryEvaluation, APoseAtTheEndOfAScanIsOneOfTheNext) {
+  auto rows = drive(10, 0.1, 2, 0.1);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    rows[i].time = rows[i].time + Duration::from_nanoseconds(i % 2 == 0 ? -1000 : 1000);
+  }
+  const auto pairs = pair_poses(dataset, truth, trajectory(rows));
+  ASSERT_EQ(pairs.size(), 19u);
+  for (std::size_t i = 0; i < pairs.size(); ++i) EXPECT_EQ(pairs[i].scan, i + 1);
+}
+
 TEST_F(TrajectoryEvaluation, OfASpeedThatIsOnePercentTooHigh) {
   const TrajectoryReport r = evaluate_trajectory(dataset, truth, trajectory(drive(10.1, 0, 2, 0.01)));
   EXPECT_EQ(r.rows, 201u);

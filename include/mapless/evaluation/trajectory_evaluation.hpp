@@ -31,8 +31,9 @@ struct DisplacementError {
 };
 
 /// How well an estimated trajectory agrees with the true one. Poses are compared at the estimate's own poses,
-/// the first in each scan, with the truth interpolated; so poses at the starts, middles or ends of the scans
-/// are all compared as they were meant. What is absent had too few poses.
+/// the first in each scan (from 5 % before its start on), with the truth interpolated; so poses at the
+/// starts, middles or ends of the scans are all compared as they were meant. What is absent had too few
+/// poses.
 struct TrajectoryReport {
   std::size_t rows = 0;   ///< poses of the estimate
   std::size_t poses = 0;  ///< scans with a pose within the time of the true trajectory: those compared
