@@ -4,6 +4,10 @@ if(NOT MAPLESS_PRECOMPILE_HEADERS)
   return()
 endif()
 
+# GCC 12 forgets there which code is the standard library's, and warns of it.
+target_compile_options(mapless_options INTERFACE -Wno-array-bounds -Wno-stringop-overflow -Wno-stringop-overread
+                                                 -Wno-restrict)
+
 set(slow_headers <Eigen/Dense> <algorithm> <filesystem> <functional> <memory> <optional> <string> <vector>
                  <fmt/format.h> <oneapi/tbb/parallel_for.h>)
 target_precompile_headers(mapless PRIVATE ${slow_headers})
