@@ -47,8 +47,9 @@ inline constexpr std::array<std::string_view, kStageCount> kStageNames = {
       return t.comparison == ComparisonVerdict::dynamic;
     case Stage::backward:
       return t.backward == FreespaceVerdict::inside;
-    case Stage::forward:
-      return t.backward == FreespaceVerdict::inside || t.forward == FreespaceVerdict::inside;
+    case Stage::forward:  // its verdict stands where it was asked
+      return t.forward == FreespaceVerdict::inside ||
+             (t.forward == FreespaceVerdict::not_asked && t.backward == FreespaceVerdict::inside);
     case Stage::box_filter:
       return t.box == BoxVerdict::kept;
     case Stage::region_growth:
