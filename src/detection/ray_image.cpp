@@ -29,6 +29,9 @@ float angle_of(float y, float x) {
   return std::atan2(y, x);
 }
 
+// Of a number above -0.5; the library's own is a call.
+int rounded(float x) { return static_cast<int>(x + 0.5F); }
+
 float range_of_cell(const LidarScan& scan, std::int32_t cell) {
   switch (code_of_cell(cell)) {
     case ReturnCode::hit:
@@ -58,8 +61,8 @@ FreespaceProbe::FreespaceProbe(const RayImage& image, const Vector3d& origin_0,
                                const VotingParameters& parameters)
     : image_(image),
       parameters_(parameters),
-      columns_per_rad_(static_cast<float>(image.model().sign() * image.model().columns /
-                                          (2 * std::numbers::pi))) {
+      columns_per_rad_(
+          static_cast<float>(image.model().sign() * image.model().columns / (2 * std::numbers::pi))) {
   make_poses(origin_0);
   make_beams();
   make_banks();
@@ -78,8 +81,13 @@ void FreespaceProbe::make_beams() {
   for (std::size_t l = 0; l < lasers.size(); ++l) {
     const double below = l > 0 ? lasers[l].elevation_rad - lasers[l - 1].elevation_rad : 0;
     const double above = l + 1 < lasers.size() ? lasers[l + 1].elevation_rad - lasers[l].elevation_rad : 0;
-    beams_.push_back({lasers[l].T_lh().rotation().cast<float>(), lasers[l].origin_h_m.cast<float>(),
-                      static_cast<float>(-lasers[l].azimuth_offset_rad) * columns_per_rad_,
+    const double azimuth = lasers[l].azimuth_offset_rad;
+    const Vector3d origin_l = rotation_z(-azimuth) * lasers[l].origin_h_m;
+    beams_.push_back({{static_cast<float>(std::cos(azimuth)), static_cast<float>(std::sin(azimuth))},
+                      {static_cast<float>(std::cos(lasers[l].elevation_rad)),
+                       static_cast<float>(std::sin(lasers[l].elevation_rad))},
+                      origin_l.cast<float>(),
+                      static_cast<float>(-azimuth) * columns_per_rad_,
                       static_cast<float>(std::max(below, above))});
   }
 }
@@ -130,15 +138,15 @@ const FreespaceProbe::Sighting& FreespaceProbe::Bracket::nearest() const {
 // The column at which the hub's x axis points at q. A scan is a little more or less than a turn in the world:
 // where a direction occurs twice, at its start and its end, either will do; where not at all, there is none.
 bool FreespaceProbe::find_column(const Vector3f& q, float& column, Vector3f& q_h) const {
-  const auto columns = static_cast<float>(image_.columns());
+  const auto last = static_cast<float>(image_.columns() - 1);
   const auto turn = std::abs(columns_per_rad_) * 2 * std::numbers::pi_v<float>;
   bool crossed = false;
   for (int i = 0; i < kMaxIterations; ++i) {
-    const float at = std::clamp(std::round(column), 0.0F, columns - 1);
+    const int at = rounded(std::clamp(column, 0.0F, last));
     q_h = poses_[static_cast<std::size_t>(at)] * q;
-    const float next = at + angle_of(q_h.y(), q_h.x()) * columns_per_rad_;
-    if (next >= -0.5F && next < columns - 0.5F) {
-      const bool settled = std::abs(next - at) < 0.75F;
+    const float next = static_cast<float>(at) + angle_of(q_h.y(), q_h.x()) * columns_per_rad_;
+    if (next >= -0.5F && next < last + 0.5F) {
+      const bool settled = std::abs(next - static_cast<float>(at)) < 0.75F;
       column = next;
       if (settled) return true;
     } else {
@@ -150,31 +158,44 @@ bool FreespaceProbe::find_column(const Vector3f& q, float& column, Vector3f& q_h
   return false;
 }
 
+// q in the frame of a laser at the instant of a column: beam along x.
+Vector3f FreespaceProbe::in_laser(const Vector3f& q, const Beam& beam, int column) const {
+  const Vector3f q_h = poses_[static_cast<std::size_t>(column)] * q;
+  const float ahead = beam.azimuth.x() * q_h.x() + beam.azimuth.y() * q_h.y() - beam.origin.x();
+  const float left = beam.azimuth.x() * q_h.y() - beam.azimuth.y() * q_h.x() - beam.origin.y();
+  const float up = q_h.z() - beam.origin.z();
+  return {beam.elevation.x() * ahead + beam.elevation.y() * up, left,
+          beam.elevation.x() * up - beam.elevation.y() * ahead};
+}
+
 FreespaceProbe::Sighting FreespaceProbe::sight(const Vector3f& q, int laser, float column,
-                                               float horizontal_m) const {
+                                               float columns_per_m) const {
   const Beam& beam = beams_[static_cast<std::size_t>(laser)];
   const int columns = image_.columns();
-  int at = static_cast<int>(std::lround(column + beam.offset_columns));
-  at = at < 0 ? at + columns : at >= columns ? at - columns : at;
-  Vector3f q_l = beam.R_lh * (poses_[static_cast<std::size_t>(at)] * q - beam.origin_h);
-  // The laser's origin, and the way the sensor went since the hub pointed there, turn the beam a little off.
-  const int better = at + static_cast<int>(std::lround(q_l.y() / horizontal_m * columns_per_rad_));
-  if (better != at && better >= 0 && better < columns) {
-    at = better;
-    q_l = beam.R_lh * (poses_[static_cast<std::size_t>(at)] * q - beam.origin_h);
+  float pointing = column + beam.offset_columns - beam.origin.y() * columns_per_m;
+  if (pointing < -0.5F) pointing += static_cast<float>(columns);
+  int at = rounded(pointing);
+  if (at >= columns) at -= columns;
+  Vector3f q_l = in_laser(q, beam, at);
+  // The way the sensor went since the hub pointed there turns the beam a little off.
+  const float off = q_l.y() * columns_per_m;
+  if (std::abs(off) > 0.75F) {
+    at = rounded(std::clamp(static_cast<float>(at) + off, 0.0F, static_cast<float>(columns - 1)));
+    q_l = in_laser(q, beam, at);
   }
   if (q_l.x() <= 0) return {};
   return {laser, at, q_l.x(), q_l.z()};
 }
 
 FreespaceProbe::Bracket FreespaceProbe::bracket(const Vector3f& q, float column, const Vector3f& q_h) const {
-  const float horizontal = std::max(std::hypot(q_h.x(), q_h.y()), 0.1F);
+  const float horizontal = std::max(std::sqrt(q_h.x() * q_h.x() + q_h.y() * q_h.y()), 0.1F);
+  const float columns_per_m = columns_per_rad_ / horizontal;
   Bracket bracket;
   for (const Bank& bank : banks_) {
     const int above = bank.below((q_h.z() - bank.height_m) / horizontal);
     for (const int side : {above - 1, above}) {
       if (side < 0 || side >= static_cast<int>(bank.lasers.size())) continue;
-      bracket.take(sight(q, bank.lasers[static_cast<std::size_t>(side)], column, horizontal));
+      bracket.take(sight(q, bank.lasers[static_cast<std::size_t>(side)], column, columns_per_m));
     }
   }
   return bracket;

@@ -49,10 +49,10 @@ class VotingMethod final : public DetectionMethod {
                                 const RayImage* later) const;
 
   VotingParameters parameters_;
-  std::vector<std::size_t> gaps_;     // of the earlier scans, increasing
-  std::deque<RayImage> images_;       // consecutive scans, oldest first
-  std::size_t first_image_ = 0;       // number of the oldest
-  std::deque<PendingScan> pending_;   // scans not judged yet, oldest first
+  std::vector<std::size_t> gaps_;    // of the earlier scans, increasing
+  std::deque<RayImage> images_;      // consecutive scans, oldest first
+  std::size_t first_image_ = 0;      // number of the oldest
+  std::deque<PendingScan> pending_;  // scans not judged yet, oldest first
 };
 
 // Step 1 gives the poses; here every return and ray gets its own.

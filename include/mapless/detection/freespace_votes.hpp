@@ -13,7 +13,7 @@ namespace mapless {
 /// A scan's points about an origin near them, so that single precision holds them to a fraction of a
 /// millimetre wherever in the world they are.
 struct LocalPoints {
-  Eigen::Vector3d origin_0;           ///< where the sensor was at the scan's start
+  Eigen::Vector3d origin_0;             ///< where the sensor was at the scan's start
   std::vector<Eigen::Vector3f> points;  ///< one per return, minus origin_0 [m]
 };
 [[nodiscard]] LocalPoints local_points(const CompensatedScan& scan);
@@ -21,10 +21,10 @@ struct LocalPoints {
 /// What other scans say of one point: each that saw through its place votes +1, each that saw a surface there
 /// -1; those that could not look there do not vote.
 struct PointVotes {
-  std::int8_t earlier = 0;      ///< sum over the earlier scans
-  std::int8_t later = 0;        ///< of the later scan
-  bool seen_through = false;    ///< some scan did
-  bool surface_seen = false;    ///< some scan did
+  std::int8_t earlier = 0;    ///< sum over the earlier scans
+  std::int8_t later = 0;      ///< of the later scan
+  bool seen_through = false;  ///< some scan did
+  bool surface_seen = false;  ///< some scan did
 
   [[nodiscard]] int total() const { return earlier + later; }
 };

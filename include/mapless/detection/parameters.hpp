@@ -131,7 +131,9 @@ struct RegionGrowthParameters {
 /// How the detector decides: freespace voting over many scans, or the five steps as published.
 enum class DetectionMethodChoice { voting, published };
 inline constexpr std::array<std::string_view, 2> kDetectionMethodNames = {"voting", "published"};
-constexpr std::span<const std::string_view> choice_names(DetectionMethodChoice) { return kDetectionMethodNames; }
+constexpr std::span<const std::string_view> choice_names(DetectionMethodChoice) {
+  return kDetectionMethodNames;
+}
 
 /// Method "voting": every point is put to several earlier scans and a later one.
 struct VotingParameters {

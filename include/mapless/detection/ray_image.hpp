@@ -62,11 +62,12 @@ class FreespaceProbe {
       return rotation * q + translation;
     }
   };
-  struct Beam {  // of one laser
-    Eigen::Matrix3f R_lh;
-    Eigen::Vector3f origin_h;
-    float offset_columns;  // how much later than the hub's x axis it points somewhere
-    float spacing_rad;     // elevation to the farther of its neighbours
+  struct Beam {                 // of one laser
+    Eigen::Vector2f azimuth;    // cosine and sine of its offset
+    Eigen::Vector2f elevation;  // the same of its elevation
+    Eigen::Vector3f origin;     // in the hub, turned by the azimuth offset [m]
+    float offset_columns;       // how much later than the hub's x axis it points somewhere
+    float spacing_rad;          // elevation to the farther of its neighbours
   };
   // Lasers that start at one height, by elevation: within a bank the beams above and below a point are
   // neighbours.
@@ -102,7 +103,8 @@ class FreespaceProbe {
   void make_beams();
   void make_banks();
   [[nodiscard]] bool find_column(const Eigen::Vector3f& q, float& column, Eigen::Vector3f& q_h) const;
-  [[nodiscard]] Sighting sight(const Eigen::Vector3f& q, int laser, float column, float horizontal_m) const;
+  [[nodiscard]] Eigen::Vector3f in_laser(const Eigen::Vector3f& q, const Beam& beam, int column) const;
+  [[nodiscard]] Sighting sight(const Eigen::Vector3f& q, int laser, float column, float columns_per_m) const;
   [[nodiscard]] Bracket bracket(const Eigen::Vector3f& q, float column, const Eigen::Vector3f& q_h) const;
   [[nodiscard]] float reach_m(const Bracket& bracket) const;
   void look_around(const Sighting& s, bool is_nearest, Window& window) const;
