@@ -18,6 +18,10 @@ constexpr int kMaxObjectNumber = std::numeric_limits<std::uint16_t>::max();
 constexpr int kSupportRows = 1, kSupportColumns = 2;
 constexpr int kLinkRows = 2, kLinkColumns = 4;
 
+// Holes are filled where more than a third of the support window is dynamic, twice, but for points that three
+// scans more saw a surface at than saw through.
+constexpr int kFillNeighbours = 5, kFillRounds = 2, kFirmlyStatic = -2;
+
 class VoteGrowth {
  public:
   VoteGrowth(const LinkedNeighbours& neighbours, const std::vector<PointVotes>& votes,
@@ -29,7 +33,10 @@ class VoteGrowth {
 
   RegionGrowthResult grow(const std::vector<BoxVerdict>& seeds) {
     keep_large_clusters(seeds);
-    if (parameters_.grow) spread();
+    if (parameters_.grow) {
+      spread();
+      for (int round = 0; round < kFillRounds; ++round) fill();
+    }
     number_objects();
     return std::move(result_);
   }
@@ -81,6 +88,19 @@ class VoteGrowth {
         front_.push_back(j);
       });
     }
+  }
+
+  // Holes and rims: what no scan could look at, or few saw a surface at, moves with what surrounds it.
+  void fill() {
+    front_.clear();
+    for (std::int32_t i = 0; i < static_cast<std::int32_t>(votes_.size()); ++i) {
+      if (dynamic(i) || votes_[static_cast<std::size_t>(i)].total() < kFirmlyStatic) continue;
+      int dynamic_neighbours = 0;
+      neighbours_.for_each(i, kSupportRows, kSupportColumns,
+                           [&](std::int32_t j) { dynamic_neighbours += dynamic(j) ? 1 : 0; });
+      if (dynamic_neighbours >= kFillNeighbours) front_.push_back(i);
+    }
+    for (const std::int32_t i : front_) verdict(i) = GrowthVerdict::grown;
   }
 
   void number_objects() {

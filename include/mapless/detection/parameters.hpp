@@ -146,7 +146,7 @@ struct VotingParameters {
   double link_m = 0.12;
   double link_per_m = 0.015;
   double link_spacings = 1.5;
-  int seed_score = 8;
+  int seed_score = 12;
   int min_seeds = 3;
   bool grow = true;
 
