@@ -8,7 +8,7 @@ export JOBS RECORDING ARGS OUT
 .NOTPARALLEL:
 
 help:
-	@echo 'make demo      build, label a small scene of its own, evaluate it, draw it: $(OUT)'
+	@echo 'make demo      build, then simulate a town, detect, evaluate: a page with every figure in $(OUT)'
 	@echo '               RECORDING=path: label that recording; ARGS="--trajectory F ...": more options of mapless detect'
 	@echo 'make test      everything that is checked: formatting, lint, tests, sanitizers, the installed package'
 	@echo 'make build     the release command alone: build/mapless'

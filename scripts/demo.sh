@@ -1,7 +1,8 @@
 #!/bin/sh
-# The main job from one end to the other: label a recording, compare with its truth where it has one, draw a scan.
-# RECORDING  the recording (default: a small moving scene made here)
-# ARGS       more options of `mapless detect`, e.g. "--trajectory poses.txt"
+# The main job from one end to the other. Without a recording: the quick benchmark, which simulates a town, detects,
+# evaluates, and writes a page. With one: label it, compare with its truth where it has one, draw a scan.
+# RECORDING  the recording
+# ARGS       more options of `mapless detect`, e.g. "--trajectory poses.txt"; without RECORDING of `mapless benchmark`
 # OUT        where the result goes (default out/demo)
 set -eu
 mapless=build/mapless
@@ -9,10 +10,8 @@ out=${OUT:-out/demo}
 recording=${RECORDING:-}
 
 if [ -z "$recording" ]; then
-  recording=$out/scene
-  rm -rf "$recording"
-  mkdir -p "$out"
-  build/release/tests/mapless_make_scene "$recording" --scans 40
+  # shellcheck disable=SC2086  # ARGS is a list of options
+  exec "$mapless" benchmark --quick -o "$out/benchmark" ${ARGS:-}
 fi
 
 result=$out/result

@@ -66,6 +66,21 @@ void Canvas::disc(float x, float y, float radius, Color color, float opacity) {
   }
 }
 
+void Canvas::line(float x1, float y1, float x2, float y2, float width, Color color, float opacity) {
+  const float dx = x2 - x1, dy = y2 - y1, length2 = dx * dx + dy * dy, reach = width / 2 + 1;
+  const int left = static_cast<int>(std::floor(std::min(x1, x2) - reach)),
+            right = static_cast<int>(std::ceil(std::max(x1, x2) + reach));
+  const int top = static_cast<int>(std::floor(std::min(y1, y2) - reach)),
+            bottom = static_cast<int>(std::ceil(std::max(y1, y2) + reach));
+  for (int j = top; j < bottom; ++j) {
+    for (int i = left; i < right; ++i) {
+      const float x = static_cast<float>(i) + 0.5F - x1, y = static_cast<float>(j) + 0.5F - y1;
+      const float along = length2 > 0 ? std::clamp((x * dx + y * dy) / length2, 0.0F, 1.0F) : 0.0F;
+      blend(i, j, color, opacity * coverage(width / 2 - std::hypot(x - along * dx, y - along * dy)));
+    }
+  }
+}
+
 void Canvas::ring(float x, float y, float radius, float line_width, Color color, float opacity) {
   for (int j = clip_top_; j < clip_bottom_; ++j) {
     for (int i = clip_left_; i < clip_right_; ++i) {
@@ -105,15 +120,36 @@ int Canvas::text_width(std::string_view text, int scale) {
   return static_cast<int>(text.size()) * kLetterAdvance * scale;
 }
 
-void Canvas::write_png(const std::filesystem::path& file) const {
+Color Canvas::mean(int x, int y, int size) const {
+  Color sum;
+  for (int row = y; row < y + size; ++row) {
+    for (int column = x; column < x + size; ++column) {
+      const Color& p = pixels_[static_cast<std::size_t>(row * width_ + column)];
+      sum = {sum.red + p.red, sum.green + p.green, sum.blue + p.blue};
+    }
+  }
+  const auto count = static_cast<float>(size * size);
+  return {sum.red / count, sum.green / count, sum.blue / count};
+}
+
+void Canvas::write_png(const std::filesystem::path& file, int reduce) const {
+  const int width = width_ / reduce, height = height_ / reduce;
+  const auto coarse = [reduce](float value) {
+    const std::uint8_t byte = byte_of(value);
+    return reduce == 1 ? byte : static_cast<std::uint8_t>(byte / 8 * 8 + 4);
+  };
   std::vector<std::uint8_t> bytes;
-  bytes.reserve(pixels_.size() * 3);
-  for (const Color& p : pixels_)
-    bytes.insert(bytes.end(), {byte_of(p.red), byte_of(p.green), byte_of(p.blue)});
+  bytes.reserve(static_cast<std::size_t>(width * height) * 3);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const Color p = mean(x * reduce, y * reduce, reduce);
+      bytes.insert(bytes.end(), {coarse(p.red), coarse(p.green), coarse(p.blue)});
+    }
+  }
   png_image image = {};
   image.version = PNG_IMAGE_VERSION;
-  image.width = static_cast<png_uint_32>(width_);
-  image.height = static_cast<png_uint_32>(height_);
+  image.width = static_cast<png_uint_32>(width);
+  image.height = static_cast<png_uint_32>(height);
   image.format = PNG_FORMAT_RGB;
   png_alloc_size_t size = 0;
   std::string png;

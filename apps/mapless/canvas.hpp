@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <string_view>
@@ -20,6 +21,11 @@ class Canvas {
 
   [[nodiscard]] int width() const { return width_; }
   [[nodiscard]] int height() const { return height_; }
+  /// Of a pixel that is there.
+  [[nodiscard]] Color pixel(int x, int y) const {
+    return pixels_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
+                   static_cast<std::size_t>(x)];
+  }
 
   /// Limits drawing to a rectangle until the next call.
   void clip(int x, int y, int width, int height);
@@ -27,6 +33,7 @@ class Canvas {
 
   void rectangle(int x, int y, int width, int height, Color color, float opacity = 1);
   void disc(float x, float y, float radius, Color color, float opacity = 1);
+  void line(float x1, float y1, float x2, float y2, float width, Color color, float opacity = 1);
   void ring(float x, float y, float radius, float line_width, Color color, float opacity = 1);
   /// A triangle that points to the right, its middle at (x, y).
   void arrow_right(float x, float y, float size, Color color);
@@ -34,10 +41,12 @@ class Canvas {
   int text(int x, int y, std::string_view text, int scale, Color color, float opacity = 1);
   [[nodiscard]] static int text_width(std::string_view text, int scale);
 
-  /// Writes a PNG beside the file and renames it. Throws OutputError.
-  void write_png(const std::filesystem::path& file) const;
+  /// Writes a PNG beside the file and renames it. Every `reduce` x `reduce` pixels become one, of fewer
+  /// colours where there are several. Throws OutputError.
+  void write_png(const std::filesystem::path& file, int reduce = 1) const;
 
  private:
+  [[nodiscard]] Color mean(int x, int y, int size) const;
   void blend(int x, int y, Color color, float opacity);
 
   int width_, height_;

@@ -59,6 +59,7 @@ int main(int argc, char** argv) {
   mapless::app::add_info(command, exit_code);
   mapless::app::add_render(command, exit_code);
   mapless::app::add_simulate(command, exit_code);
+  mapless::app::add_benchmark(command, exit_code);
   mapless::app::add_config(command, exit_code);
   try {
     const int code = run_verb(command, exit_code, argc, argv);

@@ -90,10 +90,10 @@ void RunSummary::add(const Detection& detection) {
   seconds_.push_back(detection.seconds);
 }
 
-Json RunSummary::timing() const {
+Json timing_json(const std::vector<StageSeconds>& scans) {
   Json rows = Json::object();
   for (const TimingRow& row : kTimingRows) {
-    const std::vector<double> ms = milliseconds(seconds_, row);
+    const std::vector<double> ms = milliseconds(scans, row);
     rows[std::string(row.name)] = {{"median_ms", number_or_null(quantile(ms, 0.5))},
                                    {"p95_ms", number_or_null(quantile(ms, 0.95))},
                                    {"p99_ms", number_or_null(quantile(ms, 0.99))}};
@@ -123,7 +123,7 @@ Json RunSummary::json() const {
               {"motion_compensation", motion_compensation_},
               {"trajectory", trajectory},
               {"notes", notes_},
-              {"timing", timing()},
+              {"timing", timing_json(seconds_)},
               {"peak_memory_mb", peak_memory_mb()}};
   if (!stopped_.empty()) out["stopped"] = stopped_;
   return out;

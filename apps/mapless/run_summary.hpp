@@ -36,8 +36,6 @@ class RunSummary {
   [[nodiscard]] std::string lines() const;
 
  private:
-  [[nodiscard]] nlohmann::ordered_json timing() const;
-
   std::string recording_, format_, sensor_, profile_;
   std::vector<std::pair<std::string, std::string>> trajectory_;
   std::vector<std::string> notes_;
@@ -48,6 +46,9 @@ class RunSummary {
   bool complete_ = false;
   std::string stopped_;
 };
+
+/// Median and quantiles of the milliseconds of each step and of their total, by the step's name.
+[[nodiscard]] nlohmann::ordered_json timing_json(const std::vector<StageSeconds>& scans);
 
 /// "from the sensor", "recovered from the azimuth" ...
 [[nodiscard]] std::string provenance_text(Provenance provenance);

@@ -184,7 +184,7 @@ std::size_t count(const std::vector<PicturePoint>& points, Verdict verdict) {
 std::size_t count_objects(const std::vector<PicturePoint>& points) {
   std::set<std::uint32_t> objects;
   for (const PicturePoint& p : points) {
-    if (p.object != 0) objects.insert(p.object);
+    if (p.object != 0 && p.verdict != Verdict::still) objects.insert(p.object);
   }
   return objects.size();
 }
@@ -227,7 +227,9 @@ Canvas draw_scan(const LidarScan& scan, const std::vector<std::uint32_t>& labels
     y += range_height;
   }
   if (options.bird_view) {
-    BirdView(canvas, {kMargin, y, kInnerWidth, kBirdViewHeight}, options.extent_m).draw(points);
+    BirdView view(canvas, {kMargin, y, kInnerWidth, kBirdViewHeight}, options.extent_m);
+    const auto& above = options.from_above;
+    view.draw(above ? points_in_drawing_order(above->scan, above->labels, above->truth) : points);
     y += bird_height;
   }
   draw_legend(canvas, y, points, truth.has_value());

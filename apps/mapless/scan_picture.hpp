@@ -10,11 +10,19 @@
 
 namespace mapless::app {
 
+struct LabelledScan {
+  LidarScan scan;
+  std::vector<std::uint32_t> labels;
+  std::optional<std::vector<std::uint32_t>> truth;
+};
+
 struct PictureOptions {
   bool bird_view = true;
   bool range_image = true;
   double extent_m = 50;  ///< from the sensor to the left and right edge of the bird's-eye view
   std::string title;
+  /// What the bird's-eye view shows instead of the scan; in its frame.
+  std::optional<LabelledScan> from_above = std::nullopt;
 };
 
 /// A labelled scan as a picture. Static points are grey. Dynamic ones have the colour of their object; with

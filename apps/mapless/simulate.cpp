@@ -13,6 +13,7 @@
 #include "progress.hpp"
 #include "verbs.hpp"
 #include <mapless/core/errors.hpp>
+#include <mapless/io/atomic_file.hpp>
 #include <mapless/io/model_file.hpp>
 #include <mapless/simulation/scene.hpp>
 #include <mapless/simulation/sequence_writer.hpp>
@@ -41,8 +42,31 @@ void require_new(const std::filesystem::path& folder) {
   }
 }
 
+/// Keeps room on the disk for what is written last, so that a disk that fills up leaves a valid recording.
+class RoomForTheEnd {
+ public:
+  RoomForTheEnd(std::filesystem::path file, std::size_t bytes) : file_(std::move(file)) {
+    write_file_atomically(file_, std::string(bytes, ' '));
+  }
+  ~RoomForTheEnd() { release(); }
+  RoomForTheEnd(const RoomForTheEnd&) = delete;
+  RoomForTheEnd& operator=(const RoomForTheEnd&) = delete;
+  void release() const {
+    std::error_code ignored;
+    std::filesystem::remove(file_, ignored);
+  }
+
+ private:
+  std::filesystem::path file_;
+};
+
+// Of trajectory, times and poses, generously.
+std::size_t bytes_at_the_end(const Scene& scene, int scans) {
+  return 65536 + 200 * scene.poses.size() + 300 * static_cast<std::size_t>(scans);
+}
+
 /// Scans written; fewer than asked for where it was interrupted. What is written is a recording either way.
-int write_scans(SimulatedSensor& sensor, SequenceWriter& writer, int count) {
+int write_scans(SimulatedSensor& sensor, SequenceWriter& writer, const RoomForTheEnd& room, int count) {
   Progress progress("scans");
   int done = 0;
   try {
@@ -52,6 +76,7 @@ int write_scans(SimulatedSensor& sensor, SequenceWriter& writer, int count) {
     }
   } catch (const Error&) {
     progress.clear();
+    room.release();
     try {
       writer.finish();
     } catch (const OutputError&) {  // the first error is the one to report
@@ -59,6 +84,7 @@ int write_scans(SimulatedSensor& sensor, SequenceWriter& writer, int count) {
     throw;
   }
   progress.clear();
+  room.release();
   writer.finish();
   return done;
 }
@@ -87,9 +113,11 @@ int simulate(SimulateOptions options) {
   SimulatedWorld world(scene.world);
   SimulatedSensor sensor(model, trajectory, world, options.sensing);
 
+  const RoomForTheEnd room(std::filesystem::path(options.output) / "room_for_the_end",
+                           bytes_at_the_end(scene, count));
   const InterruptGuard interrupt;
   const auto start = std::chrono::steady_clock::now();
-  const int done = write_scans(sensor, *writer, count);
+  const int done = write_scans(sensor, *writer, room, count);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (done < count) {
     fmt::print(stderr, "mapless: interrupted after {} finished scans; they are a valid shorter sequence\n",

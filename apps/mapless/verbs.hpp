@@ -13,5 +13,6 @@ void add_info(CLI::App& app, int& exit_code);
 void add_render(CLI::App& app, int& exit_code);
 void add_simulate(CLI::App& app, int& exit_code);
 void add_config(CLI::App& app, int& exit_code);
+void add_benchmark(CLI::App& app, int& exit_code);
 
 }  // namespace mapless::app

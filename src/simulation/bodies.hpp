@@ -27,6 +27,7 @@ class SceneBuilder {
 
 /// Outer size of a vehicle of this class [m].
 [[nodiscard]] double body_length(ObjectClass c);
+[[nodiscard]] double body_width(ObjectClass c);
 
 /// The body of a vehicle (x ahead, z up, origin on the ground below its middle), without its wheels.
 /// `variant` chooses one of a few forms and paints.

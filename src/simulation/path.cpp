@@ -77,9 +77,21 @@ double Track::speed(double t_s) const {
   return v_[i] + a * std::max(0.0, t_s - k * kStep_s);
 }
 
+double Track::aside_m(double t_s) const {
+  const double k = std::clamp(t_s / kStep_s, 0.0, static_cast<double>(aside_.size() - 1));
+  const auto i = static_cast<std::size_t>(k);
+  const double next = aside_[std::min(i + 1, aside_.size() - 1)];
+  return aside_[i] + (k - std::floor(k)) * (next - aside_[i]);
+}
+
 SE3 Track::pose(double t_s) const {
   const double s = distance_m(t_s);
-  return pose_on_ground(path_->at(s), path_->heading(s, wheelbase_m_), terrain_);
+  // Both axles are on the path.
+  const Vector2d front = path_->at(s + wheelbase_m_ / 2);
+  const Vector2d rear = path_->at(s - wheelbase_m_ / 2);
+  const Vector2d heading = (front - rear).normalized();
+  const Vector2d aside = aside_m(t_s) * Vector2d(-heading.y(), heading.x());
+  return pose_on_ground((front + rear) / 2 + aside, heading, terrain_);
 }
 
 }  // namespace mapless

@@ -40,9 +40,11 @@ class Track {
   static constexpr double kStep_s = 0.1;
   Track(std::shared_ptr<const Path> path, double wheelbase_m, Terrain terrain)
       : path_(std::move(path)), wheelbase_m_(wheelbase_m), terrain_(std::move(terrain)) {}
-  void add(double s, double v) {
+  /// `aside_m` to the left of the path.
+  void add(double s, double v, double aside_m = 0) {
     s_.push_back(s);
     v_.push_back(v);
+    aside_.push_back(aside_m);
   }
   /// Beyond the last sample the speed is kept.
   [[nodiscard]] double distance_m(double t_s) const;
@@ -54,7 +56,8 @@ class Track {
   std::shared_ptr<const Path> path_;
   double wheelbase_m_;
   Terrain terrain_;
-  std::vector<double> s_, v_;
+  [[nodiscard]] double aside_m(double t_s) const;
+  std::vector<double> s_, v_, aside_;
 };
 
 }  // namespace mapless

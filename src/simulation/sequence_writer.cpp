@@ -229,6 +229,8 @@ LidarModel model_for_format(LidarModel model, std::string_view format) {
   if (format == "mdlidar") {
     for (Laser& laser : model.lasers) laser.firing_offset = Duration();
   }
+  // Bare clouds tell the time of a point by its azimuth alone: from the rear, as in the KITTI data set.
+  if (format == "kitti") model.start_azimuth_rad = std::numbers::pi;
   return model;
 }
 

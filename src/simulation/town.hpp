@@ -20,11 +20,19 @@ struct TownPlan {
   int people = 70, dogs = 8;
 
   [[nodiscard]] Eigen::Vector2d junction(int i, int j) const { return {i * dx_m, j * dy_m}; }
+  [[nodiscard]] std::size_t junction_number(int i, int j) const {
+    return static_cast<std::size_t>(i * ny + j);
+  }
+  /// From a junction's middle to where turns begin and vehicles wait.
+  [[nodiscard]] double turn_m() const { return half_road_m + 5; }
   [[nodiscard]] Terrain terrain() const;
   [[nodiscard]] std::vector<Junction> junctions() const;
   /// Length of all streets together.
   [[nodiscard]] double road_length_m() const { return (nx - 1) * ny * dx_m + nx * (ny - 1) * dy_m; }
 };
+
+[[nodiscard]] TownPlan town1_plan();
+[[nodiscard]] TownPlan town2_plan();
 
 /// Streets, pavements, houses, trees, furniture and parked cars.
 void build_town(const TownPlan& plan, const Scenery& scenery, std::uint64_t seed);
@@ -32,10 +40,9 @@ void build_town(const TownPlan& plan, const Scenery& scenery, std::uint64_t seed
 /// A random drive of `length_m`, `aside_m` to the right of the middle of the streets.
 [[nodiscard]] std::shared_ptr<const Path> random_drive(const TownPlan& plan, RandomSequence& random,
                                                        double aside_m, double length_m);
-/// Round and round one of the blocks on the pavement, crossing the streets to other blocks now and then.
-[[nodiscard]] std::shared_ptr<const Path> random_walk(const TownPlan& plan, RandomSequence& random,
-                                                      double length_m);
-/// Everyone in the streets; `ego` first where it has a path.
+/// One who walks on the pavements, crossing streets at the junctions.
+[[nodiscard]] RoadUser random_walker(const TownPlan& plan, RandomSequence& random, double length_m);
+/// Everyone in the streets; the vehicle with the sensor first where there is one.
 [[nodiscard]] std::vector<RoadUser> town_people(const TownPlan& plan, const SceneOptions& options,
                                                 bool with_ego);
 

@@ -56,10 +56,17 @@ struct Share {
   double wheelbase_m;
 };
 
-// Whether someone may begin here without standing in somebody else.
-bool is_free(const std::vector<RoadUser>& users, const Vector2d& p, double room) {
+// Whether a vehicle may begin here: not on a junction, and not in another one.
+bool is_free(const TownPlan& plan, const std::vector<RoadUser>& users, const RoadUser& user) {
+  constexpr double kRoom = 16;
+  const Vector2d p = user.path->at(user.start_m);
+  const Vector2d heading = user.path->heading(user.start_m, 2);
+  for (const Junction& junction : plan.junctions()) {
+    if ((p - junction.centre).cwiseAbs().maxCoeff() < junction.half_size_m + kRoom / 2) return false;
+  }
   return std::none_of(users.begin(), users.end(), [&](const RoadUser& other) {
-    return (other.path->at(other.start_m) - p).norm() < room;
+    return (other.path->at(other.start_m) - p).norm() < kRoom &&
+           other.path->heading(other.start_m, 2).dot(heading) > 0;
   });
 }
 
@@ -69,7 +76,7 @@ std::shared_ptr<const Path> random_drive(const TownPlan& plan, RandomSequence& r
                                          double length_m) {
   Crossing at{random.index(plan.nx), random.index(plan.ny)};
   int direction = choose_turn(plan, random, at, random.index(4));
-  const double box = plan.half_road_m + 3;
+  const double box = plan.turn_m();
   std::vector<Vector2d> points;
   double length = 0;
   Vector2d before = Vector2d::Zero();
@@ -89,30 +96,37 @@ std::shared_ptr<const Path> random_drive(const TownPlan& plan, RandomSequence& r
   return std::make_shared<Path>(points);
 }
 
-std::shared_ptr<const Path> random_walk(const TownPlan& plan, RandomSequence& random, double length_m) {
+RoadUser random_walker(const TownPlan& plan, RandomSequence& random, double length_m) {
   // Corners of the pavements lie about the junctions; a walk goes from corner to corner, along a street or
   // across one.
-  const double corner = plan.half_road_m + random.uniform(0.8, plan.pavement_m - 0.8);
+  const double corner = plan.half_road_m + random.uniform(1.4, plan.pavement_m - 0.5);
   Crossing at{random.index(plan.nx), random.index(plan.ny)};
   Vector2d side(random.chance(0.5) ? 1 : -1, random.chance(0.5) ? 1 : -1);
   std::vector<Vector2d> points = {plan.junction(at.i, at.j) + corner * side};
+  RoadUser walker;
   double length = 0;
   while (length < length_m) {
     const int axis = random.index(2);
     const double towards = side[axis];
     const int direction = axis == 0 ? (towards > 0 ? 0 : 2) : (towards > 0 ? 1 : 3);
-    if (random.chance(0.25) || !is_in(plan, next(at, direction))) {
-      side[axis] = -side[axis];  // across the street
-    } else {
-      at = next(at, direction);
+    const bool across = random.chance(0.3) || !is_in(plan, next(at, direction));
+    const Crossing then = across ? at : next(at, direction);
+    side[axis] = -side[axis];
+    const Vector2d to = plan.junction(then.i, then.j) + corner * side;
+    if (points.size() > 1 && (to - points[points.size() - 2]).norm() < 1) {  // back where he came from
       side[axis] = -side[axis];
+      continue;
     }
-    const Vector2d to = plan.junction(at.i, at.j) + corner * side;
+    at = then;
+    const double kerb = length + corner - plan.half_road_m;
+    if (across)
+      walker.crossings.push_back(
+          {kerb, kerb + 2 * plan.half_road_m, plan.junction_number(at.i, at.j), axis == 0});
     length += (to - points.back()).norm();
     points.push_back(to);
   }
-  if (random.chance(0.5)) std::reverse(points.begin(), points.end());
-  return std::make_shared<Path>(points);
+  walker.path = std::make_shared<Path>(points);
+  return walker;
 }
 
 std::vector<RoadUser> town_people(const TownPlan& plan, const SceneOptions& options, bool with_ego) {
@@ -122,8 +136,8 @@ std::vector<RoadUser> town_people(const TownPlan& plan, const SceneOptions& opti
   const auto ego_count = with_ego ? 1 : 0;
   const std::array<Share, 7> shares = {
       {{ObjectClass::car, ego_count, plan.lane_m, plan.speed, 2.7},
-       {ObjectClass::bus, plan.buses, plan.lane_m, 0.85 * plan.speed, 6.5},
-       {ObjectClass::truck, plan.trucks, plan.lane_m, 0.85 * plan.speed, 5.5},
+       {ObjectClass::bus, plan.buses, plan.lane_m, 0.85 * plan.speed, 8},
+       {ObjectClass::truck, plan.trucks, plan.lane_m, 0.85 * plan.speed, 6.5},
        {ObjectClass::van, plan.vans, plan.lane_m, plan.speed, 3.2},
        {ObjectClass::car, plan.cars, plan.lane_m, plan.speed, 2.7},
        {ObjectClass::motorcycle, plan.motorcycles, plan.lane_m, plan.speed, 1.4},
@@ -136,17 +150,15 @@ std::vector<RoadUser> town_people(const TownPlan& plan, const SceneOptions& opti
       user.path = random_drive(plan, random, share.aside_m, reach);
       user.desired_speed = share.speed * random.uniform(0.85, 1.1);
       user.wheelbase_m = share.wheelbase_m;
-      user.start_m = random.uniform(10, 60);
-      for (int tries = 0; tries < 20 && !is_free(users, user.path->at(user.start_m), 14); ++tries)
-        user.start_m += 17;
+      for (int tries = 0; tries == 0 || (tries < 200 && !is_free(plan, users, user)); ++tries)
+        user.start_m = random.uniform(10, 900);
       users.push_back(std::move(user));
     }
   }
   for (int k = 0; k < plan.people + plan.dogs; ++k) {
     RandomSequence random(options.seed, 5000 + number++);
-    RoadUser user;
+    RoadUser user = random_walker(plan, random, 2 * kMaxSceneDuration_s);
     user.object_class = k < plan.people ? ObjectClass::person : ObjectClass::dog;
-    user.path = random_walk(plan, random, 2 * kMaxSceneDuration_s);
     user.desired_speed = random.uniform(0.9, 1.7);
     user.wheelbase_m = 0.8;
     user.start_m = random.uniform(0, 250);

@@ -93,7 +93,7 @@ void build_kerbside(const TownPlan& plan, const Scenery& scenery, const Frontage
     if (!random.chance(plan.parked)) continue;
     const int variant = random.index(12);
     const bool turned = random.chance(0.15);
-    const double aside = -1.0 - random.uniform(0, 0.15);
+    const double aside = -0.95 - random.uniform(0, 0.1);
     scenery.put_parked(front.at(along + random.uniform(0, 0.8), aside),
                        front.angle + (turned ? 2 * kRight : 0) + random.uniform(-0.02, 0.02),
                        random.chance(0.12) ? ObjectClass::van : ObjectClass::car, variant);
@@ -111,7 +111,7 @@ Terrain TownPlan::terrain() const {
 std::vector<Junction> TownPlan::junctions() const {
   std::vector<Junction> out;
   for (int i = 0; i < nx; ++i) {
-    for (int j = 0; j < ny; ++j) out.push_back({junction(i, j), half_road_m + 3.5, 7.0 * i + 13.0 * j});
+    for (int j = 0; j < ny; ++j) out.push_back({junction(i, j), turn_m(), 7.0 * i + 13.0 * j});
   }
   return out;
 }
@@ -133,7 +133,7 @@ void build_town(const TownPlan& plan, const Scenery& scenery, std::uint64_t seed
       RandomSequence random(seed, 2000 + number++);
       build_houses(plan, scenery, front, random);
       build_kerbside(plan, scenery, front, random);
-      scenery.put_traffic_light(front.at(1.2, 1.2), front.angle);
+      scenery.put_traffic_light(front.at(0.5, 0.5), front.angle);
     }
   }
   scene.place(scene.shape("pavements", [&] { return pavements; }), SE3(), ObjectClass::ground);

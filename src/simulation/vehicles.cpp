@@ -121,6 +121,12 @@ double body_length(ObjectClass c) {
   return size_of(c).length;
 }
 
+double body_width(ObjectClass c) {
+  if (c == ObjectClass::person || c == ObjectClass::dog) return 0.5;
+  if (c == ObjectClass::cyclist || c == ObjectClass::motorcycle) return 0.7;
+  return size_of(c).width;
+}
+
 Mesh vehicle_body(ObjectClass c, int variant) {
   switch (c) {
     case ObjectClass::van:

@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/mount.h>
 
 #include "support/command.hpp"
 #include "support/temporary_folder.hpp"
@@ -37,6 +38,25 @@ TEST(Simulate, SameSeedGivesTheSameBytesAtAnyNumberOfThreadsAndLongerOnlyGoesOn)
   }
 }
 
+TEST(Simulate, ItsTruthIsDrawnFromSeveralScansWithoutAResult) {
+  const test::TemporaryFolder folder;
+  const std::string recording = (folder.path() / "out").string();
+  ASSERT_EQ(run_command({"simulate", "tunnel", "-o", recording, "--sensor", "VLP-16", "--duration-s", "0.3"})
+                .exit_code,
+            0);
+  const auto drawn = [&](const std::vector<std::string>& more) {
+    const fs::path picture = folder.path() / "picture.png";
+    std::vector<std::string> arguments = {"render", recording, "--scan", "1", "-o", picture.string()};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const CommandResult result = run_command(arguments);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return read_whole_file(picture);
+  };
+  const std::string one = drawn({});
+  EXPECT_NE(drawn({"--around", "1"}), one);
+  EXPECT_LT(drawn({"--reduce", "2"}).size(), one.size());
+}
+
 TEST(Simulate, WrongUseIsOneLineAndLeavesNothingBehind) {
   const test::TemporaryFolder folder;
   const std::string out = (folder.path() / "out").string();
@@ -53,6 +73,44 @@ TEST(Simulate, WrongUseIsOneLineAndLeavesNothingBehind) {
   const CommandResult existing = run_command({"simulate", "town1", "-o", folder.path().string()});
   EXPECT_EQ(existing.exit_code, 1);
   EXPECT_THAT(existing.err, HasSubstr("exists already"));
+}
+
+/// A small file system of its own, where this process may mount one.
+class SmallDisk {
+ public:
+  explicit SmallDisk(fs::path folder) : folder_(std::move(folder)) {
+    fs::create_directories(folder_);
+    mounted_ = mount("tmpfs", folder_.c_str(), "tmpfs", 0, "size=6m") == 0;
+  }
+  ~SmallDisk() {
+    if (mounted_) umount(folder_.c_str());
+  }
+  SmallDisk(const SmallDisk&) = delete;
+  SmallDisk& operator=(const SmallDisk&) = delete;
+  [[nodiscard]] bool is_there() const { return mounted_; }
+
+ private:
+  fs::path folder_;
+  bool mounted_ = false;
+};
+
+TEST(Simulate, WhatIsFinishedWhenTheDiskIsFullIsARecording) {
+  const test::TemporaryFolder folder;
+  const SmallDisk disk(folder.path() / "disk");
+  if (!disk.is_there()) GTEST_SKIP() << "no small file system can be mounted here (that needs root)";
+  for (const char* format : {"native", "mdlidar", "kitti"}) {
+    for (const char* sensor : {"VLP-16", "HDL-64E-S2"}) {
+      SCOPED_TRACE(std::string(format) + " " + sensor);
+      const fs::path out = folder.path() / "disk" / "out";
+      const CommandResult result = run_command({"simulate", "flyer", "-o", out.string(), "--sensor", sensor,
+                                                "--format", format, "--duration-s", "30"});
+      EXPECT_EQ(result.exit_code, 1);
+      EXPECT_THAT(result.err, HasSubstr("No space left on device"));
+      EXPECT_GE(open_dataset(out)->size(), 1u);
+      EXPECT_TRUE(open_dataset(out)->read_labels(0));
+      fs::remove_all(out);
+    }
+  }
 }
 
 TEST(Simulate, WhatIsFinishedAtAnInterruptIsARecording) {

@@ -32,7 +32,7 @@ void expect_error(const CommandResult& result, int exit_code, const std::vector<
 TEST(Usage, HelpNamesEveryVerb) {
   const CommandResult result = run_command({"--help"});
   EXPECT_EQ(result.exit_code, 0);
-  for (const char* verb : {"detect", "evaluate", "info", "render", "simulate", "config"}) {
+  for (const char* verb : {"detect", "evaluate", "info", "render", "simulate", "benchmark", "config"}) {
     EXPECT_THAT(result.out, HasSubstr(verb));
     EXPECT_EQ(run_command({verb, "--help"}).exit_code, 0);
   }

@@ -17,17 +17,18 @@ esac
 
 
 class Demo(unittest.TestCase):
-    def run_demo(self, args):
+    def run_demo(self, args, recording="drive"):
         with tempfile.TemporaryDirectory() as name:
             folder = pathlib.Path(name)
             command = folder / "build" / "mapless"
             command.parent.mkdir()
             command.write_text(COMMAND)
             command.chmod(0o755)
-            env = dict(os.environ, RECORDING="drive", ARGS=args, OUT="out")
+            env = dict(os.environ, RECORDING=recording, ARGS=args, OUT="out")
             subprocess.run([str(SCRIPT)], cwd=folder, env=env, check=True, capture_output=True)
             calls = (folder / "calls").read_text().splitlines()
-            return {call.split()[0]: call for call in calls}, (folder / "out" / "evaluation.txt").read_text()
+            evaluation = folder / "out" / "evaluation.txt"
+            return {call.split()[0]: call for call in calls}, evaluation.read_text() if evaluation.exists() else ""
 
     def test_what_tells_how_to_read_the_recording_goes_to_every_verb(self):
         calls, _ = self.run_demo("--trajectory p.txt --labels truth --causal --sensor=VLP-16")
@@ -37,6 +38,10 @@ class Demo(unittest.TestCase):
                          " --labels truth --sensor=VLP-16")
         self.assertEqual(calls["evaluate"], "evaluate drive out/result --json out/evaluation.json"
                          " --labels truth --sensor=VLP-16")
+
+    def test_without_a_recording_it_is_the_quick_benchmark(self):
+        calls, _ = self.run_demo("--profile paper", recording="")
+        self.assertEqual(calls, {"benchmark": "benchmark --quick -o out/benchmark --profile paper"})
 
     def test_the_evaluation_holds_the_table_alone(self):
         self.assertEqual(self.run_demo("")[1], "table\n")

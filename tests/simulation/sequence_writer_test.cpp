@@ -1,6 +1,8 @@
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <numbers>
 
 #include <gtest/gtest.h>
 
@@ -97,6 +99,21 @@ TEST(SequenceWriter, KittiCloudsHaveOneLabelForEachPointAndAreCompensatedToMidSc
   const LidarScan scan = recording.read->read(1);
   ASSERT_TRUE(scan.compensated_to);
   EXPECT_EQ(scan.compensated_to->nanoseconds(), 150'000'000);
+}
+
+TEST(SequenceWriter, KittiTurnsBeginAtTheRearAsTheirReadersTakeThemTo) {
+  const test::TemporaryFolder folder;
+  const Recording recording = recorded("kitti", "HDL-64E-S2", folder.path() / "out");
+  int near = 0;
+  int hits = 0;
+  for (const LidarRecord& r : recording.scans[1].records) {
+    if (r.code != ReturnCode::hit) continue;
+    const double turn = (1 - std::atan2(r.position_v.y(), r.position_v.x()) / std::numbers::pi) / 2;
+    ++hits;
+    // A laser's azimuth offset of some degrees is a few milliseconds, and wraps at the seam.
+    if (std::abs(turn * 0.1 - r.time_ns * 1e-9) < 0.003) ++near;
+  }
+  EXPECT_GT(near, 0.95 * hits);
 }
 
 TEST(SequenceWriter, NamesEveryObjectOnce) {

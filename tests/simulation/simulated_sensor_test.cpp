@@ -6,6 +6,7 @@
 #include "support/cast_rays.hpp"
 #include "support/toy_scene.hpp"
 #include <mapless/io/labels.hpp>
+#include <mapless/simulation/scene.hpp>
 #include <mapless/simulation/simulated_sensor.hpp>
 
 namespace mapless {
@@ -99,6 +100,35 @@ TEST(SimulatedSensor, NoiseHasTheDeviationAskedForAndIsTheSameForAnyNumberOfThre
   // Five standard errors of mean and deviation.
   EXPECT_NEAR(sum / n, 0, 5 * 0.05 / std::sqrt(n));
   EXPECT_NEAR(std::sqrt(squares / n), 0.05, 5 * 0.05 / std::sqrt(2 * n));
+}
+
+SimulatedScan second_scan(const std::string& name, double duration_s, std::size_t threads) {
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+  SceneOptions options;
+  options.seed = 8;
+  options.duration_s = duration_s;
+  const Scene scene = make_scene(name, options);
+  SimulatedWorld world(scene.world);
+  const auto trajectory = std::make_shared<const SampledTrajectory>(scene.poses, Duration(), "test");
+  SimulatedSensor sensor(std::make_shared<const LidarModel>(named_model("VLP-16")), trajectory, world,
+                         SensorOptions());
+  return sensor.scan(1);
+}
+
+TEST(SimulatedSensor, EverySceneIsTheSameForAnyDurationAndNumberOfThreads) {
+  for (const std::string& name : scene_names()) {
+    SCOPED_TRACE(name);
+    const SimulatedScan one = second_scan(name, 0.2, 1);
+    const SimulatedScan two = second_scan(name, 0.9, 4);
+    EXPECT_EQ(one.labels, two.labels);
+    EXPECT_EQ(one.intensities, two.intensities);
+    ASSERT_EQ(one.records.size(), two.records.size());
+    for (std::size_t i = 0; i < one.records.size(); ++i) {
+      ASSERT_EQ(one.records[i].code, two.records[i].code) << i;
+      if (one.records[i].code != ReturnCode::hit) continue;
+      ASSERT_EQ(one.records[i].position_v, two.records[i].position_v) << i;
+    }
+  }
 }
 
 TEST(SimulatedSensor, TellsFaultyReturnsFromNothingWithinRange) {

@@ -27,7 +27,8 @@ class SequenceWriter {
 /// middle of their scan, as those of the KITTI odometry data set are, with labels/ beside velodyne/.
 [[nodiscard]] const std::vector<std::string>& sequence_formats();
 
-/// The model as the format can hold it: without firing times within a column for mdlidar.
+/// The model as the format can hold it: without firing times within a column for mdlidar, with turns that
+/// begin at the rear for KITTI, whose readers take a point's time from its azimuth.
 [[nodiscard]] LidarModel model_for_format(LidarModel model, std::string_view format);
 
 /// Makes the folder; also writes objects.csv and, scan by scan, object_states.csv (io/object_truth.hpp).

@@ -1,0 +1,195 @@
+#include <algorithm>
+#include <ctime>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <set>
+#include <sstream>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <tbb/global_control.h>
+#include <tbb/info.h>
+
+#include "benchmark/benchmark_folder.hpp"
+#include "benchmark/job_run.hpp"
+#include "benchmark/page.hpp"
+#include "benchmark/plan.hpp"
+#include "benchmark/recording_store.hpp"
+#include "benchmark/work_pool.hpp"
+#include "interrupt.hpp"
+#include "json_text.hpp"
+#include "option_checks.hpp"
+#include "verbs.hpp"
+#include <mapless/core/errors.hpp>
+#include <mapless/io/atomic_file.hpp>
+#include <mapless/simulation/scene.hpp>
+
+namespace mapless::app {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr int kInterrupted = 130;
+
+struct BenchmarkOptions {
+  PlanOptions plan;
+  std::string output;
+  std::string recordings;
+  std::optional<std::size_t> threads;
+};
+
+std::size_t scans_of(const Job& job) {
+  const std::size_t all = RecordingStore::scans(job.recording);
+  return std::min(all, job.first_scans.value_or(all));
+}
+
+/// False where interrupted.
+bool simulate_missing(const std::vector<const Job*>& jobs, const RecordingStore& store, std::size_t threads) {
+  std::set<RecordingKey> keys;
+  for (const Job* job : jobs) keys.insert(job->recording);
+  std::vector<LongTask> tasks;
+  std::size_t scans = 0;
+  for (const RecordingKey& key : keys) {
+    if (InterruptGuard::requested()) return false;
+    if (store.has(key)) continue;
+    scans += RecordingStore::scans(key);
+    tasks.emplace_back([&store, key](const auto& step_done) { return store.make(key, step_done); });
+  }
+  if (!tasks.empty()) {
+    fmt::print(stderr, "mapless: simulating {} recordings, {} are there already\n", tasks.size(),
+               keys.size() - tasks.size());
+  }
+  return work_side_by_side(tasks, threads, scans, "scans");
+}
+
+/// False where interrupted.
+bool run_missing(const std::vector<const Job*>& jobs, const RecordingStore& store,
+                 const BenchmarkFolder& folder, std::size_t threads) {
+  std::vector<LongTask> tasks;
+  std::size_t scans = 0;
+  for (const Job* job : jobs) {
+    scans += scans_of(*job);
+    tasks.emplace_back([&store, &folder, job](const auto& step_done) {
+      const auto result = run_job(*job, store.path(job->recording), folder.pictures(), step_done);
+      if (result) folder.finish(*job, *result);
+      return result.has_value();
+    });
+  }
+  return work_side_by_side(tasks, threads, scans, "scans");
+}
+
+std::string processor_name() {
+  std::istringstream lines(read_whole_file("/proc/cpuinfo"));
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with("model name")) return line.substr(std::min(line.size(), line.find(':') + 2));
+  }
+  return "unknown processor";
+}
+
+std::string utc_date() {
+  const std::time_t now = std::time(nullptr);
+  std::tm parts = {};
+  gmtime_r(&now, &parts);
+  return fmt::format("{:04}-{:02}-{:02}", parts.tm_year + 1900, parts.tm_mon + 1, parts.tm_mday);
+}
+
+Json figures(const std::vector<Job>& jobs, const BenchmarkOptions& options, const BenchmarkFolder& folder,
+             std::size_t threads) {
+  Json rows = Json::array();
+  for (const Job& job : jobs) rows.push_back({{"job", job.json()}, {"result", folder.finished(job).value()}});
+  return {{"program", kBenchmarkName},
+          {"complete", true},
+          {"version", MAPLESS_VERSION},
+          {"date", utc_date()},
+          {"processor", processor_name()},
+          {"threads", threads},
+          {"quick", options.plan.quick},
+          {"odometry", options.plan.odometry},
+          {"profile", options.plan.parameters.profile},
+          {"settings", options.plan.parameters.settings},
+          {"stretch_scans", stretch_scans(options.plan)},
+          {"rows", rows}};
+}
+
+int report_interrupt(std::size_t finished, std::size_t of) {
+  fmt::print(
+      stderr,
+      "mapless: interrupted; {} of {} runs are finished and kept, the same command goes on from there\n",
+      finished, of);
+  return kInterrupted;
+}
+
+int benchmark(const BenchmarkOptions& options) {
+  const std::vector<Job> jobs = make_plan(options.plan);
+  for (const Job& job : jobs) static_cast<void>(scans_of(job));  // throws for what is too short
+  const std::size_t threads =
+      options.threads.value_or(static_cast<std::size_t>(tbb::info::default_concurrency()));
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+
+  const BenchmarkFolder folder(options.output, build_digest());
+  folder.open();
+  const RecordingStore store(options.recordings.empty() ? folder.recordings() : fs::path(options.recordings));
+  std::vector<const Job*> missing;
+  for (const Job& job : jobs) {
+    if (!folder.finished(job)) missing.push_back(&job);
+  }
+  fmt::print(stderr, "mapless: {} runs, {} of them finished before\n", jobs.size(),
+             jobs.size() - missing.size());
+
+  const InterruptGuard interrupt;
+  if (!simulate_missing(missing, store, threads) || !run_missing(missing, store, folder, threads)) {
+    const auto finished = static_cast<std::size_t>(std::count_if(
+        jobs.begin(), jobs.end(), [&](const Job& job) { return folder.finished(job).has_value(); }));
+    return report_interrupt(finished, jobs.size());
+  }
+  const Json all = figures(jobs, options, folder, threads);
+  write_page(all, folder);
+  write_file_atomically(folder.figures(), json_text(all));
+  fmt::print("{}page: {}\nfigures: {}\n", results_text(all), folder.page().string(),
+             folder.figures().string());
+  return 0;
+}
+
+void add_table_options(CLI::App& verb, PlanOptions& plan) {
+  verb.add_flag("--quick", plan.quick,
+                "10 seconds of town1 with a short sweep: under three minutes on two cores");
+  verb.add_option("--scenes", plan.scenes,
+                  "these scenes instead of the declared table (with --sensors and --noise: their product)")
+      ->check(CLI::IsMember(scene_names()));
+  verb.add_option("--sensors", plan.sensors,
+                  fmt::format("these sensors, of {}", fmt::join(named_models(), ", ")));
+  verb.add_option("--noise", plan.range_noises_m, "these standard deviations of the ranges [m], 0 to 1");
+  verb.add_option("--seeds", plan.seeds, "of the scenes, their traffic and the noise")
+      ->check(whole_number(0))
+      ->capture_default_str();
+  verb.add_option("--duration-s", plan.duration_s,
+                  "of every recording [s], at most 600 (20 where not given, 10 with --quick)")
+      ->check(positive_number());
+  verb.add_flag("--odometry", plan.odometry,
+                "also run every recording with own odometry in place of the true poses, and compare");
+}
+
+}  // namespace
+
+void add_benchmark(CLI::App& app, int& exit_code) {
+  auto* verb = app.add_subcommand(
+      "benchmark", "Simulate a table of scenes, detect, evaluate, and write one page with every figure");
+  const auto options = std::make_shared<BenchmarkOptions>();
+  verb->add_option("-o,--output", options->output,
+                   "folder for page, plots and figures: new, or of an earlier benchmark, which is continued")
+      ->required();
+  add_table_options(*verb, options->plan);
+  add_parameter_options(*verb, options->plan.parameters);
+  verb->add_option(
+      "--recordings", options->recordings,
+      "folder for the simulated recordings, about 30 MB a second of HDL-64E (OUTPUT/recordings)");
+  verb->add_option("--threads", options->threads,
+                   "threads used (all cores where not given); the figures are the same")
+      ->check(CLI::Range(1, 1024));
+  verb->callback([options, &exit_code] { exit_code = benchmark(*options); });
+}
+
+}  // namespace mapless::app

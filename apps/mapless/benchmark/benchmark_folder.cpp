@@ -1,0 +1,77 @@
+#include "benchmark/benchmark_folder.hpp"
+
+#include <system_error>
+
+#include "benchmark/digest.hpp"
+#include "json_text.hpp"
+#include <mapless/core/errors.hpp>
+#include <mapless/io/atomic_file.hpp>
+
+namespace mapless::app {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+[[noreturn]] void refuse(const fs::path& folder, const std::string& problem) {
+  throw OutputError(
+      {folder.string(), "", "", problem, "choose a new folder, or one of an earlier benchmark"});
+}
+
+void make_folder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) refuse(folder, "cannot be made: " + error.message());
+}
+
+}  // namespace
+
+void BenchmarkFolder::open() const {
+  std::error_code error;
+  const bool is_there = fs::exists(path_, error);
+  if (error) refuse(path_, error.message());
+  if (is_there && !fs::is_directory(path_)) refuse(path_, "is not a folder");
+  const bool is_empty = !is_there || fs::is_empty(path_, error);
+  if (error) refuse(path_, error.message());
+  if (!is_empty &&
+      (!fs::is_regular_file(figures()) || !read_whole_file(figures()).starts_with(kBenchmarkBegin)))
+    refuse(path_, "holds something that is no benchmark");
+  make_folder(path_);
+  if (is_empty) {
+    write_file_atomically(figures(), json_text({{"program", kBenchmarkName}, {"complete", false}}));
+  }
+  for (const fs::path& folder : {path_ / "rows", pictures(), plots()}) make_folder(folder);
+}
+
+fs::path BenchmarkFolder::row_file(const Job& job) const { return path_ / "rows" / (job.stem() + ".json"); }
+
+Json BenchmarkFolder::row_head(const Job& job) const { return {{"build", build_}, {"job", job.json()}}; }
+
+std::optional<Json> BenchmarkFolder::finished(const Job& job) const {
+  if (!fs::is_regular_file(row_file(job))) return std::nullopt;
+  const Json row = Json::parse(read_whole_file(row_file(job)), nullptr, false);
+  if (row.is_discarded() || !row.contains("result")) return std::nullopt;
+  // Text against text: numbers come back from a file with another type, and are the same figures.
+  const Json head = row_head(job);
+  for (const char* key : {"build", "job"}) {
+    if (!row.contains(key) || row[key].dump() != head[key].dump()) return std::nullopt;
+  }
+  for (const Json& picture : row["result"].value("pictures", Json::array())) {
+    if (!fs::is_regular_file(pictures() / picture.value("file", "?"))) return std::nullopt;
+  }
+  return row["result"];
+}
+
+void BenchmarkFolder::finish(const Job& job, const Json& result) const {
+  Json row = row_head(job);
+  row["result"] = result;
+  write_file_atomically(row_file(job), json_text(row));
+}
+
+std::string build_digest() {
+  Digest digest;
+  digest.add_bytes(read_whole_file("/proc/self/exe"));
+  return digest.text();
+}
+
+}  // namespace mapless::app

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "benchmark/plan.hpp"
+
+namespace mapless::app {
+
+/// The folder of a benchmark:
+///
+///     index.html       the page, with all its pictures in it
+///     benchmark.json   all figures; begins as kBenchmarkBegin
+///     plots/*.png      the page's plots
+///     pictures/*.png   views of movers
+///     rows/*.json      one finished run each: what it was, and its result
+///     recordings/      RecordingStore, unless elsewhere
+///
+/// A finished run is used again where the same program made it of the same job.
+class BenchmarkFolder {
+ public:
+  /// `build` tells programs apart (build_digest).
+  BenchmarkFolder(std::filesystem::path path, std::string build)
+      : path_(std::move(path)), build_(std::move(build)) {}
+
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+  [[nodiscard]] std::filesystem::path pictures() const { return path_ / "pictures"; }
+  [[nodiscard]] std::filesystem::path plots() const { return path_ / "plots"; }
+  [[nodiscard]] std::filesystem::path recordings() const { return path_ / "recordings"; }
+  [[nodiscard]] std::filesystem::path page() const { return path_ / "index.html"; }
+  [[nodiscard]] std::filesystem::path figures() const { return path_ / "benchmark.json"; }
+
+  /// Makes the folder; an earlier benchmark is continued. Throws OutputError where it is a file, cannot be
+  /// made, or holds anything but a benchmark; nothing is changed then.
+  void open() const;
+
+  /// The result of a finished run whose pictures are all there.
+  [[nodiscard]] std::optional<nlohmann::ordered_json> finished(const Job& job) const;
+  void finish(const Job& job, const nlohmann::ordered_json& result) const;
+
+ private:
+  [[nodiscard]] std::filesystem::path row_file(const Job& job) const;
+  [[nodiscard]] nlohmann::ordered_json row_head(const Job& job) const;
+
+  std::filesystem::path path_;
+  std::string build_;
+};
+
+/// benchmark.json begins with this, which is how a benchmark is told from anybody else's folder.
+inline constexpr std::string_view kBenchmarkName = "mapless benchmark";
+inline constexpr std::string_view kBenchmarkBegin = "{\n  \"program\": \"mapless benchmark\"";
+
+/// A digest of the running program's own file: figures of one build are not taken for those of another.
+[[nodiscard]] std::string build_digest();
+
+}  // namespace mapless::app

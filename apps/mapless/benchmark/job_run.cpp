@@ -1,0 +1,161 @@
+#include "benchmark/job_run.hpp"
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <vector>
+
+#include <fmt/format.h>
+#include <tbb/task_arena.h>
+
+#include "benchmark/mover_album.hpp"
+#include "benchmark/mover_views.hpp"
+#include "benchmark/untold_motion.hpp"
+#include "evaluation_json.hpp"
+#include "interrupt.hpp"
+#include "motion_source.hpp"
+#include "run_summary.hpp"
+#include "scan_picture.hpp"
+#include <mapless/detection/detector.hpp>
+#include <mapless/evaluation/evaluator.hpp>
+#include <mapless/io/dataset.hpp>
+#include <mapless/io/detection_labels.hpp>
+#include <mapless/io/object_truth.hpp>
+
+namespace mapless::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+MotionSource motion_of(const Job& job, const Dataset& dataset) {
+  return job.odometry ? MotionSource::odometry() : MotionSource(dataset, {}, 0);
+}
+
+class JobRun {
+ public:
+  JobRun(const Job& job, const Dataset& dataset, const ObjectTruth& objects,
+         const std::function<void()>& scan_done)
+      : job_(job),
+        dataset_(dataset),
+        motion_(motion_of(job, dataset)),
+        detector_(job.parameters),
+        evaluator_(objects),
+        scan_done_(scan_done) {}
+
+  /// False where interrupted.
+  bool run() {
+    const std::size_t count = std::min(dataset_.size(), job_.first_scans.value_or(dataset_.size()));
+    for (std::size_t k = 0; k < count; ++k) {
+      if (!detect(motion_.add(std::make_shared<const LidarScan>(dataset_.read(k))))) return false;
+    }
+    if (!detect(motion_.flush())) return false;
+    while (const auto detection = detector_.flush()) {
+      if (InterruptGuard::requested()) return false;
+      finish_scan(*detection);
+    }
+    return true;
+  }
+
+  [[nodiscard]] Json result() const {
+    Json stages = Json::array();
+    for (std::size_t s = 0; s < kStageCount; ++s) {
+      stages.push_back({{"after", kStageNames.at(s)}});
+      stages.back().update(to_json(after_stage_.at(s)));
+    }
+    const EvaluationReport report = evaluator_.report();
+    Json out = {{"scans", report.points.scans()},
+                {"final", to_json(report.points)},
+                {"stages", stages},
+                {"timing", timing_json(seconds_)},
+                {"threads", tbb::this_task_arena::max_concurrency()},
+                {"odometry_trouble", motion_.trouble()}};
+    if (job_.part == Part::table) out["measures"] = to_json(report);
+    return out;
+  }
+  [[nodiscard]] const MoverViews& views() const { return views_; }
+  /// The scan in the middle of the recording.
+  [[nodiscard]] const std::optional<Canvas>& scan_picture() const { return scan_picture_; }
+
+ private:
+  bool detect(const std::vector<std::shared_ptr<const LidarScan>>& scans) {
+    for (const auto& scan : scans) {
+      if (InterruptGuard::requested()) return false;
+      const DetectorInput input = withhold_motion(scan, motion_.trajectory(), job_.compensation);
+      if (const auto detection = detector_.process(input.scan, *input.trajectory)) finish_scan(*detection);
+    }
+    return true;
+  }
+
+  void finish_scan(const Detection& detection) {
+    const std::size_t k = detection.sequence_number;
+    const auto truth = dataset_.read_labels(k).value();
+    for (std::size_t s = 0; s < kStageCount; ++s) {
+      after_stage_.at(s).add(judged(detection, truth, [&](std::size_t i) {
+        return dynamic_after(detection.trace[i], static_cast<Stage>(s));
+      }));
+    }
+    const auto labels = labels_of(detection);
+    evaluator_.add({k, truth, labels, ranges_of(*detection.scan)});
+    seconds_.push_back(detection.seconds);
+    if (job_.pictures) look_at(detection, labels, truth);
+    scan_done_();
+  }
+
+  void look_at(const Detection& detection, const std::vector<std::uint32_t>& labels,
+               const std::vector<std::uint32_t>& truth) {
+    const std::size_t k = detection.sequence_number;
+    views_.add(k, detection, truth);
+    if (k != dataset_.size() / 2) return;
+    PictureOptions how;
+    how.extent_m = 40;
+    how.title =
+        fmt::format("{}, {}, scan {} of {}", job_.recording.scene, job_.recording.sensor, k, dataset_.size());
+    scan_picture_ = draw_scan(*detection.scan, labels, truth, how);
+  }
+
+  template <class Dynamic>
+  static Counts judged(const Detection& detection, const std::vector<std::uint32_t>& truth,
+                       const Dynamic& dynamic) {
+    std::vector<std::uint8_t> predicted(truth.size(), 0);
+    for (std::size_t i = 0; i < detection.object.size(); ++i)
+      predicted[detection.scan->returns[i].input_index] = dynamic(i) ? 1 : 0;
+    return count_points(truth, predicted);
+  }
+
+  const Job& job_;
+  const Dataset& dataset_;
+  MotionSource motion_;
+  Detector detector_;
+  Evaluator evaluator_;
+  const std::function<void()>& scan_done_;
+  std::array<PrecisionRecall, kStageCount> after_stage_;
+  std::vector<StageSeconds> seconds_;
+  MoverViews views_;
+  std::optional<Canvas> scan_picture_;
+};
+
+}  // namespace
+
+std::optional<Json> run_job(const Job& job, const std::filesystem::path& recording,
+                            const std::filesystem::path& pictures, const std::function<void()>& scan_done) {
+  const auto dataset = open_dataset(recording);
+  const ObjectTruth objects = read_object_truth(recording);
+  JobRun run(job, *dataset, objects, scan_done);
+  if (!run.run()) return std::nullopt;
+  Json result = run.result();
+  if (!job.pictures) return result;
+  result["pictures"] = draw_album(run.views(), objects, pictures, job.recording.name());
+  if (run.scan_picture()) {
+    const std::string file = job.recording.name() + ".scan.png";
+    run.scan_picture()->write_png(pictures / file);
+    result["pictures"].push_back({{"file", file},
+                                  {"kind", "scan"},
+                                  {"caption",
+                                   "The scan in the middle of the recording, as the sensor sees it and "
+                                   "from above: moving points found green, missed blue, still ones "
+                                   "called dynamic red"}});
+  }
+  return result;
+}
+
+}  // namespace mapless::app

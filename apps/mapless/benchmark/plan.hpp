@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "parameter_options.hpp"
+
+namespace mapless::app {
+
+/// What decides a simulated recording.
+struct RecordingKey {
+  std::string scene;
+  std::string sensor;  ///< a named model
+  double range_noise_m = 0.02;
+  std::uint64_t seed = 1;
+  double duration_s = 0;
+
+  auto operator<=>(const RecordingKey&) const = default;
+
+  /// A folder's name, the same for equal keys alone.
+  [[nodiscard]] std::string name() const;
+  [[nodiscard]] nlohmann::ordered_json json() const;
+};
+
+/// Which motion of the sensor within a scan the detector is not told of (ablations).
+enum class Compensation { full, not_of_clouds, not_of_rays, none };
+
+/// What a run is for.
+enum class Part { table, sweep, ablation };
+
+/// One run of the detector over a recording, or over the first scans of it.
+struct Job {
+  Part part = Part::table;
+  RecordingKey recording;
+  std::string name;  ///< tells the runs of one part and recording apart; "" for the plain one
+  DetectorParameters parameters;
+  Compensation compensation = Compensation::full;
+  bool odometry = false;                   ///< own odometry in place of the true poses
+  std::optional<std::size_t> first_scans;  ///< how many; all where not given
+  std::optional<double> threshold_m;       ///< of a sweep
+  bool pictures = false;                   ///< draw its movers
+
+  /// Its file's name, unique in a plan.
+  [[nodiscard]] std::string stem() const;
+  /// All that decides its figures.
+  [[nodiscard]] nlohmann::ordered_json json() const;
+};
+
+struct PlanOptions {
+  bool quick = false;
+  // Any of these three given: their product, HDL-64E-S2, 0.02 m and all scenes (quick: town1) for the rest.
+  std::vector<std::string> scenes, sensors;  // sensors in any case of letters
+  std::vector<double> range_noises_m;
+  std::vector<std::uint64_t> seeds = {1};
+  std::optional<double> duration_s;
+  ParameterOptions parameters;
+  bool odometry = false;
+};
+
+/// How many scans of a recording the sweep and the ablations use.
+[[nodiscard]] std::size_t stretch_scans(const PlanOptions& options);
+
+/// Every run of the benchmark, in the order of the page. Throws ParameterError for an unknown sensor or a
+/// noise beyond 0 to 1 m, and as ParameterOptions::chosen.
+[[nodiscard]] std::vector<Job> make_plan(const PlanOptions& options);
+
+/// The parameters with one error threshold, as the paper sweeps it: that of the comparison, and those of the
+/// freespace check in the proportion they have to it.
+[[nodiscard]] DetectorParameters with_error_threshold(DetectorParameters parameters, double threshold_m);
+
+}  // namespace mapless::app

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <functional>
+#include <set>
+#include <string>
+
+#include "benchmark/plan.hpp"
+
+namespace mapless::app {
+
+/// Recordings of simulated scenes in a folder, each made once: <key.name()> with manifest.json in it. A
+/// recording is written under another name and renamed, so that what has its name is whole.
+class RecordingStore {
+ public:
+  explicit RecordingStore(std::filesystem::path folder) : folder_(std::move(folder)) {}
+
+  [[nodiscard]] std::filesystem::path path(const RecordingKey& key) const { return folder_ / key.name(); }
+
+  /// Scans a recording of this key has. Throws ParameterError where that is none, or too many.
+  [[nodiscard]] static std::size_t scans(const RecordingKey& key);
+
+  /// Whether there is one of this key that the simulator would make the same today: its first and last scan
+  /// and the trajectory are made again and compared by digest. Throws OutputError for a folder of that name
+  /// without a manifest: somebody else's.
+  [[nodiscard]] bool has(const RecordingKey& key) const;
+
+  /// Makes it; `scan_done` after every scan. False, and nothing left behind, where interrupted. Throws
+  /// OutputError where the disk does not take it. Replaces one of this store that is out of date.
+  bool make(const RecordingKey& key, const std::function<void()>& scan_done) const;
+
+ private:
+  std::filesystem::path folder_;
+};
+
+}  // namespace mapless::app
