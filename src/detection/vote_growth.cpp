@@ -92,13 +92,14 @@ class VoteGrowth {
 
   // Holes and rims: what no scan could look at, or few saw a surface at, moves with what surrounds it.
   void fill() {
+    std::vector<std::int8_t> dynamic_neighbours(votes_.size(), 0);
     front_.clear();
     for (std::int32_t i = 0; i < static_cast<std::int32_t>(votes_.size()); ++i) {
-      if (dynamic(i) || votes_[static_cast<std::size_t>(i)].total() < kFirmlyStatic) continue;
-      int dynamic_neighbours = 0;
-      neighbours_.for_each(i, kSupportRows, kSupportColumns,
-                           [&](std::int32_t j) { dynamic_neighbours += dynamic(j) ? 1 : 0; });
-      if (dynamic_neighbours >= kFillNeighbours) front_.push_back(i);
+      if (!dynamic(i)) continue;
+      neighbours_.for_each(i, kSupportRows, kSupportColumns, [&](std::int32_t j) {
+        if (dynamic(j) || votes_[static_cast<std::size_t>(j)].total() < kFirmlyStatic) return;
+        if (++dynamic_neighbours[static_cast<std::size_t>(j)] == kFillNeighbours) front_.push_back(j);
+      });
     }
     for (const std::int32_t i : front_) verdict(i) = GrowthVerdict::grown;
   }
