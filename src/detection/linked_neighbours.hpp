@@ -10,7 +10,8 @@
 
 namespace mapless {
 
-/// The neighbours of a point in the scan image that belong to it in space.
+/// The neighbours of a point in the scan image that belong to it in space. Each of two points must reach the
+/// other, so that what is linked does not depend on which is asked.
 class LinkedNeighbours {
  public:
   LinkedNeighbours(const LidarScan& scan, const LocalPoints& points, const VotingParameters& parameters)
@@ -32,19 +33,26 @@ class LinkedNeighbours {
   void for_each(std::int32_t i, int half_rows, int half_columns, Visit&& visit) const {
     const LidarReturn& r = scan_.returns[static_cast<std::size_t>(i)];
     const Eigen::Vector3f& p = points_[static_cast<std::size_t>(i)];
-    const float link = link_m_ + link_per_m_[static_cast<std::size_t>(r.laser)] * r.range_m;
+    const float link = reach_m(r);
     const int centre = image_.aligned_column(r.laser, r.column);
     const int last_row = std::min(r.laser + half_rows, scan_.rows() - 1);
     for (int row = std::max(r.laser - half_rows, 0); row <= last_row; ++row) {
       for (int across = -half_columns; across <= half_columns; ++across) {
         const std::int32_t j = scan_.cell(row, image_.scan_column(row, centre + across));
         if (j < 0 || j == i) continue;
-        if ((points_[static_cast<std::size_t>(j)] - p).squaredNorm() <= link * link) visit(j);
+        const float distance2 = (points_[static_cast<std::size_t>(j)] - p).squaredNorm();
+        if (distance2 > link * link) continue;
+        const float other = reach_m(scan_.returns[static_cast<std::size_t>(j)]);
+        if (distance2 <= other * other) visit(j);
       }
     }
   }
 
  private:
+  [[nodiscard]] float reach_m(const LidarReturn& r) const {
+    return link_m_ + link_per_m_[static_cast<std::size_t>(r.laser)] * r.range_m;
+  }
+
   const LidarScan& scan_;
   const std::vector<Eigen::Vector3f>& points_;
   float link_m_;
