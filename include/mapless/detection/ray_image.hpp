@@ -110,7 +110,7 @@ class FreespaceProbe {
   void look_around(const Sighting& s, bool is_nearest, Window& window) const;
 
   const RayImage& image_;
-  const VotingParameters& parameters_;
+  VotingParameters parameters_;
   float columns_per_rad_;
   std::vector<Pose> poses_;  // of each column
   std::vector<Beam> beams_;
