@@ -16,6 +16,7 @@ using Eigen::Vector3f;
 constexpr float kBankHeight_m = 0.03F;
 constexpr int kStepsPerLaser = 8;  // of a bank's table
 constexpr int kMaxIterations = 12;
+constexpr float kFarAside = 2;  // a firing that many columns off does not speak for a point
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
 // atan2(y, x); mostly the guess is good and the angle small, where a few terms of the series are exact to
@@ -183,7 +184,8 @@ FreespaceProbe::Sighting FreespaceProbe::sight(const Vector3f& q, int laser, flo
     at = rounded(std::clamp(static_cast<float>(at) + off, 0.0F, static_cast<float>(columns - 1)));
     q_l = in_laser(q, beam, at);
   }
-  if (q_l.x() <= 0) return {};
+  // Near the seam a laser's own firing may lie beyond the scan's end.
+  if (q_l.x() <= 0 || std::abs(q_l.y() * columns_per_m) > kFarAside) return {};
   return {laser, at, q_l.x(), q_l.z()};
 }
 
@@ -192,11 +194,18 @@ FreespaceProbe::Bracket FreespaceProbe::bracket(const Vector3f& q, float column,
   const float columns_per_m = columns_per_rad_ / horizontal;
   Bracket bracket;
   for (const Bank& bank : banks_) {
-    const int above = bank.below((q_h.z() - bank.height_m) / horizontal);
-    for (const int side : {above - 1, above}) {
-      if (side < 0 || side >= static_cast<int>(bank.lasers.size())) continue;
-      bracket.take(sight(q, bank.lasers[static_cast<std::size_t>(side)], column, columns_per_m));
-    }
+    const int size = static_cast<int>(bank.lasers.size());
+    const int first = bank.below((q_h.z() - bank.height_m) / horizontal);
+    const auto passes_above = [&](int k) {
+      const Sighting s = sight(q, bank.lasers[static_cast<std::size_t>(k)], column, columns_per_m);
+      bracket.take(s);
+      return s.found() && s.height_m < 0;
+    };
+    // The first one mostly; near the sensor the lasers' places count too.
+    int k = first - 1;
+    while (k >= 0 && passes_above(k)) --k;
+    k = first;
+    while (k < size && !passes_above(k)) ++k;
   }
   return bracket;
 }

@@ -48,7 +48,10 @@ LocalPoints points_of(const LidarScan& scan) {
 /// Five lasers, 24 columns, everything 5 m off and linked to all of its window unless a test says otherwise.
 class VoteImage : public testing::Test {
  protected:
-  VoteImage() { parameters_.link_m = 100; }
+  VoteImage() {
+    parameters_.link_m = 100;
+    parameters_.seed_score = 8;
+  }
   [[nodiscard]] std::size_t at(int laser, int column) const {
     return static_cast<std::size_t>(scan_.cell(laser, column));
   }
@@ -170,6 +173,27 @@ TEST_F(VoteImage, WhatIsLinkedIsOneObject) {
   EXPECT_EQ(grow().verdict[at(2, 14)], GrowthVerdict::grown);
 }
 
+// Five of the 14 around it, unless three scans more saw a surface there than saw through; and once more from
+// what was filled.
+TEST_F(VoteImage, FillsHolesAndRims) {
+  for (int c : {4, 5, 6}) set(2, c, 3);
+  for (int c : {5, 6}) set(3, c, 3);
+  EXPECT_EQ(grow().verdict[at(2, 7)], GrowthVerdict::not_reached);  // (2, 5), (2, 6), (3, 5), (3, 6)
+  set(3, 4, 3);
+  set(3, 7, 3);
+  set(2, 5, -2);
+  EXPECT_EQ(grow().verdict[at(2, 5)], GrowthVerdict::grown);
+  set(2, 5, -3);
+  EXPECT_EQ(grow().verdict[at(2, 5)], GrowthVerdict::not_reached);
+  set(2, 5, 3);
+  // (2, 7) has (2, 5), (2, 6), (3, 5), (3, 6), (3, 7); (2, 8) has but (2, 6), (3, 6), (3, 7) and (2, 7).
+  EXPECT_EQ(grow().verdict[at(2, 7)], GrowthVerdict::grown);
+  EXPECT_EQ(grow().object[at(2, 7)], 1);
+  EXPECT_EQ(grow().verdict[at(2, 9)], GrowthVerdict::not_reached);
+  parameters_.grow = false;
+  EXPECT_EQ(grow().verdict[at(2, 7)], GrowthVerdict::not_reached);
+}
+
 TEST_F(VoteImage, HasNothingToDoWithoutPointsOrWithoutSeeds) {
   EXPECT_EQ(grow().objects, 0);
   const LidarScan empty = small_scan({0, 0}, 5, std::vector<char>(2 * kColumns, 1));
@@ -231,7 +255,7 @@ TEST(VoteGrowth, AgreesWithAllPairs) {
     objects += result.objects;
   }
   EXPECT_GT(kept, 500);
-  EXPECT_GT(grown, 500);
+  EXPECT_GT(grown, 400);
   EXPECT_GT(objects, 300);
 }
 

@@ -66,6 +66,19 @@ std::vector<std::size_t> VoteGrowthOracle::sets(const std::vector<char>& chosen)
   return lowest;
 }
 
+void VoteGrowthOracle::fill(const std::vector<PointVotes>& votes, std::vector<char>& dynamic,
+                            RegionGrowthResult& result) const {
+  const std::vector<char> before = dynamic;
+  for (std::size_t i = 0; i < votes.size(); ++i) {
+    int neighbours = 0;
+    for (std::size_t j = 0; j < votes.size(); ++j)
+      if (j != i && before[j] && linked(i, j, 1, 2)) ++neighbours;
+    if (before[i] || votes[i].total() <= -3 || neighbours < 5) continue;
+    dynamic[i] = 1;
+    result.verdict[i] = GrowthVerdict::grown;
+  }
+}
+
 RegionGrowthResult VoteGrowthOracle::grow(const std::vector<PointVotes>& votes,
                                           const std::vector<BoxVerdict>& seeds) const {
   const std::size_t size = votes.size();
@@ -93,6 +106,7 @@ RegionGrowthResult VoteGrowthOracle::grow(const std::vector<PointVotes>& votes,
     if (result.verdict[i] != GrowthVerdict::seed) result.verdict[i] = GrowthVerdict::grown;
     dynamic[i] = 1;
   }
+  for (int round = 0; parameters_.grow && round < 2; ++round) fill(votes, dynamic, result);
   std::map<std::size_t, std::uint16_t> numbers;  // by an object's lowest point
   const std::vector<std::size_t> objects = sets(dynamic);
   for (std::size_t i = 0; i < size; ++i) {

@@ -20,6 +20,8 @@ class VoteGrowthOracle {
                                         const std::vector<BoxVerdict>& seeds) const;
 
  private:
+  void fill(const std::vector<PointVotes>& votes, std::vector<char>& dynamic,
+            RegionGrowthResult& result) const;
   [[nodiscard]] bool linked(std::size_t i, std::size_t j, int rows, int columns) const;
   [[nodiscard]] double link_m(const LidarReturn& r) const;
   [[nodiscard]] int image_column(const LidarReturn& r) const;

@@ -16,8 +16,9 @@ namespace mapless {
                                                    const VotingParameters& parameters);
 
 /// The place of paper step 5: clusters of fewer than min_seeds `seeds` (kept by filter_votes) are dropped;
-/// the others grow over linked points that any scan saw through. What is linked is one object, numbered in
-/// the order of its first point.
+/// the others grow over linked points that any scan saw through, and fill holes: points that five or more of
+/// their linked neighbours in the 3 x 5 window surround, unless three scans more saw a surface there than saw
+/// through. What is linked is one object, numbered in the order of its first point.
 [[nodiscard]] RegionGrowthResult grow_votes(const LidarScan& scan, const LocalPoints& points,
                                             const std::vector<PointVotes>& votes,
                                             const std::vector<BoxVerdict>& seeds,
