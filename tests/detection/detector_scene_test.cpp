@@ -52,14 +52,14 @@ struct Street {
   Counts car, all;
 };
 
-// The street from when the car crosses, scans 8 to 12 of it.
-Street judge_street(const DetectorParameters& parameters) {
+// The street while the car crosses, scans 26 to 30, by a detector that has seen it from scan `first` on.
+Street judge_street(const DetectorParameters& parameters, int first) {
   const test::ToyScene street = test::toy_street("HDL-64E-S3");
-  const auto scans = test::cast_scans(street, 18, 15);
+  const auto scans = test::cast_scans(street, first, 33 - first);
   const auto detections = test::detect_all(test::scans_of(scans), *street.trajectory, parameters);
   EXPECT_EQ(detections.size(), scans.size());
   Street sum;
-  for (std::size_t k = 8; k + 2 < detections.size(); ++k) {
+  for (auto k = static_cast<std::size_t>(26 - first); k + 2 < detections.size(); ++k) {
     EXPECT_EQ(detections[k].sequence_number, k);
     sum.car += count(detections[k], scans[k].labels, kCrossingCar);
     sum.all += count(detections[k], scans[k].labels, 0);
@@ -68,14 +68,14 @@ Street judge_street(const DetectorParameters& parameters) {
   return sum;
 }
 
-// Each of the earlier scans but the last two saw through where the crossing car, at 7 m/s, stands now, and
-// growth needs one of them only. Near the ground no scan can tell: the lowest 0.2 m of its 1.5 m, less the
-// 0.1 m that it stands off the ground, a fifteenth.
+// At 7 m/s the crossing car has left its own length of 4.4 m behind it in 0.63 s: the scans 0.8 s and 1.6 s
+// back saw through where it is now, and growth needs one of them only. The lowest 0.2 m of its 1.5 m, less
+// the 0.1 m that it stands off the ground, are too near the ground to tell: a fifteenth.
 TEST(DetectorOnTheStreet, FindsTheCrossingCarAndLeavesTheStreetAlone) {
-  const Street street = judge_street({});
-  EXPECT_GT(street.car.true_positive, 9 * street.car.false_negative);
-  EXPECT_GT(street.all.true_positive, 9 * street.all.false_negative);
-  EXPECT_GT(street.all.true_positive, 19 * street.all.false_positive);
+  const Street street = judge_street({}, 6);
+  EXPECT_GT(street.car.true_positive, 4 * street.car.false_negative);
+  EXPECT_GT(street.all.true_positive, 4 * street.all.false_negative);
+  EXPECT_GT(street.all.true_positive, 49 * street.all.false_positive);
 }
 
 // In the 0.8 s of the scan gap a car at 7 m/s goes 5.6 m and leaves its own length of 4.4 m behind it, so
@@ -84,7 +84,7 @@ TEST(DetectorOnTheStreet, FindsTheCrossingCarAndLeavesTheStreetAlone) {
 // which growth mostly gives back. That leaves four points in five at least. Of what is called dynamic, nine
 // in ten do move.
 TEST(DetectorOnTheStreet, FindsTheCrossingCarByTheFiveStepsToo) {
-  const Street street = judge_street(published());
+  const Street street = judge_street(published(), 18);
   EXPECT_GT(street.car.true_positive, 4 * street.car.false_negative);
   EXPECT_GT(street.all.true_positive, 9 * street.all.false_positive);
 }

@@ -51,14 +51,16 @@ std::shared_ptr<const LidarScan> scan_of(const Case& c, const test::ToyScene& sc
 }
 
 /// Near the ends of random rays: before, on and behind them, up to two lasers and some columns aside; and
-/// anywhere, from 0.3 m to 150 m, above, below and behind too.
+/// anywhere, from 0.3 m to 150 m, above, below and behind too. Not where the sensor itself goes in the scan.
 std::vector<Vector3d> queries_of(const CompensatedScan& scan, const FreespaceProbeOracle& oracle, int count,
                                  std::mt19937_64& random) {
   std::uniform_real_distribution<double> unit(0, 1), both(-1, 1);
   std::normal_distribution<double> normal;
   const auto& returns = scan.scan->returns;
   std::vector<Vector3d> queries;
-  for (int i = 0; i < count; ++i) {
+  const Vector3d begin_0 = scan.column_T_0v.front().translation();
+  const Vector3d end_0 = scan.column_T_0v.back().translation();
+  for (int i = 0; queries.size() < static_cast<std::size_t>(count); ++i) {
     const LidarReturn& r = returns[random() % returns.size()];
     const Vector3d& origin = oracle.origin_0(r.laser, r.column);
     Vector3d direction = oracle.direction_0(r.laser, r.column);
@@ -70,7 +72,9 @@ std::vector<Vector3d> queries_of(const CompensatedScan& scan, const FreespacePro
       direction += 0.01 * Vector3d(both(random), both(random), both(random));
       range = i % 3 == 1 ? range + 0.6 * both(random) : range * (0.2 + 1.2 * unit(random));
     }
-    queries.push_back(origin + std::max(range, 0.3) * direction.normalized());
+    const Vector3d q = origin + std::max(range, 0.3) * direction.normalized();
+    const double way = (end_0 - begin_0).norm();
+    if ((q - begin_0).norm() + (q - end_0).norm() > 1.4 * way) queries.push_back(q);
   }
   return queries;
 }
@@ -122,12 +126,15 @@ TEST_P(ProbeAgreement, WithBruteForceOverAllRays) {
     ++other;
     // Half a column aside the next firing is the nearest; a laser fires up to 60 us after its column.
     const double range = (queries[i] - origin_0).norm();
-    const double slack = 0.005 + range * (std::numbers::pi / scan->columns + 3e-4);
+    // Near the seam the laser above may have looked there at the start of the scan, the one below at its end.
+    const bool near_seam = oracle.angle_from_seam(queries[i]) < seam;
+    const double slack = (near_seam ? 0.1 : 0.005) + range * (std::numbers::pi / scan->columns + 3e-4);
     EXPECT_LE(oracle.margin_m(queries[i], verdicts[i]), slack)
         << "query " << queries[i].transpose() << ": " << static_cast<int>(verdicts[i]) << " for "
         << static_cast<int>(oracle.ask(queries[i]));
   }
-  EXPECT_LE(other, static_cast<int>(queries.size()) / 200);
+  // Two queries in three lie where verdicts change.
+  EXPECT_LE(other, static_cast<int>(queries.size()) / 100);
   for (const FreespaceVerdict v : {FreespaceVerdict::inside, FreespaceVerdict::border,
                                    FreespaceVerdict::outside, FreespaceVerdict::unobserved})
     EXPECT_GT(seen[static_cast<std::size_t>(v)], 10) << "hardly tests verdict " << static_cast<int>(v);
