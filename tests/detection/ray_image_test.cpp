@@ -156,8 +156,8 @@ INSTANTIATE_TEST_SUITE_P(Sensors, ProbeAgreement,
 class Seen {
  public:
   Seen(const char* sensor, const test::ToyWorld& world,
-       std::shared_ptr<const Trajectory> trajectory = std::make_shared<StationaryTrajectory>())
-      : image_(make_image(sensor, world, *trajectory, trajectory)), probe_(image_, Vector3d::Zero(), {}) {}
+       const std::shared_ptr<const Trajectory>& trajectory = std::make_shared<StationaryTrajectory>())
+      : image_(make_image(sensor, world, trajectory)), probe_(image_, Vector3d::Zero(), {}) {}
 
   [[nodiscard]] FreespaceVerdict at(const Vector3d& q_0) const {
     return ask(probe_, Vector3d::Zero(), q_0, 0);
@@ -168,13 +168,13 @@ class Seen {
   }
 
  private:
-  static RayImage make_image(const char* sensor, const test::ToyWorld& world, const Trajectory& trajectory,
-                             std::shared_ptr<const Trajectory> shared) {
+  static RayImage make_image(const char* sensor, const test::ToyWorld& world,
+                             const std::shared_ptr<const Trajectory>& trajectory) {
     test::ToyScene scene;
     scene.model = std::make_shared<const LidarModel>(named_model(sensor));
-    scene.trajectory = std::move(shared);
+    scene.trajectory = trajectory;
     scene.world = world;
-    return RayImage(compensate(test::cast_scan(scene, 0).scan, trajectory));
+    return RayImage(compensate(test::cast_scan(scene, 0).scan, *trajectory));
   }
   RayImage image_;
   FreespaceProbe probe_;
@@ -236,7 +236,7 @@ TEST(FreespaceProbe, OutOfSightNothingIsObserved) {
   EXPECT_EQ(wall.at({0, 0, -5}), FreespaceVerdict::unobserved);
 }
 
-// Rays into the open prove 100 m of free space, the maximum range; beyond, nothing is known to be free.
+// Rays into the open prove free space up to the maximum range; beyond, nothing is known to be free.
 TEST(FreespaceProbe, FreeUpToTheMaximumRangeOnly) {
   const double max_range = named_model("VLP-16").max_range_m;
   const Seen open("VLP-16", {});

@@ -103,7 +103,8 @@ FreespaceVerdict FreespaceProbeOracle::ask(const Vector3d& q_0, int first, int e
 double FreespaceProbeOracle::margin_m(const Vector3d& q_0, FreespaceVerdict verdict) const {
   for (double step = 0.0005; step < 0.3; step *= 2) {
     for (int direction = 0; direction < 27; ++direction) {
-      const Vector3d d(direction % 3 - 1, direction / 3 % 3 - 1, direction / 9 - 1);
+      const int x = direction % 3 - 1, y = direction / 3 % 3 - 1, z = direction / 9 - 1;
+      const Vector3d d(x, y, z);
       if (d.isZero(0)) continue;
       if (ask(q_0 + step * d.normalized()) == verdict) return step;
     }
