@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cstdlib>
 
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/parallel_for.h>
@@ -8,29 +9,25 @@
 namespace mapless {
 namespace {
 
-void count(FreespaceVerdict verdict, std::int8_t& votes, PointVotes& point) {
-  if (verdict == FreespaceVerdict::inside) {
-    ++votes;
-    point.seen_through = true;
-  } else if (verdict == FreespaceVerdict::border) {
-    --votes;
-    point.surface_seen = true;
-  }
-}
+struct Witness {
+  FreespaceProbe probe;
+  int gap;
+};
 
 // Puts the points of one laser to all probes. A static surface is asked at every kStride-th point only: where
 // two such points agree that nobody saw through them, so do the points between that lie on the line between
 // them.
 class RowVotes {
  public:
-  RowVotes(const LidarScan& scan, const LocalPoints& points, const std::vector<FreespaceProbe>& probes,
-           std::size_t earlier, float tolerance_m)
+  RowVotes(const LidarScan& scan, const LocalPoints& points, const std::vector<Witness>& witnesses,
+           const FreespaceProbe& own, const VotingParameters& parameters)
       : scan_(scan),
         points_(points.points),
-        probes_(probes),
-        earlier_(earlier),
-        tolerance2_(tolerance_m * tolerance_m),
-        columns_(probes.size()) {}
+        witnesses_(witnesses),
+        own_(own),
+        tolerance2_(squared(parameters.tolerance_m / 2)),
+        vacated2_(squared(parameters.vacated_m)),
+        columns_(witnesses.size()) {}
 
   void vote(std::size_t begin, std::size_t end, std::vector<PointVotes>& out) {
     if (begin == end) return;
@@ -66,19 +63,47 @@ class RowVotes {
     const auto step = static_cast<float>(scan_.returns[i].column - previous_column_);
     previous_column_ = scan_.returns[i].column;
     PointVotes votes;
-    for (std::size_t k = 0; k < probes_.size(); ++k) {
+    for (std::size_t k = 0; k < witnesses_.size(); ++k) {
       columns_[k] += step;
-      count(probes_[k].ask(points_[i], columns_[k]), k < earlier_ ? votes.earlier : votes.later, votes);
+      hear(i, witnesses_[k], columns_[k], votes);
     }
     return votes;
   }
 
+  void hear(std::size_t i, const Witness& witness, float& column, PointVotes& votes) const {
+    const auto answer = witness.probe.look(points_[i], column);
+    int count = 0;
+    if (answer.verdict == FreespaceVerdict::inside) {
+      count = kSeenThroughVotes;
+    } else if (answer.verdict == FreespaceVerdict::border) {
+      count = -surface_votes(witness.gap);
+      votes.surface_seen = true;
+    } else if (answer.verdict == FreespaceVerdict::outside &&
+               has_left(i, witness.probe.endpoint(answer.laser, answer.column))) {
+      count = kVacatedVotes;
+    }
+    std::int16_t& sum = witness.gap < 0 ? votes.later : votes.earlier;
+    sum = static_cast<std::int16_t>(sum + count);
+    if (count <= 0) return;
+    votes.seen_through = true;
+    votes.recently = votes.recently || std::abs(witness.gap) <= kRecentGap;
+  }
+
+  // Whether what stood at `before` and hid point i is near enough to be the same thing, and not there now.
+  [[nodiscard]] bool has_left(std::size_t i, const Eigen::Vector3f& before) const {
+    if ((before - points_[i]).squaredNorm() > vacated2_) return false;
+    auto column = static_cast<float>(scan_.returns[i].column);
+    return own_.ask(before, column) == FreespaceVerdict::inside;
+  }
+
+  static float squared(double x) { return static_cast<float>(x * x); }
+
   const LidarScan& scan_;
   const std::vector<Eigen::Vector3f>& points_;
-  const std::vector<FreespaceProbe>& probes_;
-  std::size_t earlier_;
-  float tolerance2_;
-  std::vector<float> columns_;  // where each probe found the last point
+  const std::vector<Witness>& witnesses_;
+  const FreespaceProbe& own_;
+  float tolerance2_, vacated2_;
+  std::vector<float> columns_;  // where each witness found the last point
   int previous_column_ = 0;
 };
 
@@ -103,17 +128,24 @@ LocalPoints local_points(const CompensatedScan& scan) {
   return local;
 }
 
+int surface_votes(int gap) {
+  int votes = 1;
+  for (int reach = 4; reach <= gap && votes < kMostSurfaceVotes; reach *= 2) ++votes;
+  return votes;
+}
+
 std::vector<PointVotes> collect_votes(const LidarScan& scan, const LocalPoints& points,
-                                      const std::vector<const RayImage*>& earlier, const RayImage* later,
+                                      const std::vector<AskedScan>& asked, const RayImage& own,
                                       const VotingParameters& parameters) {
-  std::vector<FreespaceProbe> probes;
-  for (const RayImage* image : earlier) probes.emplace_back(*image, points.origin_0, parameters);
-  if (later != nullptr) probes.emplace_back(*later, points.origin_0, parameters);
+  std::vector<Witness> witnesses;
+  for (const AskedScan& a : asked) {
+    witnesses.push_back({FreespaceProbe(*a.image, points.origin_0, parameters), a.gap});
+  }
+  const FreespaceProbe own_probe(own, points.origin_0, parameters);
   std::vector<PointVotes> votes(points.points.size());
   const std::vector<std::size_t> bounds = row_bounds(scan);
-  const auto tolerance = static_cast<float>(parameters.tolerance_m) / 2;
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, bounds.size() - 1, 1), [&](const auto& rows) {
-    RowVotes row(scan, points, probes, earlier.size(), tolerance);
+    RowVotes row(scan, points, witnesses, own_probe, parameters);
     for (std::size_t l = rows.begin(); l != rows.end(); ++l) row.vote(bounds[l], bounds[l + 1], votes);
   });
   return votes;

@@ -233,19 +233,33 @@ void FreespaceProbe::look_around(const Sighting& s, bool is_nearest, Window& win
   if (is_nearest) window.nearest_range_m = image_.range_m(s.laser, s.column);
 }
 
-FreespaceVerdict FreespaceProbe::ask(const Vector3f& q, float& column) const {
+FreespaceProbe::Answer FreespaceProbe::look(const Vector3f& q, float& column) const {
   Vector3f q_h;
-  if (!find_column(q, column, q_h)) return FreespaceVerdict::unobserved;
+  if (!find_column(q, column, q_h)) return {};
   const Bracket rays = bracket(q, column, q_h);
   const Sighting& nearest = rays.nearest();
-  if (!nearest.found() || std::abs(nearest.height_m) > reach_m(rays)) return FreespaceVerdict::unobserved;
+  if (!nearest.found() || std::abs(nearest.height_m) > reach_m(rays)) return {};
   Window window;
   if (rays.above.found()) look_around(rays.above, &nearest == &rays.above, window);
   if (rays.below.found()) look_around(rays.below, &nearest == &rays.below, window);
-  if (window.border) return FreespaceVerdict::border;
-  if (std::isnan(window.nearest_range_m)) return FreespaceVerdict::unobserved;
-  if (window.nearest_range_m < nearest.range_m) return FreespaceVerdict::outside;
-  return window.hides ? FreespaceVerdict::border : FreespaceVerdict::inside;
+  const auto answer = [&](FreespaceVerdict verdict) {
+    return Answer{verdict, nearest.laser, nearest.column};
+  };
+  if (window.border) return answer(FreespaceVerdict::border);
+  if (std::isnan(window.nearest_range_m)) return answer(FreespaceVerdict::unobserved);
+  if (window.nearest_range_m < nearest.range_m) return answer(FreespaceVerdict::outside);
+  return answer(window.hides ? FreespaceVerdict::border : FreespaceVerdict::inside);
+}
+
+Vector3f FreespaceProbe::endpoint(int laser, int column) const {
+  const Beam& beam = beams_[static_cast<std::size_t>(laser)];
+  const Pose& pose = poses_[static_cast<std::size_t>(column)];
+  const float range = image_.range_m(laser, column);
+  const float ahead = beam.origin.x() + beam.elevation.x() * range;
+  const Vector3f p_h(beam.azimuth.x() * ahead - beam.azimuth.y() * beam.origin.y(),
+                     beam.azimuth.y() * ahead + beam.azimuth.x() * beam.origin.y(),
+                     beam.origin.z() + beam.elevation.y() * range);
+  return pose.rotation.transpose() * (p_h - pose.translation);
 }
 
 }  // namespace mapless

@@ -20,7 +20,7 @@ constexpr int kLinkRows = 2, kLinkColumns = 4;
 
 // Holes are filled where more than a third of the support window is dynamic, twice, but for points that three
 // scans more saw a surface at than saw through.
-constexpr int kFillNeighbours = 5, kFillRounds = 2, kFirmlyStatic = -2;
+constexpr int kFillNeighbours = 5, kFillRounds = 2, kFirmlyStatic = -2 * kSeenThroughVotes;
 
 class VoteGrowth {
  public:
@@ -104,14 +104,22 @@ class VoteGrowth {
     for (const std::int32_t i : front_) verdict(i) = GrowthVerdict::grown;
   }
 
+  // What is linked is one object; what moved a while ago but no longer does is none.
   void number_objects() {
-    const auto open = [&](std::int32_t i) {
-      return dynamic(i) && result_.object[static_cast<std::size_t>(i)] == 0;
-    };
+    std::vector<char> done(votes_.size(), 0);
+    const auto open = [&](std::int32_t i) { return dynamic(i) && done[static_cast<std::size_t>(i)] == 0; };
     for (std::int32_t i = 0; i < static_cast<std::int32_t>(votes_.size()); ++i) {
       if (!open(i)) continue;
+      collect(i, open, [&](std::int32_t j) { done[static_cast<std::size_t>(j)] = 1; });
+      const auto recent = std::count_if(front_.begin(), front_.end(), [&](std::int32_t j) {
+        return votes_[static_cast<std::size_t>(j)].recently;
+      });
+      if (static_cast<double>(recent) < parameters_.min_recent_share * static_cast<double>(front_.size())) {
+        for (const std::int32_t j : front_) verdict(j) = GrowthVerdict::stopped;
+        continue;
+      }
       const auto number = static_cast<std::uint16_t>(std::min(++result_.objects, kMaxObjectNumber));
-      collect(i, open, [&](std::int32_t j) { result_.object[static_cast<std::size_t>(j)] = number; });
+      for (const std::int32_t j : front_) result_.object[static_cast<std::size_t>(j)] = number;
     }
   }
 

@@ -43,10 +43,11 @@ class VotingMethod final : public DetectionMethod {
     LocalPoints points;
     StageSeconds seconds;  // of its preparation
   };
-  [[nodiscard]] const RayImage* image(std::size_t number) const { return &images_.at(number - first_image_); }
-  [[nodiscard]] std::vector<const RayImage*> earlier(std::size_t number) const;
-  [[nodiscard]] Detection judge(PendingScan query, const std::vector<const RayImage*>& earlier,
-                                const RayImage* later) const;
+  [[nodiscard]] const RayImage& image(std::size_t number) const { return images_.at(number - first_image_); }
+  [[nodiscard]] std::vector<AskedScan> scans_to_ask(std::size_t number,
+                                                    std::optional<std::size_t> later) const;
+  [[nodiscard]] Detection judge(PendingScan query, const std::vector<AskedScan>& asked,
+                                const RayImage& own) const;
 
   VotingParameters parameters_;
   std::vector<std::size_t> gaps_;    // of the earlier scans, increasing
@@ -66,19 +67,21 @@ void VotingMethod::add(std::shared_ptr<const LidarScan> scan, const Trajectory& 
   pending_.push_back(std::move(pending));
 }
 
-std::vector<const RayImage*> VotingMethod::earlier(std::size_t number) const {
-  std::vector<const RayImage*> images;
+std::vector<AskedScan> VotingMethod::scans_to_ask(std::size_t number,
+                                                  std::optional<std::size_t> later) const {
+  std::vector<AskedScan> asked;
   for (const std::size_t gap : gaps_) {
-    if (gap <= number) images.push_back(image(number - gap));
+    if (gap <= number) asked.push_back({&image(number - gap), static_cast<int>(gap)});
   }
-  if (images.empty() && number > 0) images.push_back(image(0));
-  return images;
+  if (asked.empty() && number > 0) asked.push_back({&image(0), static_cast<int>(number)});
+  if (later) asked.push_back({&image(*later), -static_cast<int>(*later - number)});
+  return asked;
 }
 
 Detection VotingMethod::detect(std::size_t number, std::optional<std::size_t> later) {
   PendingScan query = std::move(pending_.front());
   pending_.pop_front();
-  Detection detection = judge(std::move(query), earlier(number), later ? image(*later) : nullptr);
+  Detection detection = judge(std::move(query), scans_to_ask(number, later), image(number));
   while (first_image_ + gaps_.back() < number + 1) {  // the oldest the next detection can ask for
     images_.pop_front();
     ++first_image_;
@@ -86,17 +89,16 @@ Detection VotingMethod::detect(std::size_t number, std::optional<std::size_t> la
   return detection;
 }
 
-Detection VotingMethod::judge(PendingScan query, const std::vector<const RayImage*>& earlier,
-                              const RayImage* later) const {
+Detection VotingMethod::judge(PendingScan query, const std::vector<AskedScan>& asked,
+                              const RayImage& own) const {
   Detection out;
   out.seconds = query.seconds;
   out.scan = std::move(query.scan);
   out.trace.resize(out.scan->returns.size());
 
   // 2., 3. Comparison and freespace check, of every point, against several earlier scans and a later one.
-  const auto votes = timed(out.seconds.backward, [&] {
-    return collect_votes(*out.scan, query.points, earlier, later, parameters_);
-  });
+  const auto votes = timed(out.seconds.backward,
+                           [&] { return collect_votes(*out.scan, query.points, asked, own, parameters_); });
   record_votes(out.trace, votes);
   // 4. Border effects have no neighbours that say the same.
   const auto seeds = timed(out.seconds.box_filter,

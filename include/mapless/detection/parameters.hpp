@@ -146,9 +146,11 @@ struct VotingParameters {
   double link_m = 0.12;
   double link_per_m = 0.015;
   double link_spacings = 1.5;
-  int seed_score = 12;
+  double vacated_m = 2.0;
+  int seed_score = 48;
   int min_seeds = 3;
   bool grow = true;
+  double min_recent_share = 0.1;
 
   static constexpr auto declarations() {
     using P = VotingParameters;
@@ -168,6 +170,10 @@ struct VotingParameters {
                 "see max_ray_distance_m", "method.md 2"),
         declare_odd(&P::window_columns, "window_columns", "columns", 1, 31,
                     "how many firings of the lasers above and below a point are looked at", "method.md 2"),
+        declare(&P::vacated_m, "vacated_m", "m", 0.0, 100.0,
+                "a point that was hidden then by something at most this far from it that has left since may "
+                "be that thing, moving away",
+                "docs/method.md"),
         declare(&P::link_m, "link_m", "m", 0.001, 10.0,
                 "neighbours in the scan image belong together within link_m + range x (the larger of "
                 "link_per_m and link_spacings x laser spacing)",
@@ -176,14 +182,18 @@ struct VotingParameters {
         declare(&P::link_spacings, "link_spacings", "laser spacings", 0.0, 100.0, "see link_m",
                 "method.md 2"),
         declare(&P::seed_score, "seed_score", "votes", 0, 1000,
-                "the votes of a point and its neighbours, summed, that make it a seed: a few votes of one "
-                "point alone are border effects",
+                "the votes of a point and its neighbours, summed, that make it a seed (a scan that saw "
+                "through has 4): a few votes of one point alone are border effects",
                 "paper step 4"),
         declare(&P::min_seeds, "min_seeds", "points", 1, 10000,
                 "a cluster of fewer seeds is static and does not grow", "method.md 2"),
         declare(&P::grow, "grow",
                 "seeds grow over linked points that some scan saw through, whatever the others say",
                 "paper step 5"),
+        declare(&P::min_recent_share, "min_recent_share", "", 0.0, 1.0,
+                "share of an object's points that one of the nearest scans must have seen through: what "
+                "has stopped is static",
+                "docs/method.md"),
     };
   }
 };

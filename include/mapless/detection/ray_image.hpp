@@ -50,9 +50,20 @@ class FreespaceProbe {
  public:
   FreespaceProbe(const RayImage& image, const Eigen::Vector3d& origin_0, const VotingParameters& parameters);
 
+  /// What the scan says of a point, and the firing that passes nearest to it (laser -1: none).
+  struct Answer {
+    FreespaceVerdict verdict = FreespaceVerdict::unobserved;
+    int laser = -1, column = -1;
+  };
   /// `q`: a point minus origin_0 [m]. `column` is a guess of where the scan looks that way, and holds the
   /// column found afterwards; any number will do, a good one is faster.
-  [[nodiscard]] FreespaceVerdict ask(const Eigen::Vector3f& q, float& column) const;
+  [[nodiscard]] Answer look(const Eigen::Vector3f& q, float& column) const;
+  [[nodiscard]] FreespaceVerdict ask(const Eigen::Vector3f& q, float& column) const {
+    return look(q, column).verdict;
+  }
+
+  /// Where the ray of a cell with a return ended, minus origin_0 [m].
+  [[nodiscard]] Eigen::Vector3f endpoint(int laser, int column) const;
 
  private:
   struct Pose {  // origin-centred world to hub

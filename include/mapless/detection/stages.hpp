@@ -21,7 +21,13 @@ enum class FreespaceVerdict : std::uint8_t {
 enum class BoxVerdict : std::uint8_t { not_asked, kept, removed };
 
 /// What clustering and region growth said of a point.
-enum class GrowthVerdict : std::uint8_t { not_reached, seed, grown, too_small };
+enum class GrowthVerdict : std::uint8_t {
+  not_reached,
+  seed,
+  grown,
+  too_small,  ///< too few seeds
+  stopped     ///< its object moved, but not lately (method "voting")
+};
 
 /// Every stage's verdict on one point.
 struct StageTrace {
