@@ -4,7 +4,7 @@ PREFIX ?= /usr/local
 OUT ?= out/demo
 export JOBS RECORDING ARGS OUT
 
-.PHONY: help build demo test lint install clean
+.PHONY: help build demo test lint peers install clean
 .NOTPARALLEL:
 
 help:
@@ -13,6 +13,7 @@ help:
 	@echo 'make test      everything that is checked: formatting, lint, tests, sanitizers, the installed package'
 	@echo 'make build     the release command alone: build/mapless'
 	@echo 'make lint      formatting, layers, documents, clang-tidy'
+	@echo 'make peers     KISS-ICP beside our odometry, its table into docs/odometry.md; ARGS="--kitti DRIVE" for that drive'
 	@echo 'make install   library, headers and command to PREFIX ($(PREFIX))'
 	@echo 'make clean     remove build and out'
 	@echo 'JOBS=$(JOBS) is how many processes build and test at once. Missing Debian packages are installed.'
@@ -39,6 +40,12 @@ lint:
 	@cmake --preset release -DMAPLESS_BUILD_TESTS=ON -DMAPLESS_BUILD_BENCHMARKS=ON -DMAPLESS_BUILD_CHECKS=ON
 	@cmake --build --preset release -j $(JOBS) --target mapless
 	@ctest --preset release -j $(JOBS) -R '^lint\.'
+
+# Python packages of others, from PyPI, in a folder of their own; needs python3-venv.
+peers: build
+	@python3 -m venv build/peers/python
+	@build/peers/python/bin/pip install --quiet -r benchmarks/peers/requirements.txt
+	@build/peers/python/bin/python benchmarks/peers/compare_odometry.py $(ARGS) --write docs/odometry.md
 
 install: build
 	@cmake --install build/release --prefix $(PREFIX)

@@ -14,6 +14,7 @@
 #include "progress.hpp"
 #include "recording_options.hpp"
 #include "run_summary.hpp"
+#include "scan_poses.hpp"
 #include "verbs.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/detection/detector.hpp>
@@ -88,9 +89,8 @@ class DetectionRun {
   void write_outcome() {
     progress_.clear();
     write_kitti_poses(result_.kitti_poses(), poses_);
-    std::vector<TimedPose> rows = poses_;
-    if (!rows.empty() && last_end_ > rows.back().time)
-      rows.push_back({last_end_, motion_.trajectory().at(last_end_).T_v0});
+    std::vector<TimedPose> rows = rows_;
+    append_last_pose(rows, motion_.trajectory(), last_end_);
     write_tum_trajectory(result_.trajectory(), rows);
     write_file_atomically(result_.summary(), summary_.text());
   }
@@ -118,7 +118,8 @@ class DetectionRun {
     write_label_file(result_.label_file(k), labels_of(detection));
     summary_.add(detection);
     poses_.push_back({detection.scan->start, motion_.trajectory().at(detection.scan->start).T_v0});
-    last_end_ = std::min(detection.scan->end(), motion_.trajectory().end());
+    last_end_ = detection.scan->end();
+    append_scan_poses(rows_, motion_.trajectory(), detection.scan->start, last_end_, kPosesPerScan);
     progress_.update(summary_.scans(), count_);
   }
 
@@ -129,7 +130,7 @@ class DetectionRun {
   RunSummary& summary_;
   std::size_t first_, count_;
   Progress progress_;
-  std::vector<TimedPose> poses_;
+  std::vector<TimedPose> poses_, rows_;  // at the start of each scan, and within it
   Time last_end_;
 };
 

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -13,7 +14,10 @@
 #include "option_checks.hpp"
 #include "progress.hpp"
 #include "recording_options.hpp"
+#include "trajectory_comparison.hpp"
+#include "trajectory_tables.hpp"
 #include "verbs.hpp"
+#include <mapless/core/errors.hpp>
 #include <mapless/detection/stages.hpp>
 #include <mapless/evaluation/result_evaluation.hpp>
 #include <mapless/io/atomic_file.hpp>
@@ -26,6 +30,7 @@ using Json = nlohmann::ordered_json;
 struct EvaluateOptions {
   RecordingOptions recording;
   std::string result;
+  TrajectoryComparison trajectory;
   std::optional<double> max_range_m;
   std::string json;
 };
@@ -85,41 +90,72 @@ std::filesystem::path objects_folder(const RecordingOptions& recording) {
       .parent_path();
 }
 
-int evaluate(const EvaluateOptions& options) {
-  const auto dataset = options.recording.open();
+ResultEvaluation evaluate_labels(const Dataset& dataset, const EvaluateOptions& options) {
   EvaluationOptions how;
   how.stages = kStageCount;
   how.max_range_m = options.max_range_m;
   how.objects = objects_folder(options.recording);
   Progress progress("scans");
   how.progress = [&progress](std::size_t done, std::size_t of) { progress.update(done, of); };
-  const ResultEvaluation evaluation = evaluate_result(*dataset, ResultFolder(options.result), how);
+  ResultEvaluation evaluation = evaluate_result(dataset, ResultFolder(options.result), how);
   progress.clear();
-  const std::string json = json_text(result_json(evaluation, options.max_range_m));
+  return evaluation;
+}
+
+// A result of poses alone, or of a recording without true labels, is judged by its trajectory alone.
+bool has_labels_to_judge(const Dataset& dataset, const std::filesystem::path& result) {
+  if (!std::filesystem::is_directory(ResultFolder(result).labels())) return false;
+  const auto scans = ResultFolder(result).labelled_scans();
+  return std::any_of(scans.begin(), scans.end(), [&](std::size_t k) {
+    return k >= dataset.size() || dataset.read_labels(k).has_value();
+  });
+}
+
+int evaluate(const EvaluateOptions& options) {
+  const auto dataset = options.recording.open();
+  const std::filesystem::path result = options.result;
+  if (std::filesystem::exists(result) && !std::filesystem::is_directory(result) &&
+      options.trajectory.reference.file.empty() && !dataset->trajectory()) {
+    throw InputError({options.recording.path, "trajectory", "",
+                      "the recording has no true trajectory to compare with", "give --reference-trajectory"});
+  }
+  const auto trajectory = compare_trajectory(*dataset, result, options.trajectory);
+  std::optional<ResultEvaluation> labels;
+  if (!trajectory || has_labels_to_judge(*dataset, result)) labels = evaluate_labels(*dataset, options);
+  Json figures = labels ? result_json(*labels, options.max_range_m) : Json::object();
+  figures["trajectory"] = trajectory ? to_json(*trajectory) : Json(nullptr);
   if (options.json == "-") {
-    fmt::print("{}", json);
+    fmt::print("{}", json_text(figures));
     return 0;
   }
-  if (!options.json.empty()) write_file_atomically(options.json, json);
-  fmt::print("{}{}", table(evaluation, options.max_range_m), report_tables(evaluation.report));
+  if (!options.json.empty()) write_file_atomically(options.json, json_text(figures));
+  if (labels) fmt::print("{}{}", table(*labels, options.max_range_m), report_tables(labels->report));
+  if (trajectory) fmt::print("{}", trajectory_tables(*trajectory));
   return 0;
 }
 
 }  // namespace
 
 void add_evaluate(CLI::App& app, int& exit_code) {
-  auto* verb =
-      app.add_subcommand("evaluate",
-                         "Compare a result with the true labels: precision, recall, F1 and IoU after each "
-                         "stage; by range, class, speed and visible points; objects found");
+  auto* verb = app.add_subcommand(
+      "evaluate",
+      "Compare a result with the true labels: precision, recall, F1 and IoU after each "
+      "stage; by range, class, speed and visible points; objects found. And its trajectory with the "
+      "true one, where there are both: drift (KITTI), absolute and relative errors (as evo's), "
+      "displacement of static points");
   const auto options = std::make_shared<EvaluateOptions>();
   add_recording_options(*verb, options->recording);
   verb->add_option("OUT", options->result,
-                   "the result of mapless detect, or a folder with labels/NNNNNN.label")
+                   "the result of mapless detect or odometry, a folder with labels/NNNNNN.label, or a "
+                   "trajectory file (TUM rows, or KITTI rows, world from sensor)")
       ->required();
   verb->add_option("--max-range", options->max_range_m,
                    "points farther than this from their laser do not count [m]")
       ->check(positive_number());
+  add_reference_trajectory_options(*verb, options->trajectory.reference);
+  add_pose_instant_option(
+      *verb, options->trajectory.result_instant,
+      "the instant of its scan each row of OUT is of, where that is a file of KITTI rows");
   verb->add_option("--json", options->json,
                    "also write the figures to this file; - prints them instead of the table");
   verb->callback([options, &exit_code] { exit_code = evaluate(*options); });

@@ -29,6 +29,36 @@ CLI::Option* add_path(CLI::App& verb, const std::string& flag, std::filesystem::
       flag, [&path](const std::string& text) { path = text; }, help);
 }
 
+// How the poses of `file` are to be read.
+void add_reading_options(CLI::App& verb, const std::string& prefix, const std::string& group,
+                         CLI::Option* file, TrajectoryRequest& request) {
+  add_choice(verb, prefix + "pose-direction", request.direction, {"world_from_sensor", "sensor_from_world"},
+             "which way the poses of the file transform points")
+      ->group(group)
+      ->needs(file);
+  auto* frame = add_choice(verb, prefix + "pose-frame", request.frame, {"sensor", "camera"},
+                           "what the poses of the file are of; camera needs " + prefix + "calib")
+                    ->group(group)
+                    ->needs(file);
+  add_path(verb, prefix + "calib", request.calibration,
+           "for " + prefix + "pose-frame camera: KITTI's calib.txt or calib_velo_to_cam.txt")
+      ->group(group)
+      ->needs(frame);
+  add_choice(verb, prefix + "pose-instant", request.instant, {"start", "middle", "end"},
+             "the instant of its scan each row of a file with one row per scan is of")
+      ->group(group)
+      ->needs(file);
+  verb.add_option_function<double>(
+          prefix + "max-extrapolation-s",
+          [&request](double seconds) { request.max_extrapolation_s = seconds; },
+          "how far beyond its first and last pose the file's trajectory is continued at "
+          "constant velocity (where not given: 0 for TUM rows; for one row per scan, to the "
+          "begin of the first and the end of the last scan)")
+      ->group(group)
+      ->check(CLI::Range(0.0, 3600.0))
+      ->needs(file);
+}
+
 }  // namespace
 
 std::unique_ptr<Dataset> RecordingOptions::open() const { return open_dataset(path, dataset); }
@@ -59,30 +89,20 @@ void add_trajectory_options(CLI::App& verb, TrajectoryRequest& request) {
                "recording's own where not given")
           ->group(group);
   verb.add_flag("--stationary", request.stationary, "the sensor does not move")->group(group)->excludes(file);
-  add_choice(verb, "--pose-direction", request.direction, {"world_from_sensor", "sensor_from_world"},
-             "which way the poses of the file transform points")
-      ->group(group)
-      ->needs(file);
-  auto* frame = add_choice(verb, "--pose-frame", request.frame, {"sensor", "camera"},
-                           "what the poses of the file are of; camera needs --calib")
-                    ->group(group)
-                    ->needs(file);
-  add_path(verb, "--calib", request.calibration,
-           "for --pose-frame camera: KITTI's calib.txt or calib_velo_to_cam.txt")
-      ->group(group)
-      ->needs(frame);
-  add_choice(verb, "--pose-instant", request.instant, {"start", "middle", "end"},
-             "the instant of its scan each row of a file with one row per scan is of")
-      ->group(group)
-      ->needs(file);
-  verb.add_option_function<double>(
-          "--max-extrapolation-s", [&request](double seconds) { request.max_extrapolation_s = seconds; },
-          "how far beyond its first and last pose the file's trajectory is continued at "
-          "constant velocity (where not given: 0 for TUM rows; for one row per scan, to the "
-          "begin of the first and the end of the last scan)")
-      ->group(group)
-      ->check(CLI::Range(0.0, 3600.0))
-      ->needs(file);
+  add_reading_options(verb, "--", group, file, request);
+}
+
+void add_pose_instant_option(CLI::App& verb, PoseInstant& instant, const std::string& help) {
+  add_choice(verb, "--pose-instant", instant, {"start", "middle", "end"}, help);
+}
+
+void add_reference_trajectory_options(CLI::App& verb, TrajectoryRequest& request) {
+  const std::string group = "True trajectory";
+  auto* file = add_path(verb, "--reference-trajectory", request.file,
+                        "true poses: TUM rows or KITTI rows (one per scan); the recording's own where not "
+                        "given")
+                   ->group(group);
+  add_reading_options(verb, "--reference-", group, file, request);
 }
 
 }  // namespace mapless::app

@@ -26,4 +26,10 @@ void add_recording_options(CLI::App& verb, RecordingOptions& options);
 /// Adds --trajectory, --stationary and how a trajectory file is to be read.
 void add_trajectory_options(CLI::App& verb, TrajectoryRequest& request);
 
+/// Adds --pose-instant.
+void add_pose_instant_option(CLI::App& verb, PoseInstant& instant, const std::string& help);
+
+/// Adds --reference-trajectory and how that file is to be read: --reference-pose-direction and so on.
+void add_reference_trajectory_options(CLI::App& verb, TrajectoryRequest& request);
+
 }  // namespace mapless::app

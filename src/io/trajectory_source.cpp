@@ -69,8 +69,7 @@ SE3 file_from_sensor(const TrajectoryRequest& request) {
   return read_kitti_calibration(request.calibration);
 }
 
-TrajectorySource open_file(const Dataset& dataset, const TrajectoryRequest& request) {
-  const bool per_scan = has_one_row_per_scan(request.file);
+TrajectoryFileOptions file_options(const Dataset& dataset, const TrajectoryRequest& request, bool per_scan) {
   if (request.max_extrapolation_s &&
       !(std::isfinite(*request.max_extrapolation_s) && *request.max_extrapolation_s >= 0)) {
     throw ParameterError({"--max-extrapolation-s", "", fmt::format("{}", *request.max_extrapolation_s),
@@ -85,6 +84,12 @@ TrajectorySource open_file(const Dataset& dataset, const TrajectoryRequest& requ
   } else if (per_scan) {
     options.max_extrapolation = reach_beyond(dataset, options.row_times);
   }
+  return options;
+}
+
+TrajectorySource open_file(const Dataset& dataset, const TrajectoryRequest& request) {
+  const bool per_scan = has_one_row_per_scan(request.file);
+  const TrajectoryFileOptions options = file_options(dataset, request, per_scan);
   TrajectorySource source;
   source.trajectory = std::make_shared<SampledTrajectory>(read_trajectory_file(request.file, options));
   source.conventions = {
@@ -104,6 +109,11 @@ std::string span_text(Time begin, Time end) {
 }
 
 }  // namespace
+
+SampledTrajectory read_trajectory(const Dataset& dataset, const TrajectoryRequest& request) {
+  const bool per_scan = has_one_row_per_scan(request.file);
+  return read_trajectory_file(request.file, file_options(dataset, request, per_scan));
+}
 
 TrajectorySource open_trajectory(const Dataset& dataset, const TrajectoryRequest& request) {
   if (request.stationary) {

@@ -151,9 +151,9 @@ TEST_F(DetectTest, PosesComeOutAsTheyWentIn) {
   ASSERT_EQ(detect({"--first", "2", "--count", "5"}).exit_code, 0);
   const test::ToyScene scene = test::toy_street("VLP-16");
   const SampledTrajectory found = read_trajectory_file(result().trajectory(), {});
-  ASSERT_EQ(found.poses().size(), 6u) << "five starts and the last end";
-  for (std::size_t i = 0; i < 6; ++i) {
-    const Time t = Time::from_nanoseconds(100'000'000LL * static_cast<long long>(i + 2));
+  ASSERT_EQ(found.poses().size(), 51u) << "ten in each of five scans and the last end";
+  for (std::size_t i = 0; i < 51; ++i) {
+    const Time t = Time::from_nanoseconds(200'000'000 + 10'000'000LL * static_cast<long long>(i));
     // A column is a whole number of nanoseconds, and a turn has fewer than 2,000 of them.
     EXPECT_NEAR((found.poses()[i].time - t).seconds(), 0, 2e-6);
     EXPECT_LT((found.poses()[i].T_v0 * scene.trajectory->at(t).T_v0.inverse()).log().norm(), 1e-3);

@@ -7,10 +7,12 @@
 
 #include "support/command.hpp"
 #include "support/temporary_folder.hpp"
+#include "support/toy_sequence.hpp"
 #include <mapless/io/atomic_file.hpp>
 #include <mapless/io/dataset.hpp>
 #include <mapless/io/labels.hpp>
 #include <mapless/io/result_folder.hpp>
+#include <mapless/io/trajectory_file.hpp>
 
 namespace mapless {
 namespace {
@@ -105,6 +107,74 @@ TEST(Evaluate, PrintsWhatTheTruthAllows) {
   const CommandResult broken = run_command(command);
   EXPECT_EQ(broken.exit_code, 1);
   EXPECT_THAT(broken.err, HasSubstr("object_states.csv:1"));
+}
+
+// Eight scans with a true trajectory and no labels, and the same drive one percent too long.
+class EvaluateTrajectory : public testing::Test {
+ protected:
+  EvaluateTrajectory() {
+    test::write_toy_sequence(test::toy_street("VLP-16"), 8, recording);
+    fs::remove_all(recording + "/labels");
+    fs::create_directories(result);
+    auto poses = read_trajectory_file(recording + "/trajectory.txt", {}).poses();
+    for (TimedPose& pose : poses) {
+      const SE3 T_0v = pose.T_v0.inverse();
+      pose.T_v0 = SE3(T_0v.rotation(), 1.01 * T_0v.translation()).inverse();
+    }
+    write_tum_trajectory(result + "/trajectory.txt", poses);
+    poses.pop_back();  // the end of the last scan
+    write_kitti_poses(result + "/poses_kitti.txt", poses);
+  }
+
+  [[nodiscard]] nlohmann::json figures(std::vector<std::string> arguments) const {
+    arguments.insert(arguments.begin(), {"evaluate", recording});
+    arguments.insert(arguments.end(), {"--json", "-"});
+    const CommandResult r = run_command(arguments);
+    EXPECT_EQ(r.exit_code, 0) << r.err;
+    return nlohmann::json::parse(r.out, nullptr, false);
+  }
+
+  test::TemporaryFolder folder;
+  std::string recording = folder / "recording", result = folder / "result";
+};
+
+TEST_F(EvaluateTrajectory, OfAFolderOrAFile) {
+  for (const char* file : {"", "/trajectory.txt", "/poses_kitti.txt"}) {
+    SCOPED_TRACE(file);
+    const auto of = figures({result + file});
+    EXPECT_FALSE(of.contains("final")) << "no labels";
+    // 8 m/s: 0.8 m a scan, of which one percent.
+    EXPECT_NEAR(of["trajectory"]["relative_per_scan"]["translation_m"]["rmse"], 0.008, 1e-4);
+    EXPECT_NEAR(of["trajectory"]["relative_per_scan"]["rotation_deg"]["max"], 0, 1e-4);
+    EXPECT_NEAR(of["trajectory"]["path_length_m"], 5.6, 0.01);
+    EXPECT_EQ(of["trajectory"]["poses"], 8);
+  }
+  const CommandResult printed = run_command({"evaluate", recording, result});
+  ASSERT_EQ(printed.exit_code, 0) << printed.err;
+  for (const char* row : {"drift over [m]", "absolute, aligned as a whole", "relative, per scan", "velocity",
+                          "static points, 4 scans apart"}) {
+    EXPECT_THAT(printed.out, HasSubstr(row));
+  }
+}
+
+TEST_F(EvaluateTrajectory, AgainstAGivenTruth) {
+  const auto of = figures(
+      {result, "--reference-trajectory", result + "/poses_kitti.txt", "--reference-pose-instant", "start"});
+  EXPECT_NEAR(of["trajectory"]["absolute_from_first"]["translation_m"]["max"], 0, 1e-9);
+  fs::remove(recording + "/trajectory.txt");
+  const CommandResult r = run_command({"evaluate", recording, result + "/trajectory.txt"});
+  EXPECT_EQ(r.exit_code, 1);
+  EXPECT_THAT(r.err, HasSubstr("--reference-trajectory"));
+  fs::create_directories(result + "/labels");
+  EXPECT_EQ(run_command({"evaluate", recording, result}).exit_code, 1) << "neither labels nor a truth";
+}
+
+// A run that was given the recording's own trajectory has no error of its own to be judged.
+TEST_F(EvaluateTrajectory, NotAgainstItself) {
+  write_file_atomically(result + "/summary.json", R"({"trajectory": {"source": "recording"}})");
+  EXPECT_EQ(run_command({"evaluate", recording, result}).exit_code, 1);
+  write_file_atomically(result + "/summary.json", R"({"trajectory": {"source": "estimated"}})");
+  EXPECT_EQ(run_command({"evaluate", recording, result}).exit_code, 0);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "support/command.hpp"
 #include "support/temporary_folder.hpp"
@@ -36,6 +37,26 @@ TEST(Odometry, WritesThePosesOfTheInstantAskedFor) {
     const auto kitti = read_trajectory_file(out + "/poses_kitti.txt", rows).poses();
     EXPECT_LT((kitti[7].T_v0.matrix() - poses[7].T_v0.matrix()).norm(), 1e-6);
   }
+}
+
+TEST(Odometry, WritesSeveralPosesAScanWhereAsked) {
+  const test::TemporaryFolder folder;
+  test::write_toy_sequence(test::toy_street("VLP-16"), 4, folder / "street");
+  const std::string out = folder / "out";
+  const auto r = run_command({"odometry", folder / "street", "-o", out, "--poses-per-scan", "10", "--json"});
+  ASSERT_EQ(r.exit_code, 0) << r.err;
+  const auto rows = read_trajectory_file(out + "/trajectory.txt", {}).poses();
+  ASSERT_EQ(rows.size(), 41u) << "ten a scan and the end of the last";
+  EXPECT_NEAR(rows[10].time.seconds(), 0.1, 1e-4);
+  EXPECT_NEAR(rows[15].time.seconds(), 0.15, 1e-4);
+  EXPECT_NEAR(rows.back().time.seconds(), 0.4, 1e-4);
+  TrajectoryFileOptions per_scan;
+  per_scan.row_times = {rows[0].time, rows[10].time, rows[20].time, rows[30].time};
+  EXPECT_EQ(read_trajectory_file(out + "/poses_kitti.txt", per_scan).poses().size(), 4u);
+  const auto summary = nlohmann::json::parse(r.out);
+  EXPECT_EQ(summary["scans"], 4);
+  EXPECT_EQ(summary["poses"], 41);
+  EXPECT_GT(summary["scan_ms"]["median"], 0.0);
 }
 
 TEST(Odometry, ReplacesPosesOnlyWhenAsked) {

@@ -20,7 +20,9 @@ namespace mapless {
 ///                           (0 pointcloud comparison, 1 freespace backward, 2 freespace forward, 3 box
 ///                           filter, 4 region growth; detection/stages.hpp); 0 for a record without a return
 ///     poses_kitti.txt       T_0v (world from sensor) at the start of each labelled scan, 12 numbers a row,
-///     in order trajectory.txt        the same instants, and the end of the last labelled scan, as TUM rows
+///     in order
+///     trajectory.txt        the same instants, nine more within each of these scans and the end of the last
+///     one, as TUM rows
 ///     config.yaml           every parameter as it was used; `--config` reads it back
 ///     summary.json          what was read, used and found; "complete" is false until the last scan is
 ///     labelled

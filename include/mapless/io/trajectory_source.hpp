@@ -39,6 +39,9 @@ struct TrajectorySource {
   std::vector<std::pair<std::string, std::string>> conventions;
 };
 
+/// The poses of `request.file`, read as the request says. Throws InputError where it cannot be used.
+[[nodiscard]] SampledTrajectory read_trajectory(const Dataset& dataset, const TrajectoryRequest& request);
+
 /// Throws InputError where there is no trajectory, or its file cannot be used.
 [[nodiscard]] TrajectorySource open_trajectory(const Dataset& dataset, const TrajectoryRequest& request);
 

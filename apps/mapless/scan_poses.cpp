@@ -1,0 +1,25 @@
+#include "scan_poses.hpp"
+
+#include <algorithm>
+#include <cstdint>
+
+namespace mapless::app {
+
+void append_scan_poses(std::vector<TimedPose>& poses, const Trajectory& trajectory, Time begin, Time end,
+                       int count) {
+  while (!poses.empty() && poses.back().time >= begin) poses.pop_back();
+  const std::int64_t length_ns = (end - begin).nanoseconds();
+  for (int i = 0; i < count; ++i) {
+    const Time t = begin + Duration::from_nanoseconds(length_ns * i / count);
+    if (t > trajectory.end()) return;
+    if (!poses.empty() && t <= poses.back().time) continue;
+    poses.push_back({t, trajectory.at(t).T_v0});
+  }
+}
+
+void append_last_pose(std::vector<TimedPose>& poses, const Trajectory& trajectory, Time end) {
+  const Time last = std::min(end, trajectory.end());
+  if (!poses.empty() && last > poses.back().time) poses.push_back({last, trajectory.at(last).T_v0});
+}
+
+}  // namespace mapless::app

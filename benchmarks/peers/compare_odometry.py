@@ -1,0 +1,190 @@
+#!/usr/bin/env python3
+"""Runs KISS-ICP and `mapless odometry` on the same raw scans, one after the other, and judges both the same way.
+
+usage: compare_odometry.py [--mapless build/mapless] [--kitti DRIVE] [--duration-s 20] [--write docs/odometry.md]
+
+Makes short simulated recordings in --work where they are not there yet. KISS-ICP is the Python package of
+requirements.txt with its defaults: deskewing on, given the time of every point, one thread. Its poses are those of the
+end of each scan, to which it deskews; between them they are interpolated at constant velocity, which is kinder than the
+motion it deskews with, that of the scan before. Where the truth is known it runs once more, told the motion of the
+first scan: by itself it does not get going where a drive begins fast. `mapless evaluate` judges all. Times are those of
+the process on its CPU, so that what else runs on the machine does not count. With --write, the table replaces the one
+between the two marks in that file.
+"""
+
+import argparse
+import datetime
+import json
+import os
+import pathlib
+import platform
+import re
+import statistics
+import subprocess
+import sys
+import time
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from recordings import scans
+
+SIMULATED = [
+    ("town1", "HDL-64E-S2"),
+    ("highway", "HDL-64E-S2"),
+    ("forest", "HDL-64E-S2"),
+    ("tunnel", "HDL-64E-S2"),
+    ("town1", "VLP-16"),
+]
+BEGIN, END = "<!-- begin of compare_odometry.py -->", "<!-- end of compare_odometry.py -->"
+COLUMNS = [
+    "recording",
+    "odometry",
+    "drift [%]",
+    "drift [deg/100 m]",
+    "per scan [m]",
+    "per scan [deg]",
+    "static points, 95 % [m]",
+    "of all scans [m]",
+    "ms a scan",
+]
+
+
+def run(command):
+    result = subprocess.run([str(word) for word in command], capture_output=True, text=True)
+    if result.returncode != 0:
+        sys.exit(f"{' '.join(map(str, command))}: {result.stderr.strip()}")
+    return result.stdout
+
+
+def simulate(options, scene, sensor):
+    folder = options.work / f"{scene}_{sensor}_{options.duration_s:g}s"
+    if not folder.exists():
+        run([options.mapless, "simulate", scene, "-o", folder, "--sensor", sensor, "--duration-s", options.duration_s])
+    return folder
+
+
+def run_mapless(options, folder, output):
+    command = [options.mapless, "odometry", folder, "-o", output, "--overwrite"]
+    summary = json.loads(run(command + ["--poses-per-scan", 10, "--threads", 1, "--json"]))
+    return ["mapless", output, [], summary["scan_cpu_ms"]["median"]]
+
+
+def run_kiss_icp(folder, output, first_motion=None):
+    from kiss_icp.config.parser import load_config
+    from kiss_icp.kiss_icp import KissICP
+
+    config = load_config(None)
+    config.registration.max_num_threads = 1
+    odometry = KissICP(config)
+    if first_motion is not None:
+        odometry.last_delta = first_motion
+    rows, times = [], []
+    for points, stamps in scans(folder):
+        begin = time.process_time()
+        odometry.register_frame(points, stamps)
+        times.append(1e3 * (time.process_time() - begin))
+        rows.append(odometry.last_pose[:3].ravel())
+    np.savetxt(output, rows)
+    name = "KISS-ICP" if first_motion is None else "KISS-ICP, told its first motion"
+    return [name, output, ["--pose-instant", "end"], statistics.median(times)]
+
+
+def figures(report, ms):
+    def of(*path, form):
+        value = report
+        for name in path:
+            value = None if value is None else value[name]
+        return "-" if value is None else form.format(value)
+
+    return [
+        of("drift", "translation_percent", form="{:.3f}"),
+        of("drift", "rotation_deg_per_100m", form="{:.3f}"),
+        of("relative_per_scan_settled", "translation_m", "rmse", form="{:.4f}"),
+        of("relative_per_scan_settled", "rotation_deg", "rmse", form="{:.4f}"),
+        of("displacement_settled", "distance_m", "p95", form="{:.4f}"),
+        of("displacement", "distance_m", "p95", form="{:.4f}"),
+        f"{ms:.1f}",
+    ]
+
+
+def true_first_motion(folder):
+    """Of the first scan: the pose at its end in the sensor frame of its start."""
+    rows = np.loadtxt(folder / "trajectory.txt")
+    poses = []
+    for t in np.loadtxt(folder / "times.txt")[:2]:
+        row = rows[np.argmin(np.abs(rows[:, 0] - t))]
+        pose = np.eye(4)
+        pose[:3, :3] = Rotation.from_quat(row[4:]).as_matrix()
+        pose[:3, 3] = row[1:4]
+        poses.append(pose)
+    return np.linalg.inv(poses[0]) @ poses[1]
+
+
+def compare(options, name, folder, evaluate_with):
+    runs = [
+        run_mapless(options, folder, options.work / "mapless_result"),
+        run_kiss_icp(folder, options.work / "kiss_icp_poses.txt"),
+    ]
+    if (folder / "trajectory.txt").exists():
+        motion = true_first_motion(folder)
+        runs.append(run_kiss_icp(folder, options.work / "kiss_icp_told_poses.txt", motion))
+    for odometry, result, how, ms in runs:
+        command = [options.mapless, "evaluate", folder, result, "--json", "-"] + how + evaluate_with
+        row = [name, odometry] + figures(json.loads(run(command))["trajectory"], ms)
+        print(" | ".join(row), flush=True)
+        yield row
+
+
+def cpu_name():
+    text = pathlib.Path("/proc/cpuinfo").read_text() if os.path.exists("/proc/cpuinfo") else ""
+    found = re.search(r"model name\s*:\s*(.*)", text)
+    return found.group(1) if found else platform.processor()
+
+
+def document(options, rows):
+    table = [COLUMNS, ["---"] * len(COLUMNS)] + rows
+    command = f"benchmarks/peers/compare_odometry.py --duration-s {options.duration_s:g}"
+    command += " --kitti $DRIVE" if options.kitti else ""
+    return "\n".join(
+        [
+            f"{datetime.date.today()}, {os.cpu_count()} cores of {cpu_name()}, load {os.getloadavg()[0]:.1f}:",
+            "",
+            f"    {command}",
+            "",
+        ]
+        + ["| " + " | ".join(row) + " |" for row in table]
+    )
+
+
+def write(file, text):
+    old = file.read_text(encoding="utf-8")
+    before, rest = old.split(BEGIN)
+    after = rest.split(END)[1]
+    file.write_text(f"{before}{BEGIN}\n{text}\n{END}{after}", encoding="utf-8")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--mapless", default="build/mapless", type=pathlib.Path)
+    parser.add_argument("--work", default="build/peers", type=pathlib.Path, help="folder for recordings and results")
+    parser.add_argument("--duration-s", default=20, type=float, help="of each simulated recording")
+    parser.add_argument("--kitti", type=pathlib.Path, help="a KITTI raw drive with poses_icp.txt (mid-scan)")
+    parser.add_argument("--write", type=pathlib.Path, help="put the table into this document")
+    options = parser.parse_args()
+    options.work.mkdir(parents=True, exist_ok=True)
+    rows = []
+    print(" | ".join(COLUMNS))
+    for scene, sensor in SIMULATED:
+        rows += compare(options, f"{scene}, {sensor}", simulate(options, scene, sensor), [])
+    if options.kitti:
+        reference = ["--reference-trajectory", options.kitti / "poses_icp.txt", "--reference-pose-instant", "middle"]
+        rows += compare(options, options.kitti.name, options.kitti, reference)
+    text = document(options, rows)
+    print(text)
+    if options.write:
+        write(options.write, text)
+
+
+if __name__ == "__main__":
+    main()
