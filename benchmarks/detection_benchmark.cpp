@@ -1,3 +1,4 @@
+#include <array>
 #include <memory>
 
 #include <benchmark/benchmark.h>
@@ -138,9 +139,10 @@ struct VotingStreet {
   VotingParameters parameters;
   LocalPoints points = local_points(Street::instance().query.compensated);
   std::vector<RayImage> images = cast_images();  // the earlier scans, then the later one
-  std::vector<const RayImage*> earlier = earlier_images();
+  RayImage own = RayImage(Street::instance().query.compensated);
+  std::vector<AskedScan> asked = asked_scans();
   std::vector<PointVotes> votes =
-      collect_votes(Street::instance().query.scan(), points, earlier, &images.back(), parameters);
+      collect_votes(Street::instance().query.scan(), points, asked, own, parameters);
   std::vector<BoxVerdict> seeds = filter_votes(Street::instance().query.scan(), points, votes, parameters);
 
   static const VotingStreet& instance() {
@@ -152,15 +154,16 @@ struct VotingStreet {
   static std::vector<RayImage> cast_images() {
     const test::ToyScene& scene = Street::instance().scene;
     std::vector<RayImage> images;
-    for (const int number : {kQuery - 2, kQuery - 4, kQuery - 8, kQuery - 16, kQuery - 30, kQuery + 1})
-      images.emplace_back(compensate(test::cast_scan(scene, number).scan, *scene.trajectory));
+    for (const int gap : kGaps)
+      images.emplace_back(compensate(test::cast_scan(scene, kQuery - gap).scan, *scene.trajectory));
     return images;
   }
-  [[nodiscard]] std::vector<const RayImage*> earlier_images() const {
-    std::vector<const RayImage*> all;
-    for (std::size_t k = 0; k + 1 < images.size(); ++k) all.push_back(&images[k]);
+  [[nodiscard]] std::vector<AskedScan> asked_scans() const {
+    std::vector<AskedScan> all;
+    for (std::size_t k = 0; k < images.size(); ++k) all.push_back({&images[k], kGaps[k]});
     return all;
   }
+  static constexpr std::array kGaps = {2, 4, 8, 16, 30, -1};
 };
 
 void ray_image(benchmark::State& state) {
@@ -185,10 +188,8 @@ void probe(benchmark::State& state) {
 
 void votes(benchmark::State& state) {
   const VotingStreet& s = VotingStreet::instance();
-  run(state, returns(), [&] {
-    return collect_votes(Street::instance().query.scan(), s.points, s.earlier, &s.images.back(),
-                         s.parameters);
-  });
+  run(state, returns(),
+      [&] { return collect_votes(Street::instance().query.scan(), s.points, s.asked, s.own, s.parameters); });
 }
 
 void vote_filter(benchmark::State& state) {

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cstdlib>
+#include <limits>
 
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/parallel_for.h>
@@ -12,6 +13,7 @@ namespace {
 struct Witness {
   FreespaceProbe probe;
   int gap;
+  bool recent;
 };
 
 // Puts the points of one laser to all probes. A static surface is asked at every kStride-th point only: where
@@ -78,7 +80,7 @@ class RowVotes {
     } else if (answer.verdict == FreespaceVerdict::border) {
       count = -surface_votes(witness.gap);
       votes.surface_seen = true;
-    } else if (answer.verdict == FreespaceVerdict::outside &&
+    } else if (answer.verdict == FreespaceVerdict::outside && witness.probe.ended(answer) &&
                has_left(i, witness.probe.endpoint(answer.laser, answer.column))) {
       count = kVacatedVotes;
     }
@@ -86,7 +88,7 @@ class RowVotes {
     sum = static_cast<std::int16_t>(sum + count);
     if (count <= 0) return;
     votes.seen_through = true;
-    votes.recently = votes.recently || std::abs(witness.gap) <= kRecentGap;
+    votes.recently = votes.recently || witness.recent;
   }
 
   // Whether what stood at `before` and hid point i is near enough to be the same thing, and not there now.
@@ -115,6 +117,12 @@ std::vector<std::size_t> row_bounds(const LidarScan& scan) {
   return bounds;
 }
 
+int recent_gap(const std::vector<AskedScan>& asked) {
+  int nearest = std::numeric_limits<int>::max();
+  for (const AskedScan& a : asked) nearest = std::min(nearest, std::abs(a.gap));
+  return std::max(nearest, kRecentGap);
+}
+
 }  // namespace
 
 LocalPoints local_points(const CompensatedScan& scan) {
@@ -137,9 +145,11 @@ int surface_votes(int gap) {
 std::vector<PointVotes> collect_votes(const LidarScan& scan, const LocalPoints& points,
                                       const std::vector<AskedScan>& asked, const RayImage& own,
                                       const VotingParameters& parameters) {
+  const int recent = recent_gap(asked);
   std::vector<Witness> witnesses;
   for (const AskedScan& a : asked) {
-    witnesses.push_back({FreespaceProbe(*a.image, points.origin_0, parameters), a.gap});
+    witnesses.push_back(
+        {FreespaceProbe(*a.image, points.origin_0, parameters), a.gap, std::abs(a.gap) <= recent});
   }
   const FreespaceProbe own_probe(own, points.origin_0, parameters);
   std::vector<PointVotes> votes(points.points.size());

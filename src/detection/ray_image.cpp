@@ -251,6 +251,10 @@ FreespaceProbe::Answer FreespaceProbe::look(const Vector3f& q, float& column) co
   return answer(window.hides ? FreespaceVerdict::border : FreespaceVerdict::inside);
 }
 
+bool FreespaceProbe::ended(const Answer& answer) const {
+  return image_.range_m(answer.laser, answer.column) < static_cast<float>(image_.model().max_range_m);
+}
+
 Vector3f FreespaceProbe::endpoint(int laser, int column) const {
   const Beam& beam = beams_[static_cast<std::size_t>(laser)];
   const Pose& pose = poses_[static_cast<std::size_t>(column)];

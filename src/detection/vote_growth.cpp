@@ -18,8 +18,8 @@ constexpr int kMaxObjectNumber = std::numeric_limits<std::uint16_t>::max();
 constexpr int kSupportRows = 1, kSupportColumns = 2;
 constexpr int kLinkRows = 2, kLinkColumns = 4;
 
-// Holes are filled where more than a third of the support window is dynamic, twice, but for points that three
-// scans more saw a surface at than saw through.
+// Holes are filled where more than a third of the support window is dynamic, twice, but for points against
+// which there are more votes than two scans that see through would make good.
 constexpr int kFillNeighbours = 5, kFillRounds = 2, kFirmlyStatic = -2 * kSeenThroughVotes;
 
 class VoteGrowth {

@@ -80,9 +80,14 @@ TEST(Detector, AStandingBoxNeverMoves) {
 }
 
 // The box stops as scan kStop starts. m scans later, those of the earlier scans (2, 4, 8 and 16 back; 32 is
-// not there yet) that are at most m back see it stand, -1, and the others its place free, +1; the next scan
-// sees it stand, -1. Hence m = 0, 1: 3 - 1 = 2, moving; m = 2, 3: 2 - 1 - 1 = 0, no longer; m = 4: 2 - 2 - 1.
-TEST(Detector, WhatStopsIsStaticTwoScansLater) {
+// not there yet) that are at most m back see it stand, with 1, 2, 3 and 4 votes against, and the others its
+// place free, 4 votes for; the next scan sees it stand, 1 vote. Hence with 2, 4 and 8 back
+//   m = 0, 1: 4 + 4 + 4 - 1 = 11, moving;
+//   m = 2, 3: -1 + 4 + 4 - 1 = 6, moving, by the scan 4 back;
+//   m = 4 to 6: -1 - 2 + 4 + 4 - 1 = 4: seeds, but of scans that are not recent: stopped;
+//   m = 8, 9: -1 - 2 - 3 + 4 - 1 = -3: none says so any longer.
+// Scan 11 sees it half its length before where it stops; it is 8 back for m = 7.
+TEST(Detector, WhatStopsIsStaticFourScansLater) {
   constexpr int kStop = 12;
   const auto trajectory = test::drive(0, 0);
   auto scene = room_with_box(trajectory);
@@ -90,11 +95,21 @@ TEST(Detector, WhatStopsIsStaticTwoScansLater) {
   test::ToyBody& box = scene.world.back();
   box.T_0b = box.pose_at(scans.back().scan->end());
   box.velocity_0.setZero();
-  for (const auto& scan : test::cast_scans(scene, kStop, 10)) scans.push_back(scan);
+  for (const auto& scan : test::cast_scans(scene, kStop, 11)) scans.push_back(scan);
   const auto detections = test::detect_all(test::scans_of(scans), *trajectory, {});
-  for (std::size_t k = 8; k < detections.size(); ++k) {
-    const bool moves = static_cast<int>(k) < kStop + 2;
-    EXPECT_EQ(detections[k].objects, moves ? 1 : 0) << "scan " << k;
+  for (std::size_t k = 8; k + 1 < detections.size(); ++k) {
+    SCOPED_TRACE(testing::Message() << "scan " << k);
+    const int m = static_cast<int>(k) - kStop;
+    EXPECT_EQ(detections[k].objects, m < 4 ? 1 : 0);
+    const auto stopped =
+        std::count_if(detections[k].trace.begin(), detections[k].trace.end(),
+                      [](const StageTrace& t) { return t.growth == GrowthVerdict::stopped; });
+    if (m >= 4 && m < 7) {
+      EXPECT_GT(stopped, 100);
+    }
+    if (m < 4 || m > 7) {
+      EXPECT_EQ(stopped, 0);
+    }
   }
 }
 
@@ -119,6 +134,22 @@ TEST(Detector, AnswersWhileARecordingIsYoung) {
           EXPECT_GE(f.recall(), expected_recall(k)) << "scan " << k;
         }
       }
+    }
+  }
+}
+
+// However far back the only scan asked lies.
+TEST(Detector, FindsABoxByOneEarlierScanOnly) {
+  const auto scene = room_with_box(test::drive(0, 0));
+  const auto scans = test::cast_scans(scene, 0, 12);
+  DetectorParameters parameters = with_forward_gap(0);
+  parameters.voting.references = 1;
+  for (const int gap : {1, 4, 8}) {
+    parameters.voting.first_gap = gap;
+    const auto detections = test::detect_all(test::scans_of(scans), *scene.trajectory, parameters);
+    for (std::size_t k = 2; k < scans.size(); ++k) {
+      SCOPED_TRACE(testing::Message() << "scan " << k << ", " << gap << " back");
+      EXPECT_GE(found(detections[k], scans[k]).recall(), 0.9);
     }
   }
 }
@@ -190,10 +221,11 @@ TEST(Detector, ForgetsScansNobodyWillAsk) {
   }
 }
 
-// An object slides within itself for the scans of a moment ago, not for those of seconds ago.
+// An object slides within itself for the scans of a moment ago, not for those of seconds ago. The wall it
+// uncovers is more than vacated_m behind its face.
 TEST(Detector, FindsAWallThatSlidesOnceItHasLeftItsOwnLength) {
   test::ToyScene scene = test::toy_room("HDL-64E-S3", test::drive(0, 0));
-  test::ToyBody lorry = test::toy_box({-5, 4.5, -0.1}, {1.5, 0.3, 0.6});
+  test::ToyBody lorry = test::toy_box({-5, 3.6, 0.1}, {1.5, 0.3, 0.6});
   lorry.velocity_0 = {2.5, 0, 0};
   lorry.object = 1;
   scene.world.push_back(lorry);

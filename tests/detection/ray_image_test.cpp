@@ -151,6 +151,46 @@ INSTANTIATE_TEST_SUITE_P(Sensors, ProbeAgreement,
                                          Case{"Pandar64", 0, -180, false}),
                          [](const auto& instance) { return "Case" + std::to_string(instance.index); });
 
+// Where a ray of a moving sensor ended, from its laser's own pose at its own instant in double precision.
+TEST(FreespaceProbe, EndpointIsWhereTheRayEnded) {
+  for (const char* sensor : {"HDL-64E-S2", "OS1-128"}) {
+    SCOPED_TRACE(sensor);
+    const auto room = test::toy_room(sensor, test::drive(5, 20 * kDegree));
+    const auto scan = test::cast_scan(room, 3).scan;
+    const CompensatedScan compensated = compensate(scan, *room.trajectory);
+    const RayImage image(compensated);
+    const Vector3d origin_0 = compensated.column_T_0v.front().translation();
+    const FreespaceProbe probe(image, origin_0, {});
+    const FreespaceProbeOracle oracle(*scan, *room.trajectory, {});
+    ASSERT_GT(scan->returns.size(), 10000u);
+    double worst = 0;
+    for (std::size_t i = 0; i < scan->returns.size(); i += 7) {
+      const LidarReturn& r = scan->returns[i];
+      const Vector3d expected =
+          oracle.origin_0(r.laser, r.column) + oracle.direction_0(r.laser, r.column) * r.range_m;
+      const Vector3d end = origin_0 + probe.endpoint(r.laser, r.column).cast<double>();
+      worst = std::max(worst, (end - expected).norm());
+    }
+    EXPECT_LT(worst, 1e-3);
+  }
+}
+
+// The firing named is the one that passes nearest: asked about its own end, it is itself.
+TEST(FreespaceProbe, NamesTheFiringThatPassesNearest) {
+  const auto room = test::toy_room("HDL-64E-S2", test::drive(0, 0));
+  const auto scan = test::cast_scan(room, 0).scan;
+  const RayImage image(compensate(scan, *room.trajectory));
+  const FreespaceProbe probe(image, Vector3d::Zero(), {});
+  for (std::size_t i = 0; i < scan->returns.size(); i += 997) {
+    const LidarReturn& r = scan->returns[i];
+    float column = 0;
+    const auto answer = probe.look(probe.endpoint(r.laser, r.column), column);
+    EXPECT_EQ(answer.verdict, FreespaceVerdict::border);
+    EXPECT_EQ(answer.laser, r.laser);
+    EXPECT_EQ(answer.column, r.column);
+  }
+}
+
 /// What a resting sensor saw, and how a probe answers about points given by azimuth, elevation and range from
 /// it.
 class Seen {

@@ -57,8 +57,8 @@ class VoteImage : public testing::Test {
   }
   void set(int laser, int column, int votes) {
     PointVotes& v = votes_[at(laser, column)];
-    v.earlier = static_cast<std::int8_t>(votes);
-    v.seen_through = votes > 0;
+    v.earlier = static_cast<std::int16_t>(votes);
+    v.seen_through = v.recently = votes > 0;
     v.surface_seen = votes < 0;
   }
   [[nodiscard]] std::vector<BoxVerdict> filter() const {
@@ -71,7 +71,9 @@ class VoteImage : public testing::Test {
     return grow_votes(scan_, points_, votes_, seeds, parameters_);
   }
   /// Growth alone reaches it: seen through once, and a surface seen as often.
-  void see_through(int laser, int column) { votes_[at(laser, column)] = {1, -1, true, true}; }
+  void see_through(int laser, int column) { votes_[at(laser, column)] = {1, -1, true, true, true}; }
+  /// Whoever saw through it did so a while ago.
+  void make_old(int laser, int column) { votes_[at(laser, column)].recently = false; }
 
   LidarScan scan_ = small_scan({0, 0, 0, 0, 0}, 5);
   LocalPoints points_ = points_of(scan_);
@@ -173,17 +175,17 @@ TEST_F(VoteImage, WhatIsLinkedIsOneObject) {
   EXPECT_EQ(grow().verdict[at(2, 14)], GrowthVerdict::grown);
 }
 
-// Five of the 14 around it, unless three scans more saw a surface there than saw through; and once more from
-// what was filled.
+// Five of the 14 around it, unless what saw surfaces there outweighs by more than two scans that saw through,
+// 8 votes; and once more from what was filled.
 TEST_F(VoteImage, FillsHolesAndRims) {
   for (int c : {4, 5, 6}) set(2, c, 3);
   for (int c : {5, 6}) set(3, c, 3);
   EXPECT_EQ(grow().verdict[at(2, 7)], GrowthVerdict::not_reached);  // (2, 5), (2, 6), (3, 5), (3, 6)
   set(3, 4, 3);
   set(3, 7, 3);
-  set(2, 5, -2);
+  set(2, 5, -8);
   EXPECT_EQ(grow().verdict[at(2, 5)], GrowthVerdict::grown);
-  set(2, 5, -3);
+  set(2, 5, -9);
   EXPECT_EQ(grow().verdict[at(2, 5)], GrowthVerdict::not_reached);
   set(2, 5, 3);
   // (2, 7) has (2, 5), (2, 6), (3, 5), (3, 6), (3, 7); (2, 8) has but (2, 6), (3, 6), (3, 7) and (2, 7).
@@ -192,6 +194,64 @@ TEST_F(VoteImage, FillsHolesAndRims) {
   EXPECT_EQ(grow().verdict[at(2, 9)], GrowthVerdict::not_reached);
   parameters_.grow = false;
   EXPECT_EQ(grow().verdict[at(2, 7)], GrowthVerdict::not_reached);
+}
+
+// A tenth of an object's points is enough, less is not: of ten points one, of eleven two.
+TEST_F(VoteImage, WhatNobodySawThroughLatelyHasStopped) {
+  parameters_.grow = false;  // which would fill its rims
+  for (int c = 4; c < 14; ++c) {
+    set(1, c, 3);
+    if (c > 4) make_old(1, c);
+  }
+  EXPECT_EQ(grow().objects, 1);
+  set(1, 14, 3);
+  make_old(1, 14);
+  const RegionGrowthResult result = grow();
+  EXPECT_EQ(result.objects, 0);
+  for (int c = 4; c < 15; ++c) {
+    EXPECT_EQ(result.verdict[at(1, c)], GrowthVerdict::stopped);
+    EXPECT_EQ(result.object[at(1, c)], 0);
+  }
+  votes_[at(1, 14)].recently = true;
+  EXPECT_EQ(grow().objects, 1);
+}
+
+TEST_F(VoteImage, ShareOfRecentPointsFromNoneToAll) {
+  for (int c = 4; c < 8; ++c) {
+    set(1, c, 3);
+    make_old(1, c);
+  }
+  parameters_.min_recent_share = 0;
+  EXPECT_EQ(grow().objects, 1);
+  parameters_.min_recent_share = 1;
+  for (int c = 4; c < 8; ++c) {
+    EXPECT_EQ(grow().objects, 0);
+    votes_[at(1, c)].recently = true;
+  }
+  EXPECT_EQ(grow().objects, 1);
+}
+
+// Growth and filled holes count with the rest of their object; others keep their numbers in order.
+TEST_F(VoteImage, AnObjectThatHasStoppedHasNoNumber) {
+  for (int c : {2, 3, 4}) {
+    set(0, c, 3);
+    make_old(0, c);
+  }
+  for (int c : {12, 13, 14}) set(0, c, 3);
+  for (int c : {20, 21, 22}) {
+    set(3, c, 3);
+    make_old(3, c);
+  }
+  RegionGrowthResult result = grow();
+  EXPECT_EQ(result.objects, 1);
+  EXPECT_EQ(result.object[at(0, 13)], 1);
+  EXPECT_EQ(result.verdict[at(3, 21)], GrowthVerdict::stopped);
+  see_through(1, 5);  // one of four, linked to the first
+  result = grow();
+  EXPECT_EQ(result.objects, 2);
+  EXPECT_EQ(result.object[at(0, 2)], 1);
+  EXPECT_EQ(result.object[at(1, 5)], 1);
+  EXPECT_EQ(result.object[at(0, 13)], 2);
 }
 
 TEST_F(VoteImage, HasNothingToDoWithoutPointsOrWithoutSeeds) {
@@ -217,20 +277,21 @@ RandomImage random_image(std::mt19937_64& random) {
   int votes = 0;
   for (LidarReturn& r : image.scan.returns) {
     if (random() % 6 == 0) range = 3 + 0.5F * static_cast<float>(random() % 11);
-    if (random() % 4 == 0) votes = static_cast<int>(random() % 9) - 4;
+    if (random() % 4 == 0) votes = static_cast<int>(random() % 9) * 3 - 12;
     r.position_v *= range / r.range_m;
     r.range_m = range;
     const bool both = random() % 3 == 0;
-    const int later = static_cast<int>(random() % 3) - 1;
-    image.votes.push_back({static_cast<std::int8_t>(votes), static_cast<std::int8_t>(later),
-                           votes > 0 || later > 0 || both, votes < 0 || later < 0 || both});
+    const int later = static_cast<int>(random() % 3) * 4 - 4;
+    const bool through = votes > 0 || later > 0 || both;
+    image.votes.push_back({static_cast<std::int16_t>(votes), static_cast<std::int16_t>(later), through,
+                           votes < 0 || later < 0 || both, through && random() % 3 == 0});
   }
   image.points = points_of(image.scan);
   return image;
 }
 
 TEST(VoteGrowth, AgreesWithAllPairs) {
-  int kept = 0, grown = 0, objects = 0;
+  int kept = 0, grown = 0, stopped = 0, objects = 0;
   for (unsigned seed = 0; seed < 150; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     std::mt19937_64 random(seed);
@@ -239,9 +300,10 @@ TEST(VoteGrowth, AgreesWithAllPairs) {
     parameters.link_m = 0.4 + 0.4 * static_cast<double>(seed % 5);
     parameters.link_per_m = seed % 2 == 0 ? 0.0 : 0.1;
     parameters.link_spacings = seed % 3 == 0 ? 0.0 : 0.5;
-    parameters.seed_score = 2 + static_cast<int>(seed % 7);
+    parameters.seed_score = 6 + 3 * static_cast<int>(seed % 7);
     parameters.min_seeds = 1 + static_cast<int>(seed % 4);
     parameters.grow = seed % 9 != 0;
+    parameters.min_recent_share = 0.1 * static_cast<double>(seed % 6);
     const test::VoteGrowthOracle oracle(image.scan, image.points, parameters);
     const auto seeds = filter_votes(image.scan, image.points, image.votes, parameters);
     ASSERT_EQ(seeds, oracle.filter(image.votes));
@@ -252,11 +314,14 @@ TEST(VoteGrowth, AgreesWithAllPairs) {
     ASSERT_EQ(result.objects, expected.objects);
     kept += static_cast<int>(std::count(seeds.begin(), seeds.end(), BoxVerdict::kept));
     grown += static_cast<int>(std::count(result.verdict.begin(), result.verdict.end(), GrowthVerdict::grown));
+    stopped +=
+        static_cast<int>(std::count(result.verdict.begin(), result.verdict.end(), GrowthVerdict::stopped));
     objects += result.objects;
   }
   EXPECT_GT(kept, 500);
   EXPECT_GT(grown, 400);
-  EXPECT_GT(objects, 300);
+  EXPECT_GT(stopped, 300);
+  EXPECT_GT(objects, 200);
 }
 
 }  // namespace

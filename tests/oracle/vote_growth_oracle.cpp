@@ -73,7 +73,7 @@ void VoteGrowthOracle::fill(const std::vector<PointVotes>& votes, std::vector<ch
     int neighbours = 0;
     for (std::size_t j = 0; j < votes.size(); ++j)
       if (j != i && before[j] && linked(i, j, 1, 2)) ++neighbours;
-    if (before[i] || votes[i].total() <= -3 || neighbours < 5) continue;
+    if (before[i] || votes[i].total() < -8 || neighbours < 5) continue;
     dynamic[i] = 1;
     result.verdict[i] = GrowthVerdict::grown;
   }
@@ -107,15 +107,31 @@ RegionGrowthResult VoteGrowthOracle::grow(const std::vector<PointVotes>& votes,
     dynamic[i] = 1;
   }
   for (int round = 0; parameters_.grow && round < 2; ++round) fill(votes, dynamic, result);
-  std::map<std::size_t, std::uint16_t> numbers;  // by an object's lowest point
+  number(votes, dynamic, result);
+  return result;
+}
+
+void VoteGrowthOracle::number(const std::vector<PointVotes>& votes, const std::vector<char>& dynamic,
+                              RegionGrowthResult& result) const {
   const std::vector<std::size_t> objects = sets(dynamic);
-  for (std::size_t i = 0; i < size; ++i) {
+  std::map<std::size_t, int> points, recent;  // by an object's lowest point
+  for (std::size_t i = 0; i < votes.size(); ++i) {
     if (!dynamic[i]) continue;
-    auto& number = numbers[objects[i]];
+    ++points[objects[i]];
+    recent[objects[i]] += votes[i].recently ? 1 : 0;
+  }
+  std::map<std::size_t, std::uint16_t> numbers;
+  for (std::size_t i = 0; i < votes.size(); ++i) {
+    if (!dynamic[i]) continue;
+    const std::size_t object = objects[i];
+    if (recent[object] < parameters_.min_recent_share * points[object]) {
+      result.verdict[i] = GrowthVerdict::stopped;
+      continue;
+    }
+    auto& number = numbers[object];
     if (number == 0) number = static_cast<std::uint16_t>(++result.objects);
     result.object[i] = number;
   }
-  return result;
 }
 
 }  // namespace mapless::test

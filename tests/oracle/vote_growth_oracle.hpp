@@ -22,6 +22,9 @@ class VoteGrowthOracle {
  private:
   void fill(const std::vector<PointVotes>& votes, std::vector<char>& dynamic,
             RegionGrowthResult& result) const;
+  /// Numbers the sets of `dynamic` points, and stops those of which too few were seen through lately.
+  void number(const std::vector<PointVotes>& votes, const std::vector<char>& dynamic,
+              RegionGrowthResult& result) const;
   [[nodiscard]] bool linked(std::size_t i, std::size_t j, int rows, int columns) const;
   [[nodiscard]] double link_m(const LidarReturn& r) const;
   [[nodiscard]] int image_column(const LidarReturn& r) const;

@@ -38,7 +38,8 @@ inline constexpr int kSeenThroughVotes = 4;
 inline constexpr int kVacatedVotes = 2;
 inline constexpr int kMostSurfaceVotes = 4;
 [[nodiscard]] int surface_votes(int gap);
-/// A scan no farther off than this tells whether something moves now.
+/// A scan no farther off than this tells whether something moves now; where all are farther, the nearest
+/// does.
 inline constexpr int kRecentGap = 4;
 
 /// The sum of what other scans say of one point.
@@ -47,7 +48,7 @@ struct PointVotes {
   std::int16_t later = 0;     ///< of the later scan
   bool seen_through = false;  ///< some scan saw through, or saw it leave another place
   bool surface_seen = false;  ///< some scan saw a surface
-  bool recently = false;      ///< seen_through by a scan within kRecentGap
+  bool recently = false;      ///< seen_through by a scan that tells whether something moves now
 
   [[nodiscard]] int total() const { return earlier + later; }
 };

@@ -62,6 +62,8 @@ class FreespaceProbe {
     return look(q, column).verdict;
   }
 
+  /// Whether the firing named hit something; what met nothing goes to the maximum range and hides nothing.
+  [[nodiscard]] bool ended(const Answer& answer) const;
   /// Where the ray of a cell with a return ended, minus origin_0 [m].
   [[nodiscard]] Eigen::Vector3f endpoint(int laser, int column) const;
 
