@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <optional>
 #include <string>
 
@@ -22,6 +23,8 @@ constexpr std::size_t kFewestKeypoints = 50;
 constexpr unsigned kLinesApart = 29;  // numbers of the lines of two scans: odd, so that they fall apart
 constexpr int kDenserAtFirst = 3;     // points of the first two scans, the only ones there are for each other
 constexpr int kLostBeforeRestart = 5;
+constexpr std::size_t kRememberedScans = 10;
+constexpr double kWidestCube = 7;    // across its corners [m]
 constexpr double kForgetEvery = 10;  // metres travelled between two clearings of the map's edge
 // A registration that leaves the prediction by more than this found something else.
 constexpr double kFarthestCorrection = 10;      // [m]
@@ -76,6 +79,21 @@ bool is_plausible(const TrajectoryKnot& found, const TrajectoryKnot& prediction)
 
 }  // namespace
 
+namespace {
+
+/// What the map took of a scan.
+struct InsertedScan {
+  struct Point {
+    Eigen::Vector3d p_0;
+    std::uint32_t return_index;
+    unsigned taken;  // by which grids
+  };
+  Time start;
+  std::vector<Point> points;
+};
+
+}  // namespace
+
 struct LidarOdometry::State {
   explicit State(const OdometryParameters& p)
       : parameters(p), settings(settings_of(p)), trajectory(knots), map(p.residual_sigma_m) {}
@@ -91,6 +109,7 @@ struct LidarOdometry::State {
   std::shared_ptr<const LidarScan> last_scan;
   std::optional<UsableScan> first_scan;  // until the motion during it is known
   unsigned inserted_scans = 0;
+  std::deque<InsertedScan> inserted;  // the last ones
   bool started = false;
   int lost_in_a_row = 0;
 
@@ -103,6 +122,8 @@ struct LidarOdometry::State {
   void carry_by_prior(OdometryUpdate& update);
   void forget_window();
   void insert(const UsableScan& scan);
+  void forget_edge(const Eigen::Vector3d& centre_0);
+  void leave_out(const LidarScan& scan, const std::vector<std::uint16_t>& object);
   ScanOutcome begin_with(UsableScan scan);
   std::optional<Registration> registered(const TimeBins& bins, OdometryUpdate& update) const;
   ScanOutcome start(UsableScan scan, const TimeBins& bins, OdometryUpdate& update);
@@ -163,14 +184,37 @@ void LidarOdometry::State::insert(const UsableScan& scan) {
   const auto points_0 =
       points_in_world(scan.points, scan.start, knots[scan.interval], knots[scan.interval + 1]);
   const unsigned first_line = kLinesApart * inserted_scans++;
+  InsertedScan& kept = inserted.emplace_back();
+  kept.start = scan.start;
   for (std::size_t i = 0; i < points_0.size(); ++i) {
     const ScanPoint& p = scan.points[i];
-    (void)map.insert(points_0[i], first_line + static_cast<unsigned>(p.laser), p.range_m);
+    const unsigned taken = map.insert(points_0[i], first_line + static_cast<unsigned>(p.laser), p.range_m);
+    if (taken != 0) kept.points.push_back({points_0[i], p.return_index, taken});
   }
-  const SE3 T_0v = knots[scan.interval + 1].T_v0.inverse();
-  if ((T_0v.translation() - map_cleared_at_0).norm() < kForgetEvery) return;
-  map_cleared_at_0 = T_0v.translation();
-  map.keep_within(map_cleared_at_0, parameters.map_radius_m);
+  if (inserted.size() > kRememberedScans) inserted.pop_front();
+  const Eigen::Vector3d centre_0 = knots[scan.interval + 1].T_v0.inverse().translation();
+  if ((centre_0 - map_cleared_at_0).norm() >= kForgetEvery) forget_edge(centre_0);
+}
+
+void LidarOdometry::State::forget_edge(const Eigen::Vector3d& centre_0) {
+  map_cleared_at_0 = centre_0;
+  map.keep_within(centre_0, parameters.map_radius_m);
+  // A cube that is forgotten and begun anew no longer has the points it had.
+  const double safe_m = parameters.map_radius_m - kWidestCube;
+  for (InsertedScan& scan : inserted) {
+    std::erase_if(scan.points, [&](const auto& point) { return (point.p_0 - centre_0).norm() > safe_m; });
+  }
+}
+
+void LidarOdometry::State::leave_out(const LidarScan& scan, const std::vector<std::uint16_t>& object) {
+  const auto kept = std::find_if(inserted.begin(), inserted.end(),
+                                 [&](const InsertedScan& one) { return one.start == scan.start; });
+  if (kept == inserted.end() || object.size() != scan.returns.size()) return;
+  std::erase_if(kept->points, [&](const InsertedScan::Point& point) {
+    if (point.return_index >= object.size() || object[point.return_index] == 0) return false;
+    map.remove(point.p_0, point.taken);
+    return true;
+  });
 }
 
 ScanOutcome LidarOdometry::State::begin_with(UsableScan scan) {
@@ -221,6 +265,7 @@ ScanOutcome LidarOdometry::State::track(const UsableScan& scan, const TimeBins& 
   if (++lost_in_a_row < kLostBeforeRestart) return ScanOutcome::lost;
   lost_in_a_row = 0;
   map.clear();
+  inserted.clear();
   insert(scan);
   return ScanOutcome::restarted;
 }
@@ -264,6 +309,9 @@ LidarOdometry& LidarOdometry::operator=(LidarOdometry&&) noexcept = default;
 
 OdometryUpdate LidarOdometry::process(const std::shared_ptr<const LidarScan>& scan) {
   return state_->process(scan);
+}
+void LidarOdometry::leave_out(const LidarScan& scan, const std::vector<std::uint16_t>& object) {
+  state_->leave_out(scan, object);
 }
 bool LidarOdometry::started() const { return state_->started; }
 const std::vector<TrajectoryKnot>& LidarOdometry::knots() const { return state_->knots; }

@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <string>
+#include <utility>
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -238,6 +240,45 @@ TEST(LidarOdometry, NoiseIsReportedAndSurvived) {
     EXPECT_TRUE(knot.varpi.allFinite());
   }
   for (const double error : errors_of(drive, street, scans).position_m) EXPECT_LT(error, 0.2);
+}
+
+// The same sensor, turning at another rate.
+TEST(LidarOdometry, FollowsSensorsOfAnyRateAndAnyNumberOfLasers) {
+  for (const auto& [sensor, rate_hz] : {std::pair("VLP-16", 5.), {"VLP-16", 20.}, {"OS1-128", 10.}}) {
+    SCOPED_TRACE(sensor + std::to_string(rate_hz));
+    ToyScene scene = test::toy_room(sensor, test::drive(1.5, 20 * kDegree));
+    LidarModel model = *scene.model;
+    model.rotation_rate_hz = rate_hz;
+    scene.model = std::make_shared<const LidarModel>(model);
+    const Scans scans = cast(scene, 0, 8);
+    ASSERT_NEAR((scans[1]->start - scans[0]->start).seconds(), 1 / rate_hz, 1e-3);
+    Drive drive;
+    drive.process(scans);
+    const Errors errors = errors_of(drive, scene, scans);
+    for (const double error : errors.position_m) EXPECT_LT(error, 0.10);
+    EXPECT_LT(root_mean_square(errors.relative_deg), 0.25);
+  }
+}
+
+// Told that every return was of something that moves, nothing is left in the map for the next scan to find.
+TEST(LidarOdometry, ForgetsWhatItIsToldMoves) {
+  const ToyScene scene = room(0, 0);
+  const Scans scans = cast(scene, 0, 5);
+  LidarOdometry told, untold;
+  for (std::size_t k = 0; k < scans.size(); ++k) {
+    (void)untold.process(scans[k]);
+    const OdometryUpdate update = told.process(scans[k]);
+    if (k >= 2) {
+      EXPECT_LT(update.matched_share, 0.01) << k;
+      EXPECT_EQ(update.outcome, ScanOutcome::lost) << k;
+    }
+    if (k >= 1) told.leave_out(*scans[k], std::vector<std::uint16_t>(scans[k]->returns.size(), 1));
+    if (k == 1) told.leave_out(*scans[0], std::vector<std::uint16_t>(scans[0]->returns.size(), 1));
+  }
+  const auto before = untold.knots().back();
+  untold.leave_out(*scans[3], std::vector<std::uint16_t>(scans[3]->returns.size(), 0));
+  untold.leave_out(*scans[3], {1, 1, 1});
+  EXPECT_EQ(untold.knots().back().T_v0.matrix(), before.T_v0.matrix());
 }
 
 // A tunnel of the same section everywhere: its points tell nothing of the way along it.
