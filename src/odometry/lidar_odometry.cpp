@@ -277,9 +277,12 @@ ScanOutcome LidarOdometry::State::estimate(const std::shared_ptr<const LidarScan
     return ScanOutcome::repeated;
   }
   OdometryParameters used = parameters;
-  if (!started) used.max_scan_points *= kDenserAtFirst;
+  if (!started) {
+    used.max_scan_points *= kDenserAtFirst;
+    used.min_keypoints *= kDenserAtFirst;
+  }
   UsableScan usable = {thin(*scan, used), scan->start, knots.size() - 2};
-  const TimeBins bins(select_keypoints(usable.points, parameters), scan->start, knots[usable.interval].time);
+  const TimeBins bins(select_keypoints(usable.points, used), scan->start, knots[usable.interval].time);
   if (bins.points().size() < kFewestKeypoints) {
     carry_by_prior(update);
     return ScanOutcome::few_points;
