@@ -17,7 +17,9 @@ constexpr std::size_t kGrids = 3;
 constexpr int kRoughSteps = 4;
 constexpr double kCoarsestScale = 4;  // times the map's cubes and the gate
 constexpr std::size_t kRefined = 9;   // of the velocities tried
-// Standing still, or what was found first, is left only for something clearly better.
+// Rest is left only for something clearly better.
+constexpr double kSlow = 1;             // [m/s]
+constexpr double kSlowTurn = 0.2;       // [rad/s]
 constexpr double kClearlyBetter = 1.5;  // standard deviations of a count
 // How far from a velocity that is tried another may be found.
 constexpr double kSpeedSigma = 8;     // [m/s]
@@ -91,8 +93,14 @@ Registration moving_with(std::vector<TrajectoryKnot> knots, const Vector6d& varp
   return out;
 }
 
-bool is_clearly_better(const Registration& a, const Registration& b) {
-  return a.agreement > b.agreement + kClearlyBetter * std::sqrt(b.agreement);
+bool is_nearly_at_rest(const Registration& registration) {
+  const Vector6d& varpi = registration.knots.back().varpi;
+  return varpi.head<3>().norm() < kSlow && varpi.tail<3>().norm() < kSlowTurn;
+}
+
+bool is_better(const Registration& a, const Registration& b) {
+  const double margin = is_nearly_at_rest(b) ? kClearlyBetter * std::sqrt(b.agreement) : 0;
+  return a.agreement > b.agreement + margin;
 }
 
 bool refine(const PairOfScans& pair, Registration& registration) {
@@ -126,7 +134,7 @@ std::optional<Registration> start_up(const std::vector<TrajectoryKnot>& knots, c
     if (i > 0 && candidate.agreement < least) continue;
     pair.expect(candidate.knots.back().varpi);
     if (!refine(pair, candidate)) continue;
-    if (!best || is_clearly_better(candidate, *best)) best = std::move(candidate);
+    if (!best || is_better(candidate, *best)) best = std::move(candidate);
   }
   return best;
 }
