@@ -8,6 +8,8 @@ namespace {
 
 constexpr std::size_t kSample = 1021;  // returns that tell how ranges are distributed
 
+constexpr float kElevationSteps = 115;  // half a degree each
+
 // A number in [0, 1) for a return, as good as random.
 float unit_of(std::size_t i) {
   const auto bits = static_cast<std::uint32_t>(static_cast<std::uint64_t>(i) * 0x9E3779B97F4A7C15u >> 40);
@@ -42,6 +44,15 @@ float full_square_of(const std::vector<ScanPoint>& points, std::size_t wanted) {
   return static_cast<float>(sum / std::max(target, 1e-9));
 }
 
+// Where the recording does not tell the lasers apart, points of one elevation count as one laser's.
+void tell_lasers_apart(std::vector<ScanPoint>& points) {
+  const bool known = std::any_of(points.begin(), points.end(),
+                                 [&](const ScanPoint& p) { return p.laser != points.front().laser; });
+  if (known) return;
+  for (ScanPoint& p : points)
+    p.laser = static_cast<std::int32_t>((p.position_v.z() / p.range_m + 1) * kElevationSteps);
+}
+
 }  // namespace
 
 std::vector<ScanPoint> thin(const LidarScan& scan, const OdometryParameters& parameters) {
@@ -55,6 +66,7 @@ std::vector<ScanPoint> thin(const LidarScan& scan, const OdometryParameters& par
     if (range >= nearest && range <= farthest)
       usable.push_back({r.position_v, range, r.time_ns, r.laser, static_cast<std::uint32_t>(i)});
   }
+  tell_lasers_apart(usable);
   const auto wanted = static_cast<std::size_t>(parameters.max_scan_points);
   if (usable.size() > wanted) {
     const float full = full_square_of(usable, wanted);
