@@ -1,3 +1,4 @@
+#include <array>
 #include <memory>
 
 #include <benchmark/benchmark.h>
@@ -8,19 +9,28 @@
 #include <mapless/detection/box_filter.hpp>
 #include <mapless/detection/detector.hpp>
 #include <mapless/detection/freespace_check.hpp>
+#include <mapless/detection/freespace_votes.hpp>
 #include <mapless/detection/pointcloud_comparison.hpp>
 #include <mapless/detection/region_growth.hpp>
+#include <mapless/detection/vote_growth.hpp>
 
 namespace mapless {
 namespace {
 
 constexpr int kQuery = 30;  // the sensor turns, three cars cross or meet it
 
-/// A full-size scan of the street (HDL-64E S2, 64 x 2083 rays), what its stages ask for, and what they say of
-/// it.
+DetectorParameters published_parameters() {
+  DetectorParameters parameters;
+  parameters.method = DetectionMethodChoice::published;
+  parameters.forward_gap = 2;
+  return parameters;
+}
+
+/// A full-size scan of the street (HDL-64E S2, 64 x 2083 rays), what the five published steps ask for, and
+/// what they say of it.
 struct Street {
   test::ToyScene scene = test::toy_street("HDL-64E-S2");
-  DetectorParameters parameters;
+  DetectorParameters parameters = published_parameters();
   PreparedScan query = prepared(kQuery);
   PreparedScan earlier = prepared(kQuery - parameters.scan_gap);
   PreparedScan later = prepared(kQuery + parameters.forward_gap);
@@ -124,16 +134,86 @@ void region_growth(benchmark::State& state) {
   run(state, returns(), [&] { return grow_regions(s.query, s.kept, s.parameters.region_growth); });
 }
 
-/// One scan into a detector that has seen enough to answer with a detection.
-void detector(benchmark::State& state) {
+/// What the default method asks for of the same scan, and what it says of it.
+struct VotingStreet {
+  VotingParameters parameters;
+  LocalPoints points = local_points(Street::instance().query.compensated);
+  std::vector<RayImage> images = cast_images();  // the earlier scans, then the later one
+  RayImage own = RayImage(Street::instance().query.compensated);
+  std::vector<AskedScan> asked = asked_scans();
+  std::vector<PointVotes> votes =
+      collect_votes(Street::instance().query.scan(), points, asked, own, parameters);
+  std::vector<BoxVerdict> seeds = filter_votes(Street::instance().query.scan(), points, votes, parameters);
+
+  static const VotingStreet& instance() {
+    static const VotingStreet street;
+    return street;
+  }
+
+ private:
+  static std::vector<RayImage> cast_images() {
+    const test::ToyScene& scene = Street::instance().scene;
+    std::vector<RayImage> images;
+    for (const int gap : kGaps)
+      images.emplace_back(compensate(test::cast_scan(scene, kQuery - gap).scan, *scene.trajectory));
+    return images;
+  }
+  [[nodiscard]] std::vector<AskedScan> asked_scans() const {
+    std::vector<AskedScan> all;
+    for (std::size_t k = 0; k < images.size(); ++k) all.push_back({&images[k], kGaps[k]});
+    return all;
+  }
+  static constexpr std::array kGaps = {2, 4, 8, 16, 30, -1};
+};
+
+void ray_image(benchmark::State& state) {
+  run(state, returns(), [&] { return RayImage(Street::instance().query.compensated); });
+}
+
+/// One earlier scan asked about every point, on one thread: the cost of a question.
+void probe(benchmark::State& state) {
+  const VotingStreet& s = VotingStreet::instance();
+  const auto& all = Street::instance().query.scan().returns;
+  run(state, returns(), [&] {
+    const FreespaceProbe probe(s.images.front(), s.points.origin_0, s.parameters);
+    int inside = 0;
+    float column = 0;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      if (i > 0) column += static_cast<float>(all[i].column - all[i - 1].column);
+      inside += probe.ask(s.points.points[i], column) == FreespaceVerdict::inside ? 1 : 0;
+    }
+    return inside;
+  });
+}
+
+void votes(benchmark::State& state) {
+  const VotingStreet& s = VotingStreet::instance();
+  run(state, returns(),
+      [&] { return collect_votes(Street::instance().query.scan(), s.points, s.asked, s.own, s.parameters); });
+}
+
+void vote_filter(benchmark::State& state) {
+  const VotingStreet& s = VotingStreet::instance();
+  run(state, returns(),
+      [&] { return filter_votes(Street::instance().query.scan(), s.points, s.votes, s.parameters); });
+}
+
+void vote_growth(benchmark::State& state) {
+  const VotingStreet& s = VotingStreet::instance();
+  run(state, returns(),
+      [&] { return grow_votes(Street::instance().query.scan(), s.points, s.votes, s.seeds, s.parameters); });
+}
+
+/// One scan into a detector that has seen all it can ask for, or the 30 scans there are.
+void run_detector(benchmark::State& state, const DetectorParameters& parameters) {
   const Street& s = Street::instance();
-  const int history = s.parameters.scan_gap + s.parameters.forward_gap;
-  static const auto scans = test::scans_of(test::cast_scans(s.scene, kQuery - history, history + 1));
+  const int history = kQuery + parameters.forward_gap;
+  const auto scans = test::scans_of(test::cast_scans(s.scene, 0, history + 1));
   const auto threads = static_cast<std::size_t>(state.range(0));
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
   for (auto _ : state) {
     state.PauseTiming();
-    auto filled = std::make_unique<Detector>(s.parameters);
+    auto filled = std::make_unique<Detector>(parameters);
     for (int i = 0; i < history; ++i)
       benchmark::DoNotOptimize(filled->process(scans[static_cast<std::size_t>(i)], *s.scene.trajectory));
     state.ResumeTiming();
@@ -147,6 +227,9 @@ void detector(benchmark::State& state) {
                          benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 
+void detector(benchmark::State& state) { run_detector(state, {}); }
+void published_detector(benchmark::State& state) { run_detector(state, published_parameters()); }
+
 #define MAPLESS_BENCHMARK(stage) \
   BENCHMARK(stage)->Arg(1)->Arg(4)->ArgName("threads")->UseRealTime()->Unit(benchmark::kMillisecond)
 MAPLESS_BENCHMARK(compensation);
@@ -157,7 +240,13 @@ MAPLESS_BENCHMARK(backward);
 MAPLESS_BENCHMARK(forward);
 MAPLESS_BENCHMARK(box_filter);
 MAPLESS_BENCHMARK(region_growth);
+MAPLESS_BENCHMARK(ray_image);
+BENCHMARK(probe)->Arg(1)->ArgName("threads")->UseRealTime()->Unit(benchmark::kMillisecond);
+MAPLESS_BENCHMARK(votes);
+MAPLESS_BENCHMARK(vote_filter);
+MAPLESS_BENCHMARK(vote_growth);
 MAPLESS_BENCHMARK(detector)->Iterations(3);
+MAPLESS_BENCHMARK(published_detector)->Iterations(3);
 
 }  // namespace
 }  // namespace mapless

@@ -51,11 +51,11 @@ Json object_schema() {
 }
 
 // JSON Schema, with the unit and the source of each parameter beside its description.
-Json schema_of(DetectorParameters parameters, const std::string& profile) {
+Json schema_of(RunParameters parameters, const std::string& profile) {
   Json root = {{"$schema", "https://json-schema.org/draft/2020-12/schema"},
-               {"title", "Parameters of the mapless detector, profile " + profile}};
+               {"title", "Parameters of mapless, profile " + profile}};
   root.update(object_schema());
-  for (const ParameterReference& p : parameter_references(parameters)) {
+  for (const ParameterReference& p : references_of(parameters)) {
     Json* group = &root;
     std::size_t begin = 0;
     for (std::size_t dot = 0; (dot = p.key.find('.', begin)) != std::string::npos; begin = dot + 1) {
@@ -73,11 +73,10 @@ Json schema_of(DetectorParameters parameters, const std::string& profile) {
 }
 
 int print_config(const ConfigOptions& options) {
-  const DetectorParameters parameters = options.parameters.chosen();
   if (options.json) {
-    fmt::print("{}", json_text(schema_of(parameters, options.parameters.profile)));
+    fmt::print("{}", json_text(schema_of(options.parameters.all(), options.parameters.profile)));
   } else {
-    fmt::print("{}", configuration_text(parameters));
+    fmt::print("{}", configuration_text(options.parameters));
   }
   return 0;
 }

@@ -92,6 +92,7 @@ class DetectionRun {
     std::vector<TimedPose> rows = rows_;
     append_last_pose(rows, motion_.trajectory(), last_end_);
     write_tum_trajectory(result_.trajectory(), rows);
+    if (motion_.estimated()) summary_.set_odometry(motion_.report());
     write_file_atomically(result_.summary(), summary_.text());
   }
 
@@ -113,6 +114,7 @@ class DetectionRun {
   }
 
   void finish_scan(const Detection& detection) {
+    motion_.leave_out(detection);
     const std::size_t k = first_ + detection.sequence_number;
     write_stage_file(result_.stage_file(k), stage_masks_of(detection));
     write_label_file(result_.label_file(k), labels_of(detection));
@@ -194,7 +196,7 @@ int detect(const DetectOptions& options) {
   const auto dataset = options.recording.open();
   const std::size_t count = selected_count(options, *dataset);
   require_time_order(*dataset, options.first, count);
-  MotionSource motion(*dataset, options.trajectory, options.first);
+  MotionSource motion(*dataset, options.trajectory, options.first, options.parameters.odometry());
   announce(*dataset, motion);
   if (!motion.estimated()) require_coverage(*dataset, motion.trajectory(), options.first, count);
 
@@ -202,7 +204,7 @@ int detect(const DetectOptions& options) {
   RunSummary summary(*dataset, options.recording.path, motion.source(), options.parameters.profile,
                      options.first, count);
   result.create(options.overwrite, summary.text());
-  write_file_atomically(result.config(), configuration_text(parameters));
+  write_file_atomically(result.config(), configuration_text(options.parameters));
   DetectionRun run(*dataset, motion, result, parameters, summary, options.first, count);
   const bool complete = run_to_the_end(run, summary);
   if (const std::string trouble = motion.trouble(); !trouble.empty())

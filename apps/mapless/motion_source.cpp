@@ -18,38 +18,49 @@ bool needs_odometry(const Dataset& dataset, const TrajectoryRequest& request, st
 
 }  // namespace
 
-MotionSource::MotionSource(const Dataset& dataset, const TrajectoryRequest& request, std::size_t first) {
+MotionSource::MotionSource(const Dataset& dataset, const TrajectoryRequest& request, std::size_t first,
+                           const OdometryParameters& parameters) {
   if (needs_odometry(dataset, request, first)) {
-    use_odometry();
+    use_odometry(parameters);
   } else {
     source_ = open_trajectory(dataset, request);
   }
 }
 
-MotionSource MotionSource::odometry() {
+MotionSource MotionSource::odometry(const OdometryParameters& parameters) {
   MotionSource out;
-  out.use_odometry();
+  out.use_odometry(parameters);
   return out;
 }
 
-void MotionSource::use_odometry() {
+void MotionSource::use_odometry(const OdometryParameters& parameters) {
   source_.conventions = {{"source", "estimated by lidar odometry"}};
-  odometry_.emplace();
+  odometry_.emplace(parameters);
 }
 
 const Trajectory& MotionSource::trajectory() const {
   return odometry_ ? odometry_->trajectory() : *source_.trajectory;
 }
 
+void MotionSource::count(const LidarScan& scan, const OdometryUpdate& update) {
+  const ScanOutcome outcome = update.outcome;
+  const bool registered = outcome == ScanOutcome::registered;
+  if (!registered && outcome != ScanOutcome::first && report_.extrapolated++ == 0)
+    report_.first_extrapolated = report_.scans;
+  report_.few_points += outcome == ScanOutcome::few_points ? 1 : 0;
+  report_.repeated += outcome == ScanOutcome::repeated ? 1 : 0;
+  report_.lost += outcome == ScanOutcome::lost || outcome == ScanOutcome::restarted ? 1 : 0;
+  report_.restarts += outcome == ScanOutcome::restarted ? 1 : 0;
+  report_.degenerate += registered && update.degeneracy.held_by_prior > 0 ? 1 : 0;
+  report_.not_converged += registered && !update.converged ? 1 : 0;
+  const double length_s = (scan.end() - scan.start).seconds();
+  report_.gaps += report_.scans > 0 && (scan.start - last_end_).seconds() > length_s / 2 ? 1 : 0;
+  last_end_ = scan.end();
+  ++report_.scans;
+}
+
 std::vector<std::shared_ptr<const LidarScan>> MotionSource::add(std::shared_ptr<const LidarScan> scan) {
-  if (odometry_) {
-    const OdometryUpdate update = odometry_->process(scan);
-    const bool by_prior = update.outcome != ScanOutcome::first && update.outcome != ScanOutcome::registered;
-    if (by_prior && by_prior_++ == 0) first_by_prior_ = added_;
-    restarts_ += update.outcome == ScanOutcome::restarted ? 1 : 0;
-    degenerate_ += update.outcome == ScanOutcome::registered && update.degeneracy.held_by_prior > 0 ? 1 : 0;
-  }
-  ++added_;
+  if (odometry_) count(*scan, odometry_->process(scan));
   waiting_.push_back(std::move(scan));
   if (odometry_ && !odometry_->started() && waiting_.size() < kMostWaiting) return {};
   return flush();
@@ -57,19 +68,25 @@ std::vector<std::shared_ptr<const LidarScan>> MotionSource::add(std::shared_ptr<
 
 std::vector<std::shared_ptr<const LidarScan>> MotionSource::flush() { return std::exchange(waiting_, {}); }
 
+void MotionSource::leave_out(const Detection& detection) {
+  if (odometry_) odometry_->leave_out(*detection.scan, detection.object);
+}
+
 std::string MotionSource::trouble() const {
-  std::string line;
-  if (by_prior_ > 0) {
-    line = fmt::format(
-        "{} of {} scans could not be registered, the first of them scan {} of the run: their "
-        "motion is extrapolated, the map was begun anew {} times",
-        by_prior_, added_, first_by_prior_, restarts_);
+  std::vector<std::string> parts;
+  const OdometryReport& r = report_;
+  if (r.extrapolated > 0) {
+    parts.push_back(fmt::format(
+        "{} of {} scans could not be registered, the first of them scan {} of the run: their motion is "
+        "extrapolated, the map was begun anew {} times",
+        r.extrapolated, r.scans, r.first_extrapolated, r.restarts));
   }
-  if (degenerate_ > 0) {
-    line += fmt::format("{}in {} scans the points do not hold every direction of motion",
-                        line.empty() ? "" : "; ", degenerate_);
-  }
-  return line.empty() ? line : "odometry: " + line;
+  if (r.gaps > 0) parts.push_back(fmt::format("scans are missing at {} places", r.gaps));
+  if (r.degenerate > 0)
+    parts.push_back(
+        fmt::format("in {} scans the points do not hold every direction of motion", r.degenerate));
+  if (r.not_converged > 0) parts.push_back(fmt::format("{} scans did not converge", r.not_converged));
+  return parts.empty() ? "" : fmt::format("odometry: {}", fmt::join(parts, "; "));
 }
 
 }  // namespace mapless::app

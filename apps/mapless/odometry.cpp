@@ -14,6 +14,7 @@
 
 #include "json_text.hpp"
 #include "motion_source.hpp"
+#include "parameter_options.hpp"
 #include "progress.hpp"
 #include "recording_options.hpp"
 #include "scan_poses.hpp"
@@ -27,6 +28,7 @@ namespace {
 
 struct OdometryOptions {
   RecordingOptions recording;
+  ParameterOptions parameters;
   std::filesystem::path output;
   std::string instant = "start";
   int poses_per_scan = 1;
@@ -111,7 +113,7 @@ int odometry(const OdometryOptions& options) {
   const OutputFiles files(options.output);
   if (!options.overwrite) files.require_free();
   const auto dataset = options.recording.open();
-  MotionSource motion = MotionSource::odometry();
+  MotionSource motion = MotionSource::odometry(options.parameters.odometry());
   const Estimate found = estimate(*dataset, options, motion);
   const std::string trouble = motion.trouble();
   if (!trouble.empty()) fmt::print(stderr, "mapless: {}\n", trouble);
@@ -134,6 +136,7 @@ void add_odometry(CLI::App& app, int& exit_code) {
   auto* verb = app.add_subcommand("odometry", "Estimate the motion of the sensor from the lidar alone");
   const auto options = std::make_shared<OdometryOptions>();
   add_recording_options(*verb, options->recording);
+  add_parameter_options(*verb, options->parameters);
   verb->add_option("-o,--output", options->output,
                    "folder for poses_kitti.txt and trajectory.txt (TUM), both world from sensor")
       ->required();

@@ -1,5 +1,7 @@
 #include "parameter_options.hpp"
 
+#include <utility>
+
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
@@ -8,9 +10,18 @@
 
 namespace mapless::app {
 
-DetectorParameters ParameterOptions::chosen() const {
-  DetectorParameters parameters = detector_profile(profile);
-  const auto references = parameter_references(parameters);
+std::vector<ParameterReference> references_of(RunParameters& parameters) {
+  std::vector<ParameterReference> out = parameter_references(parameters.detector);
+  for (ParameterReference& p : parameter_references(parameters.odometry)) {
+    p.key = "odometry." + p.key;
+    out.push_back(std::move(p));
+  }
+  return out;
+}
+
+RunParameters ParameterOptions::all() const {
+  RunParameters parameters = {detector_profile(profile), {}};
+  const auto references = references_of(parameters);
   if (!config.empty()) read_parameters_file(config, references);
   for (const std::string& setting : settings) {
     const std::size_t equals = setting.find('=');
@@ -20,7 +31,7 @@ DetectorParameters ParameterOptions::chosen() const {
     }
     assign_parameter(references, setting.substr(0, equals), setting.substr(equals + 1), "--set");
   }
-  if (causal) parameters.forward_gap = 0;
+  if (causal) parameters.detector.forward_gap = 0;
   return parameters;
 }
 
@@ -34,10 +45,11 @@ void add_parameter_options(CLI::App& verb, ParameterOptions& options) {
       ->take_all();
 }
 
-std::string configuration_text(DetectorParameters parameters) {
-  DetectorParameters defaults;
-  return fmt::format("# mapless {}: every parameter of the detector\n", MAPLESS_VERSION) +
-         parameters_yaml(parameter_references(parameters), parameter_references(defaults));
+std::string configuration_text(const ParameterOptions& options) {
+  RunParameters parameters = options.all();
+  RunParameters defaults;
+  return fmt::format("# mapless {}: every parameter of the detector and of the odometry\n", MAPLESS_VERSION) +
+         parameters_yaml(references_of(parameters), references_of(defaults));
 }
 
 }  // namespace mapless::app

@@ -6,24 +6,36 @@
 #include <CLI/App.hpp>
 
 #include <mapless/detection/parameters.hpp>
+#include <mapless/odometry/parameters.hpp>
 
 namespace mapless::app {
 
-/// How the parameters of the detector are chosen: a profile, then a file, then single values, then --causal.
+/// Everything a run can be told.
+struct RunParameters {
+  DetectorParameters detector;
+  OdometryParameters odometry;
+};
+
+/// The detector's parameters under their own keys, those of odometry under "odometry.".
+[[nodiscard]] std::vector<ParameterReference> references_of(RunParameters& parameters);
+
+/// How the parameters are chosen: a profile, then a file, then single values, then --causal.
 struct ParameterOptions {
   std::string profile = "default";
   std::string config;
   std::vector<std::string> settings;  ///< key=value
   bool causal = false;
 
-  /// Throws ParameterError, or InputError for the file.
-  [[nodiscard]] DetectorParameters chosen() const;
+  /// All three throw ParameterError, or InputError for the file.
+  [[nodiscard]] RunParameters all() const;
+  [[nodiscard]] DetectorParameters chosen() const { return all().detector; }
+  [[nodiscard]] OdometryParameters odometry() const { return all().odometry; }
 };
 
 /// Adds --profile, --config, --set.
 void add_parameter_options(CLI::App& verb, ParameterOptions& options);
 
 /// The parameters as a commented configuration file.
-[[nodiscard]] std::string configuration_text(DetectorParameters parameters);
+[[nodiscard]] std::string configuration_text(const ParameterOptions& options);
 
 }  // namespace mapless::app

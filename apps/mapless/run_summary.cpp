@@ -101,6 +101,22 @@ Json timing_json(const std::vector<StageSeconds>& scans) {
   return rows;
 }
 
+namespace {
+
+Json odometry_json(const OdometryReport& r) {
+  return {{"scans", r.scans},
+          {"extrapolated", r.extrapolated},
+          {"few_points", r.few_points},
+          {"repeated", r.repeated},
+          {"lost", r.lost},
+          {"restarts", r.restarts},
+          {"gaps", r.gaps},
+          {"degenerate", r.degenerate},
+          {"not_converged", r.not_converged}};
+}
+
+}  // namespace
+
 Json RunSummary::json() const {
   Json trajectory = Json::object();
   for (const auto& [name, value] : trajectory_) trajectory[name] = value;
@@ -125,6 +141,7 @@ Json RunSummary::json() const {
               {"notes", notes_},
               {"timing", timing_json(seconds_)},
               {"peak_memory_mb", peak_memory_mb()}};
+  if (odometry_) out["odometry"] = odometry_json(*odometry_);
   if (!stopped_.empty()) out["stopped"] = stopped_;
   return out;
 }

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "json_text.hpp"
+#include "motion_source.hpp"
 #include <mapless/detection/detector.hpp>
 #include <mapless/io/dataset.hpp>
 #include <mapless/io/trajectory_source.hpp>
@@ -25,6 +26,7 @@ class RunSummary {
   /// it was read.
   void add_input(const LidarScan& scan);
   void add(const Detection& detection);
+  void set_odometry(const OdometryReport& report) { odometry_ = report; }
   void set_complete() { complete_ = true; }
   void set_stopped(std::string reason) { stopped_ = std::move(reason); }
 
@@ -43,6 +45,7 @@ class RunSummary {
   std::string times_, rings_, motion_compensation_;
   std::size_t records_ = 0, points_ = 0, dynamic_points_ = 0, objects_ = 0;
   std::vector<StageSeconds> seconds_;
+  std::optional<OdometryReport> odometry_;
   bool complete_ = false;
   std::string stopped_;
 };

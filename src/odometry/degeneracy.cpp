@@ -8,6 +8,8 @@ namespace {
 
 // Weighs rotation against translation where a motion is split into held and free parts.
 constexpr double kTypicalRange = 10.0;
+// The noise of the normals alone makes a direction look held: it must be held by so many times as much.
+constexpr double kSpuriousShares = 3;
 
 // The perturbation of a bin's pose where the scan's end, and the whole scan with it, is perturbed.
 Matrix6d bin_from_end(const BinSums& bin, const SE3& T_v0) { return adjoint(bin.T_v0 * T_v0.inverse()); }
@@ -15,6 +17,7 @@ Matrix6d bin_from_end(const BinSums& bin, const SE3& T_v0) { return adjoint(bin.
 struct WholeScan {
   Matrix6d information = Matrix6d::Zero();
   double weight = 0;
+  double spurious = 0;
 };
 
 WholeScan whole_scan(const std::vector<BinSums>& sums, const SE3& T_v0) {
@@ -24,6 +27,7 @@ WholeScan whole_scan(const std::vector<BinSums>& sums, const SE3& T_v0) {
     const Matrix6d Ad = bin_from_end(bin, T_v0);
     out.information += Ad.transpose() * bin.information * Ad;
     out.weight += bin.weight;
+    out.spurious += bin.spurious;
   }
   return out;
 }
@@ -37,7 +41,7 @@ Eigen::Matrix3d following_rotation(const Matrix6d& A) {
 
 Degeneracy find_degeneracy(const std::vector<BinSums>& sums, const SE3& T_v0, double min_share) {
   Degeneracy out;
-  const auto [A, weight] = whole_scan(sums, T_v0);
+  const auto [A, weight, spurious] = whole_scan(sums, T_v0);
   out.held_by_prior = 3;
   if (!(weight > 0)) return out;
   const Eigen::Matrix3d S = A.topLeftCorner<3, 3>() + A.topRightCorner<3, 3>() * following_rotation(A);
@@ -45,7 +49,8 @@ Degeneracy find_degeneracy(const std::vector<BinSums>& sums, const SE3& T_v0, do
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(0.5 * (S + S.transpose()));
   out.share = (solver.eigenvalues() / weight).cwiseMax(0);
   out.directions_v = solver.eigenvectors();
-  out.held_by_prior = static_cast<int>((out.share.array() < min_share).count());
+  out.held_by_prior =
+      static_cast<int>((out.share.array() < min_share + kSpuriousShares * spurious / weight).count());
   return out;
 }
 

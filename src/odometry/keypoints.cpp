@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <utility>
 
 #include "odometry/cube_hash.hpp"
 
@@ -33,33 +34,28 @@ class CubeSet {
   int shift_;
 };
 
-std::vector<Keypoint> one_per_cube(const std::vector<Keypoint>& points, double cube_m) {
+std::vector<ScanPoint> one_per_cube(const std::vector<ScanPoint>& points, double cube_m) {
   CubeSet seen(points.size());
-  std::vector<Keypoint> out;
-  for (const Keypoint& point : points) {
-    if (seen.insert(cube_key(cube_of(point.position_v, cube_m)))) out.push_back(point);
+  std::vector<ScanPoint> out;
+  for (const ScanPoint& point : points) {
+    if (seen.insert(cube_key(cube_of(point.position_v.cast<double>(), cube_m)))) out.push_back(point);
   }
   return out;
 }
 
 }  // namespace
 
-std::vector<Keypoint> select_keypoints(const LidarScan& scan, const OdometryParameters& parameters) {
-  std::vector<Keypoint> usable;
-  usable.reserve(scan.returns.size());
-  for (const LidarReturn& r : scan.returns) {
-    const Eigen::Vector3d p = r.position_v.cast<double>();
-    const double range = p.norm();
-    if (range >= parameters.min_range_m && range <= parameters.map_radius_m) usable.push_back({p, r.time_ns});
-  }
+std::vector<ScanPoint> select_keypoints(const std::vector<ScanPoint>& points,
+                                        const OdometryParameters& parameters) {
   double cube_m = parameters.keypoint_voxel_m;
-  std::vector<Keypoint> out = one_per_cube(usable, cube_m);
+  std::vector<ScanPoint> out = one_per_cube(points, cube_m);
   for (int i = 0; i < kHalvings && out.size() < static_cast<std::size_t>(parameters.min_keypoints); ++i) {
     cube_m /= 2;
-    out = one_per_cube(usable, cube_m);
+    out = one_per_cube(points, cube_m);
   }
-  std::stable_sort(out.begin(), out.end(),
-                   [](const Keypoint& a, const Keypoint& b) { return a.time_ns < b.time_ns; });
+  std::stable_sort(out.begin(), out.end(), [](const ScanPoint& a, const ScanPoint& b) {
+    return std::pair(a.time_ns, a.return_index) < std::pair(b.time_ns, b.return_index);
+  });
   return out;
 }
 

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <optional>
 #include <string>
 
@@ -19,7 +20,11 @@ constexpr double kOriginSigma = 1e-5;      // [m], [rad]
 constexpr double kFirstSpeedSigma = 30;    // [m/s]
 constexpr double kFirstTurnRateSigma = 5;  // [rad/s]
 constexpr std::size_t kFewestKeypoints = 50;
+constexpr unsigned kLinesApart = 29;  // numbers of the lines of two scans: odd, so that they fall apart
+constexpr int kDenserAtFirst = 3;     // points of the first two scans, the only ones there are for each other
 constexpr int kLostBeforeRestart = 5;
+constexpr std::size_t kRememberedScans = 10;
+constexpr double kWidestCube = 7;    // across its corners [m]
 constexpr double kForgetEvery = 10;  // metres travelled between two clearings of the map's edge
 // A registration that leaves the prediction by more than this found something else.
 constexpr double kFarthestCorrection = 10;      // [m]
@@ -59,7 +64,8 @@ bool same_returns(const LidarScan& a, const LidarScan& b) {
 
 RegistrationSettings settings_of(const OdometryParameters& p) {
   return {{p.acceleration_density_translation, p.acceleration_density_rotation},
-          {p.gate_m, p.robust_scale_m, p.residual_sigma_m},
+          {p.gate_m, p.robust_sigmas},
+          p.residual_sigma_m,
           p.min_direction_share,
           p.max_iterations};
 }
@@ -73,8 +79,24 @@ bool is_plausible(const TrajectoryKnot& found, const TrajectoryKnot& prediction)
 
 }  // namespace
 
+namespace {
+
+/// What the map took of a scan.
+struct InsertedScan {
+  struct Point {
+    Eigen::Vector3d p_0;
+    std::uint32_t return_index;
+    unsigned taken;  // by which grids
+  };
+  Time start;
+  std::vector<Point> points;
+};
+
+}  // namespace
+
 struct LidarOdometry::State {
-  explicit State(const OdometryParameters& p) : parameters(p), settings(settings_of(p)), trajectory(knots) {}
+  explicit State(const OdometryParameters& p)
+      : parameters(p), settings(settings_of(p)), trajectory(knots), map(p.residual_sigma_m) {}
 
   OdometryParameters parameters;
   RegistrationSettings settings;
@@ -82,11 +104,12 @@ struct LidarOdometry::State {
   KnotTrajectory trajectory;
   std::size_t window_begin = 0;  // first knot that can still change
   KnotPrior prior;               // of that knot
-  VoxelMap map;
+  PlaneMap map;
   Eigen::Vector3d map_cleared_at_0 = Eigen::Vector3d::Zero();
   std::shared_ptr<const LidarScan> last_scan;
-  std::shared_ptr<const LidarScan> first_scan;  // the first usable one, until the motion during it is known
-  std::size_t first_interval = 0;               // the knot at its start
+  std::optional<UsableScan> first_scan;  // until the motion during it is known
+  unsigned inserted_scans = 0;
+  std::deque<InsertedScan> inserted;  // the last ones
   bool started = false;
   int lost_in_a_row = 0;
 
@@ -98,12 +121,13 @@ struct LidarOdometry::State {
   void accept(const Registration& registration);
   void carry_by_prior(OdometryUpdate& update);
   void forget_window();
-  void insert(const LidarScan& scan, std::size_t interval);
-  ScanOutcome begin_with(const std::shared_ptr<const LidarScan>& scan);
+  void insert(const UsableScan& scan);
+  void forget_edge(const Eigen::Vector3d& centre_0);
+  void leave_out(const LidarScan& scan, const std::vector<std::uint16_t>& object);
+  ScanOutcome begin_with(UsableScan scan);
   std::optional<Registration> registered(const TimeBins& bins, OdometryUpdate& update) const;
-  ScanOutcome start(const std::shared_ptr<const LidarScan>& scan, const TimeBins& bins,
-                    OdometryUpdate& update);
-  ScanOutcome track(const LidarScan& scan, const TimeBins& bins, OdometryUpdate& update);
+  ScanOutcome start(UsableScan scan, const TimeBins& bins, OdometryUpdate& update);
+  ScanOutcome track(const UsableScan& scan, const TimeBins& bins, OdometryUpdate& update);
   ScanOutcome estimate(const std::shared_ptr<const LidarScan>& scan, OdometryUpdate& update);
   OdometryUpdate process(const std::shared_ptr<const LidarScan>& scan);
 };
@@ -156,18 +180,45 @@ void LidarOdometry::State::forget_window() {
   window_begin = knots.size() - 1;
 }
 
-void LidarOdometry::State::insert(const LidarScan& scan, std::size_t interval) {
-  for (const auto& p_0 : points_in_world(scan, knots[interval], knots[interval + 1], parameters))
-    map.insert(p_0);
-  const SE3 T_0v = knots[interval + 1].T_v0.inverse();
-  if ((T_0v.translation() - map_cleared_at_0).norm() < kForgetEvery) return;
-  map_cleared_at_0 = T_0v.translation();
-  map.keep_within(map_cleared_at_0, parameters.map_radius_m);
+void LidarOdometry::State::insert(const UsableScan& scan) {
+  const auto points_0 =
+      points_in_world(scan.points, scan.start, knots[scan.interval], knots[scan.interval + 1]);
+  const unsigned first_line = kLinesApart * inserted_scans++;
+  InsertedScan& kept = inserted.emplace_back();
+  kept.start = scan.start;
+  for (std::size_t i = 0; i < points_0.size(); ++i) {
+    const ScanPoint& p = scan.points[i];
+    const unsigned taken = map.insert(points_0[i], first_line + static_cast<unsigned>(p.laser), p.range_m);
+    if (taken != 0) kept.points.push_back({points_0[i], p.return_index, taken});
+  }
+  if (inserted.size() > kRememberedScans) inserted.pop_front();
+  const Eigen::Vector3d centre_0 = knots[scan.interval + 1].T_v0.inverse().translation();
+  if ((centre_0 - map_cleared_at_0).norm() >= kForgetEvery) forget_edge(centre_0);
 }
 
-ScanOutcome LidarOdometry::State::begin_with(const std::shared_ptr<const LidarScan>& scan) {
-  first_scan = scan;
-  first_interval = knots.size() - 2;
+void LidarOdometry::State::forget_edge(const Eigen::Vector3d& centre_0) {
+  map_cleared_at_0 = centre_0;
+  map.keep_within(centre_0, parameters.map_radius_m);
+  // A cube that is forgotten and begun anew no longer has the points it had.
+  const double safe_m = parameters.map_radius_m - kWidestCube;
+  for (InsertedScan& scan : inserted) {
+    std::erase_if(scan.points, [&](const auto& point) { return (point.p_0 - centre_0).norm() > safe_m; });
+  }
+}
+
+void LidarOdometry::State::leave_out(const LidarScan& scan, const std::vector<std::uint16_t>& object) {
+  const auto kept = std::find_if(inserted.begin(), inserted.end(),
+                                 [&](const InsertedScan& one) { return one.start == scan.start; });
+  if (kept == inserted.end() || object.size() != scan.returns.size()) return;
+  std::erase_if(kept->points, [&](const InsertedScan::Point& point) {
+    if (point.return_index >= object.size() || object[point.return_index] == 0) return false;
+    map.remove(point.p_0, point.taken);
+    return true;
+  });
+}
+
+ScanOutcome LidarOdometry::State::begin_with(UsableScan scan) {
+  first_scan = std::move(scan);
   return ScanOutcome::first;
 }
 
@@ -175,7 +226,7 @@ ScanOutcome LidarOdometry::State::begin_with(const std::shared_ptr<const LidarSc
 std::optional<Registration> LidarOdometry::State::registered(const TimeBins& bins,
                                                              OdometryUpdate& update) const {
   auto found = started ? register_scan(window(), prior, bins, map, settings)
-                       : start_up(window(), prior, *first_scan, first_interval, bins, settings, parameters);
+                       : start_up(window(), prior, *first_scan, bins, settings);
   if (!found) return std::nullopt;
   update.iterations = found->iterations;
   update.matched_share = static_cast<double>(found->matched) / static_cast<double>(bins.points().size());
@@ -187,35 +238,35 @@ std::optional<Registration> LidarOdometry::State::registered(const TimeBins& bin
   return found;
 }
 
-ScanOutcome LidarOdometry::State::start(const std::shared_ptr<const LidarScan>& scan, const TimeBins& bins,
-                                        OdometryUpdate& update) {
+ScanOutcome LidarOdometry::State::start(UsableScan scan, const TimeBins& bins, OdometryUpdate& update) {
   const auto found = registered(bins, update);
   if (!found) {
     carry_by_prior(update);
-    begin_with(scan);
+    begin_with(std::move(scan));
     return ScanOutcome::lost;
   }
   started = true;
-  const std::size_t interval = first_interval;
   accept(*found);
-  insert(*first_scan, interval);
-  insert(*scan, knots.size() - 2);
+  insert(*first_scan);
+  insert(scan);
   first_scan.reset();
   return ScanOutcome::registered;
 }
 
-ScanOutcome LidarOdometry::State::track(const LidarScan& scan, const TimeBins& bins, OdometryUpdate& update) {
+ScanOutcome LidarOdometry::State::track(const UsableScan& scan, const TimeBins& bins,
+                                        OdometryUpdate& update) {
   if (const auto found = registered(bins, update)) {
     lost_in_a_row = 0;
     accept(*found);
-    insert(scan, knots.size() - 2);
+    insert(scan);
     return ScanOutcome::registered;
   }
   carry_by_prior(update);
   if (++lost_in_a_row < kLostBeforeRestart) return ScanOutcome::lost;
   lost_in_a_row = 0;
   map.clear();
-  insert(scan, knots.size() - 2);
+  inserted.clear();
+  insert(scan);
   return ScanOutcome::restarted;
 }
 
@@ -225,15 +276,21 @@ ScanOutcome LidarOdometry::State::estimate(const std::shared_ptr<const LidarScan
     carry_by_prior(update);
     return ScanOutcome::repeated;
   }
-  const TimeBins bins(select_keypoints(*scan, parameters), scan->start, knots[knots.size() - 2].time);
+  OdometryParameters used = parameters;
+  if (!started) {
+    used.max_scan_points *= kDenserAtFirst;
+    used.min_keypoints *= kDenserAtFirst;
+  }
+  UsableScan usable = {thin(*scan, used), scan->start, knots.size() - 2};
+  const TimeBins bins(select_keypoints(usable.points, used), scan->start, knots[usable.interval].time);
   if (bins.points().size() < kFewestKeypoints) {
     carry_by_prior(update);
     return ScanOutcome::few_points;
   }
-  if (started) return track(*scan, bins, update);
-  if (first_scan) return start(scan, bins, update);
+  if (started) return track(usable, bins, update);
+  if (first_scan) return start(std::move(usable), bins, update);
   carry_by_prior(update);
-  return begin_with(scan);
+  return begin_with(std::move(usable));
 }
 
 OdometryUpdate LidarOdometry::State::process(const std::shared_ptr<const LidarScan>& scan) {
@@ -255,6 +312,9 @@ LidarOdometry& LidarOdometry::operator=(LidarOdometry&&) noexcept = default;
 
 OdometryUpdate LidarOdometry::process(const std::shared_ptr<const LidarScan>& scan) {
   return state_->process(scan);
+}
+void LidarOdometry::leave_out(const LidarScan& scan, const std::vector<std::uint16_t>& object) {
+  state_->leave_out(scan, object);
 }
 bool LidarOdometry::started() const { return state_->started; }
 const std::vector<TrajectoryKnot>& LidarOdometry::knots() const { return state_->knots; }

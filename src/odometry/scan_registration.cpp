@@ -10,6 +10,8 @@ namespace {
 // A step is small when it moves the last pose less than this.
 constexpr double kSmallTranslation = 1e-3;
 constexpr double kSmallRotation = 1e-4;
+// The loss begins as much wider and is halved every step: a bad prediction puts all points far off.
+constexpr double kFirstWidening = 8;
 
 bool is_small(const Vector12d& step) {
   return step.head<3>().norm() < kSmallTranslation && step.segment<3>(3).norm() < kSmallRotation;
@@ -17,7 +19,7 @@ bool is_small(const Vector12d& step) {
 
 }  // namespace
 
-bool improve(const KnotPrior& prior, const TimeBins& bins, const VoxelMap& map,
+bool improve(const KnotPrior& prior, const TimeBins& bins, const PlaneMap& map,
              const RegistrationSettings& settings, Registration& registration) {
   std::vector<TrajectoryKnot>& knots = registration.knots;
   const std::size_t last = knots.size() - 1;
@@ -37,19 +39,27 @@ bool improve(const KnotPrior& prior, const TimeBins& bins, const VoxelMap& map,
   registration.last_information = solution->last_information;
   registration.degeneracy = degeneracy;
   registration.matched = 0;
-  for (const BinSums& bin : sums) registration.matched += bin.matched;
+  registration.agreement = 0;
+  for (const BinSums& bin : sums) {
+    registration.matched += bin.matched;
+    registration.agreement += bin.agreement;
+  }
   registration.converged = std::all_of(solution->step.begin(), solution->step.end(), is_small);
   ++registration.iterations;
   return true;
 }
 
 std::optional<Registration> register_scan(std::vector<TrajectoryKnot> knots, const KnotPrior& prior,
-                                          const TimeBins& bins, const VoxelMap& map,
+                                          const TimeBins& bins, const PlaneMap& map,
                                           const RegistrationSettings& settings) {
   Registration out;
   out.knots = std::move(knots);
-  while (!out.converged && out.iterations < settings.max_iterations) {
-    if (!improve(prior, bins, map, settings, out)) return std::nullopt;
+  RegistrationSettings level = settings;
+  double widening = kFirstWidening;
+  while (!(out.converged && widening <= 1) && out.iterations < settings.max_iterations) {
+    widening = std::max(1.0, widening / 2);
+    level.weights.robust_sigmas = widening * settings.weights.robust_sigmas;
+    if (!improve(prior, bins, map, level, out)) return std::nullopt;
   }
   return out;
 }

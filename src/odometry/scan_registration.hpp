@@ -11,6 +11,7 @@ namespace mapless {
 struct RegistrationSettings {
   AccelerationDensity density;
   PointWeights weights;
+  double sigma_m;  ///< noise expected of a point
   double min_direction_share;
   int max_iterations;
 };
@@ -21,19 +22,20 @@ struct Registration {
   Matrix12d last_information;  ///< of the last knot, the others marginalised
   int iterations = 0;
   int matched = 0;
+  double agreement = 0;  ///< of the matched points, summed
   Degeneracy degeneracy;
   bool converged = false;
 };
 
 /// One Gauss-Newton step with newly found planes. False where there is no solution; `registration` is then as
 /// before.
-[[nodiscard]] bool improve(const KnotPrior& prior, const TimeBins& bins, const VoxelMap& map,
+[[nodiscard]] bool improve(const KnotPrior& prior, const TimeBins& bins, const PlaneMap& map,
                            const RegistrationSettings& settings, Registration& registration);
 
 /// Steps until they are small, or `max_iterations`. None where there is no solution.
 [[nodiscard]] std::optional<Registration> register_scan(std::vector<TrajectoryKnot> knots,
                                                         const KnotPrior& prior, const TimeBins& bins,
-                                                        const VoxelMap& map,
+                                                        const PlaneMap& map,
                                                         const RegistrationSettings& settings);
 
 }  // namespace mapless

@@ -11,8 +11,6 @@ namespace mapless {
 namespace {
 
 constexpr std::int64_t kBinsPerScan = 32;
-// Points whose neighbours lie on a line (one ring of the lidar) have no plane.
-constexpr double kMinPlanarity = 0.1;
 
 // Where the point would have been measured at the middle of its bin.
 Eigen::Vector3d at_middle(const TimeBins::Point& point, const Vector6d& varpi) {
@@ -22,10 +20,10 @@ Eigen::Vector3d at_middle(const TimeBins::Point& point, const Vector6d& varpi) {
 
 }  // namespace
 
-TimeBins::TimeBins(const std::vector<Keypoint>& keypoints, Time scan_start, Time earliest) {
+TimeBins::TimeBins(const std::vector<ScanPoint>& keypoints, Time scan_start, Time earliest) {
   const std::int64_t skip_ns = (earliest - scan_start).nanoseconds();
   const auto first = std::find_if(keypoints.begin(), keypoints.end(),
-                                  [&](const Keypoint& keypoint) { return keypoint.time_ns >= skip_ns; });
+                                  [&](const ScanPoint& keypoint) { return keypoint.time_ns >= skip_ns; });
   if (first == keypoints.end()) return;
   const std::int64_t start_ns = first->time_ns;
   const std::int64_t width_ns = (keypoints.back().time_ns - start_ns) / kBinsPerScan + 1;
@@ -35,7 +33,8 @@ TimeBins::TimeBins(const std::vector<Keypoint>& keypoints, Time scan_start, Time
     const Time middle = scan_start + Duration::from_nanoseconds(middle_ns);
     if (bins_.empty() || bins_.back().time != middle)
       bins_.push_back({middle, points_.size(), points_.size()});
-    points_.push_back({keypoint->position_v, static_cast<double>(keypoint->time_ns - middle_ns) * 1e-9});
+    points_.push_back(
+        {keypoint->position_v.cast<double>(), static_cast<double>(keypoint->time_ns - middle_ns) * 1e-9});
     bins_.back().end = points_.size();
   }
 }
@@ -45,11 +44,12 @@ PointResidual point_residual(const Eigen::Vector3d& p_v, const SE3& T_v0, const 
   const Eigen::Vector3d normal_v = T_v0.rotation() * plane.normal_0;
   PointResidual out;
   out.error_m = normal_v.dot(p_v - T_v0 * plane.point_0);
-  if (plane.planarity < kMinPlanarity || !(std::abs(out.error_m) <= weights.gate_m)) return out;
+  if (!(std::abs(out.error_m) <= weights.gate_m)) return out;
   out.a << normal_v, p_v.cross(normal_v);
-  const double scaled = out.error_m / weights.robust_scale_m;
-  const double planar = plane.planarity / weights.sigma_m;
-  out.weight = planar * planar / (1 + scaled * scaled);
+  const double scale = weights.robust_sigmas * weights.robust_sigmas;
+  out.agreement = plane.variance / (plane.variance + out.error_m * out.error_m / scale);
+  out.weight = out.agreement / plane.variance;
+  out.spurious = out.weight * plane.normal_variance;
   return out;
 }
 
@@ -59,10 +59,12 @@ void BinSums::add(const PointResidual& residual) {
   information += weighted * residual.a.transpose();
   gradient -= weighted * residual.error_m;
   weight += residual.weight;
+  agreement += residual.agreement;
+  spurious += residual.spurious;
   ++matched;
 }
 
-std::vector<BinSums> sum_residuals(const TimeBins& bins, const KnotInterval& interval, const VoxelMap& map,
+std::vector<BinSums> sum_residuals(const TimeBins& bins, const KnotInterval& interval, const PlaneMap& map,
                                    const PointWeights& weights) {
   std::vector<BinSums> sums(bins.bins().size());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, sums.size(), 1), [&](const auto& range) {

@@ -4,23 +4,22 @@
 
 #include "odometry/keypoints.hpp"
 #include "odometry/knot_interval.hpp"
-#include "odometry/voxel_map.hpp"
+#include "odometry/plane_map.hpp"
 #include "odometry/window_solver.hpp"
 
 namespace mapless {
 
 /// How distances of points from planes count.
 struct PointWeights {
-  double gate_m;          ///< farther points are not matched
-  double robust_scale_m;  ///< of the Cauchy loss
-  double sigma_m;         ///< standard deviation
+  double gate_m;         ///< farther points are not matched
+  double robust_sigmas;  ///< scale of the Cauchy loss, in standard deviations of the distance
 };
 
 /// Keypoints of a scan, by time, in bins short enough for the motion inside one to be linear.
 class TimeBins {
  public:
   /// `keypoints` by time; those before `earliest` are left out.
-  TimeBins(const std::vector<Keypoint>& keypoints, Time scan_start, Time earliest);
+  TimeBins(const std::vector<ScanPoint>& keypoints, Time scan_start, Time earliest);
 
   struct Bin {
     Time time;          ///< its middle
@@ -43,7 +42,9 @@ class TimeBins {
 struct PointResidual {
   Vector6d a = Vector6d::Zero();
   double error_m = 0;
-  double weight = 0;  ///< information, robust loss and planarity together; 0: not matched
+  double weight = 0;     ///< information and robust loss together; 0: not matched
+  double agreement = 0;  ///< share of the weight that the robust loss leaves, 0 to 1
+  double spurious = 0;   ///< weight x variance of the tilt of the normal
 };
 
 /// Distance of `p_v`, measured at the instant of `T_v0`, from the plane.
@@ -57,6 +58,8 @@ struct BinSums {
   Matrix6d information = Matrix6d::Zero();
   Vector6d gradient = Vector6d::Zero();
   double weight = 0;
+  double agreement = 0;
+  double spurious = 0;
   int matched = 0;
 
   void add(const PointResidual& residual);
@@ -65,7 +68,7 @@ struct BinSums {
 /// Finds a plane for every point and sums their residuals, bin by bin in the order of points: the same bits
 /// for any number of threads.
 [[nodiscard]] std::vector<BinSums> sum_residuals(const TimeBins& bins, const KnotInterval& interval,
-                                                 const VoxelMap& map, const PointWeights& weights);
+                                                 const PlaneMap& map, const PointWeights& weights);
 
 /// Adds the sums of the bins between knots k and k + 1.
 void add_points(const std::vector<BinSums>& sums, std::size_t k, WindowSystem& system);

@@ -72,12 +72,13 @@ TEST(BenchmarkPlan, EveryRunHasAFileOfItsOwn) {
   EXPECT_EQ(stems.size(), jobs.size());
 }
 
-TEST(BenchmarkPlan, OneThresholdMovesAllThreeInProportion) {
+TEST(BenchmarkPlan, OneThresholdMovesAllOthersInProportion) {
   DetectorParameters p;
   p.comparison.error_threshold_m = 0.2;
   p.freespace.backward_threshold_m = 0.2;
   p.freespace.forward_threshold_m = 0.1;
   const DetectorParameters swept = with_error_threshold(p, 0.5);
+  EXPECT_DOUBLE_EQ(swept.voting.tolerance_m, 0.5);
   EXPECT_DOUBLE_EQ(swept.comparison.error_threshold_m, 0.5);
   EXPECT_DOUBLE_EQ(swept.freespace.backward_threshold_m, 0.5);
   EXPECT_DOUBLE_EQ(swept.freespace.forward_threshold_m, 0.25);
@@ -91,7 +92,7 @@ TEST(BenchmarkPlan, AnAblationTakesOneThingAway) {
   PlanOptions options;
   options.quick = true;
   const auto jobs = of_part(make_plan(options), Part::ablation);
-  ASSERT_EQ(jobs.size(), 8u);
+  ASSERT_EQ(jobs.size(), 9u);
   const Job& whole = jobs.front();
   for (std::size_t i = 1; i < jobs.size(); ++i) {
     const bool same_parameters = jobs[i].json()["parameters"] == whole.json()["parameters"];

@@ -68,7 +68,7 @@ TEST_F(BenchmarkTest, GivesPagePlotsAndFiguresOfEveryRun) {
     ++runs[row["job"]["part"]];
     EXPECT_EQ(row["result"]["final"]["scans"], kScans) << row["job"];
   }
-  EXPECT_EQ(runs, (std::map<std::string, int>{{"table", 1}, {"sweep", 5}, {"ablation", 8}}));
+  EXPECT_EQ(runs, (std::map<std::string, int>{{"table", 1}, {"sweep", 5}, {"ablation", 9}}));
   EXPECT_GT(all["rows"][0]["result"]["measures"]["objects"]["of"], 0);
   EXPECT_THAT(result.out, HasSubstr("tunnel"));
   EXPECT_TRUE(fs::is_regular_file(finished() / "plots" / "precision_recall_tunnel.png"));

@@ -82,8 +82,8 @@ TEST(KittiDrive, VanAndCyclistMoveAndTheRestStands) {
   EXPECT_GE(outcome.found_in[0], kScans - 2) << "scans in which the van came out";
   EXPECT_GE(outcome.found_in[1], kScans - 2) << "scans in which the cyclist came out";
   const auto tp = static_cast<double>(outcome.tp);
-  EXPECT_GE(tp / static_cast<double>(outcome.tp + outcome.fp), 0.95) << "precision";
-  EXPECT_GE(tp / static_cast<double>(outcome.tp + outcome.fn), 0.75) << "recall";
+  EXPECT_GE(tp / static_cast<double>(outcome.tp + outcome.fp), 0.98) << "precision";
+  EXPECT_GE(tp / static_cast<double>(outcome.tp + outcome.fn), 0.80) << "recall";
 }
 
 }  // namespace

@@ -28,9 +28,7 @@ class Isotropy : public testing::Test {
     delete street_;
   }
   static std::vector<Detection> detect(const Scans& scans, const Trajectory& trajectory) {
-    DetectorParameters parameters;
-    parameters.region_growth.min_cluster_points = 3;
-    return test::detect_all(scans, trajectory, parameters);
+    return test::detect_all(scans, trajectory, {});
   }
   /// Returns whose traces differ, of all; and that there was something to differ about.
   static double share_that_differs(const std::vector<Detection>& detections) {

@@ -1,4 +1,5 @@
 #include <array>
+#include <cmath>
 #include <vector>
 
 #include <ceres/ceres.h>
@@ -14,7 +15,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr AccelerationDensity kDensity = {10, 1};
-constexpr PointWeights kWeights = {1e3, 0.1, 0.1};  // no gate, which is not a smooth loss
+constexpr PointWeights kWeights = {1e3, 1.4};  // no gate, which is not a smooth loss
 constexpr std::size_t kKnots = 3;
 
 struct Match {
@@ -43,7 +44,7 @@ Problem make_problem() {
     const Vector3d n = Vector3d(normal(generator), normal(generator), normal(generator)).normalized();
     const Vector3d p_0 = interpolate(truth[k], truth[k + 1], t).T_v0.inverse() * p_v;
     const double outlier = i % 10 == 0 ? 0.5 : 0.02;
-    out.matches.push_back({k, t, p_v, {p_0 + outlier * normal(generator) * n, n, 0.7}});
+    out.matches.push_back({k, t, p_v, {p_0 + outlier * normal(generator) * n, n, 0.02, 0}});
   }
   out.prior = {truth[0], 1e4 * Matrix12d::Identity()};
   for (const auto& knot : truth)
@@ -81,7 +82,7 @@ struct PointCost {
   bool operator()(const double* a, const double* b, double* out) const {
     const SE3 T_v0 = interpolate(moved(k1, a), moved(k2, b), match.time).T_v0;
     const Vector3d p_0 = T_v0.inverse() * match.p_v;
-    out[0] = match.plane.planarity / kWeights.sigma_m * match.plane.normal_0.dot(p_0 - match.plane.point_0);
+    out[0] = match.plane.normal_0.dot(p_0 - match.plane.point_0) / std::sqrt(match.plane.variance);
     return true;
   }
 };
@@ -99,11 +100,11 @@ std::vector<TrajectoryKnot> solve_with_ceres(const Problem& p) {
                              nullptr, steps[k].data(), steps[k + 1].data());
   }
   for (const Match& match : p.matches) {
-    const double scale = kWeights.robust_scale_m * match.plane.planarity / kWeights.sigma_m;
     const std::size_t k = match.interval;
     problem.AddResidualBlock(new ceres::NumericDiffCostFunction<PointCost, ceres::CENTRAL, 1, 12, 12>(
                                  new PointCost{match, p.guess[k], p.guess[k + 1]}),
-                             new ceres::CauchyLoss(scale), steps[k].data(), steps[k + 1].data());
+                             new ceres::CauchyLoss(kWeights.robust_sigmas), steps[k].data(),
+                             steps[k + 1].data());
   }
   ceres::Solver::Options options;
   options.max_num_iterations = 200;

@@ -10,12 +10,12 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr PointWeights kWeights = {0.5, 0.1, 0.1};
+constexpr PointWeights kWeights = {0.5, 2.5};
 
 MapPlane random_plane(std::mt19937& generator, const Vector3d& near_0) {
   std::normal_distribution<double> normal;
   const Vector3d n = Vector3d(normal(generator), normal(generator), normal(generator)).normalized();
-  return {near_0 + 0.05 * normal(generator) * n + n.unitOrthogonal(), n, 0.8};
+  return {near_0 + 0.05 * normal(generator) * n + n.unitOrthogonal(), n, 0.01, 0};
 }
 
 Vector3d random_point(std::mt19937& generator) {
@@ -70,8 +70,11 @@ TEST(TimeBins, SixtyFourPointsAtOneStampCountSixtyFourTimes) {
 }
 
 TEST(TimeBins, HoldEveryPointOnceInShortBins) {
-  std::vector<Keypoint> keypoints;
-  for (int i = 0; i < 1000; ++i) keypoints.push_back({Vector3d(i, 0, 0), 100'000LL * i});
+  std::vector<ScanPoint> keypoints;
+  for (int i = 0; i < 1000; ++i) {
+    const auto x = static_cast<float>(i);
+    keypoints.push_back({{x, 0, 0}, x, 100'000 * i, 0, static_cast<std::uint32_t>(i)});
+  }
   const Time start = Time::from_seconds(5);
   const TimeBins bins(keypoints, start, start + Duration::from_seconds(0.01));
   EXPECT_EQ(bins.points().size(), 900u);
@@ -89,12 +92,14 @@ TEST(TimeBins, HoldEveryPointOnceInShortBins) {
   EXPECT_EQ(next, 900u);
 }
 
-TEST(TimeBins, OutliersAndLinesDoNotCount) {
-  MapPlane plane = {Vector3d::Zero(), Vector3d::UnitZ(), 0.8};
-  EXPECT_GT(point_residual({0, 0, 0.4}, SE3(), plane, kWeights).weight, 0);
-  EXPECT_EQ(point_residual({0, 0, 0.6}, SE3(), plane, kWeights).weight, 0);
-  plane.planarity = 0.01;
-  EXPECT_EQ(point_residual({0, 0, 0.1}, SE3(), plane, kWeights).weight, 0);
+// Weight as of the Cauchy loss k^2/2 log(1 + r^2/k^2) of r = error / sigma, divided by sigma^2.
+TEST(TimeBins, WeightsAreThoseOfTheNoiseAndTheCauchyLoss) {
+  const MapPlane plane = {Vector3d::Zero(), Vector3d::UnitZ(), 0.04, 0};
+  EXPECT_NEAR(point_residual({0, 0, 0}, SE3(), plane, kWeights).weight, 25, 1e-12);
+  const PointResidual off = point_residual({3, -2, 0.4}, SE3(), plane, kWeights);
+  EXPECT_NEAR(off.weight, 25 / (1 + 2 * 2 / (2.5 * 2.5)), 1e-12);
+  EXPECT_NEAR(off.agreement, 1 / (1 + 2 * 2 / (2.5 * 2.5)), 1e-12);
+  EXPECT_EQ(point_residual({0, 0, 0.6}, SE3(), plane, kWeights).weight, 0) << "beyond the gate";
 }
 
 }  // namespace

@@ -87,6 +87,7 @@ class JobRun {
   }
 
   void finish_scan(const Detection& detection) {
+    motion_.leave_out(detection);
     const std::size_t k = detection.sequence_number;
     const auto truth = dataset_.read_labels(k).value();
     for (std::size_t s = 0; s < kStageCount; ++s) {

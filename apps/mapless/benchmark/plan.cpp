@@ -128,8 +128,14 @@ std::vector<Job> ablations(const Job& plain) {
   add("rays not compensated", p, Compensation::not_of_rays);
   add("neither compensated", p, Compensation::none);
   add("no forward check", with(p, {"forward_gap", "0"}));
-  add("no box filter", with(p, {"box_filter.score_threshold", "12"}));
-  add("no growth", with(p, {"region_growth.max_growth_m", "0"}));
+  if (p.method == DetectionMethodChoice::voting) {
+    add("one earlier scan", with(with(p, {"voting.references", "1"}), {"voting.first_gap", "8"}));
+    add("no support filter", with(p, {"voting.seed_score", "0"}));
+    add("no growth", with(p, {"voting.grow", "false"}));
+  } else {
+    add("no box filter", with(p, {"box_filter.score_threshold", "12"}));
+    add("no growth", with(p, {"region_growth.max_growth_m", "0"}));
+  }
   add("paper profile", detector_profile("paper"));
   return jobs;
 }
@@ -189,7 +195,8 @@ DetectorParameters with_error_threshold(DetectorParameters p, double threshold_m
   const double scale = threshold_m / p.comparison.error_threshold_m;
   const auto references = parameter_references(p);
   for (const auto& [key, value] :
-       {std::pair("comparison.error_threshold_m", threshold_m),
+       {std::pair("voting.tolerance_m", threshold_m),
+        {"comparison.error_threshold_m", threshold_m},
         {"freespace.backward_threshold_m", p.freespace.backward_threshold_m * scale},
         {"freespace.forward_threshold_m", p.freespace.forward_threshold_m * scale}})
     assign_parameter(references, key, fmt::format("{}", value), "sweep");

@@ -1,13 +1,11 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <memory>
 #include <optional>
 #include <vector>
 
 #include <mapless/detection/parameters.hpp>
-#include <mapless/detection/prepared_scan.hpp>
 #include <mapless/detection/stages.hpp>
 #include <mapless/trajectory/trajectory.hpp>
 
@@ -46,12 +44,13 @@ struct Detection {
   [[nodiscard]] bool dynamic(std::size_t i) const { return object[i] != 0; }
 };
 
+class DetectionMethod;
+
 /// Tells, online, which returns of each scan belong to things that move now (arXiv 1809.06972).
 ///
 /// Scans go in one by one, by increasing time. The detection of a scan comes out `latency()` scans later,
-/// because the forward freespace check looks at a later scan; `flush` gives the rest, checked against the
-/// last scan there is. While the recording is younger than scan_gap, the reference
-/// scan is the first scan or the later one, whichever is farther off; a scan with neither is static
+/// because a later scan is asked too; `flush` gives the rest, checked against the last scan there is. While
+/// the recording is young, what earlier scans there are answer; a scan with none, and no later one, is static
 /// throughout.
 class Detector {
  public:
@@ -72,20 +71,13 @@ class Detector {
   [[nodiscard]] const DetectorParameters& parameters() const { return parameters_; }
 
  private:
-  struct BufferedScan;
-  [[nodiscard]] std::shared_ptr<const BufferedScan> prepare(std::shared_ptr<const LidarScan> scan,
-                                                            const Trajectory& trajectory) const;
-  [[nodiscard]] Detection detect(const PreparedScan& query, const PreparedScan* reference,
-                                 const PreparedScan* other) const;
-  std::optional<Detection> next(const PreparedScan* later);
-  [[nodiscard]] std::size_t first_number() const { return next_number_ - buffer_.size(); }
-  [[nodiscard]] const BufferedScan& buffered(std::size_t number) const;
-  [[nodiscard]] const PreparedScan& scan_number(std::size_t number) const;
+  Detection next(std::optional<std::size_t> later);
 
   DetectorParameters parameters_;
-  std::deque<std::shared_ptr<const BufferedScan>> buffer_;  // consecutive scans, oldest first
-  std::size_t next_number_ = 0;                             // of the next scan in
-  std::size_t next_detection_ = 0;                          // of the next detection out
+  std::unique_ptr<DetectionMethod> method_;
+  Time newest_start_;
+  std::size_t next_number_ = 0;     // of the next scan in
+  std::size_t next_detection_ = 0;  // of the next detection out
 };
 
 }  // namespace mapless

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <span>
 #include <string_view>
 #include <tuple>
 
@@ -126,10 +128,82 @@ struct RegionGrowthParameters {
   }
 };
 
+/// How the detector decides: freespace voting over many scans, or the five steps as published.
+enum class DetectionMethodChoice { voting, published };
+inline constexpr std::array<std::string_view, 2> kDetectionMethodNames = {"voting", "published"};
+constexpr std::span<const std::string_view> choice_names(DetectionMethodChoice) {
+  return kDetectionMethodNames;
+}
+
+/// Method "voting": every point is put to several earlier scans and a later one.
+struct VotingParameters {
+  int references = 5;
+  int first_gap = 2;
+  double tolerance_m = 0.2;
+  double max_ray_distance_m = 0.1;
+  double max_ray_distance_spacings = 0.25;
+  int window_columns = 5;
+  double link_m = 0.12;
+  double link_per_m = 0.015;
+  double link_spacings = 1.5;
+  double vacated_m = 2.0;
+  int seed_score = 48;
+  int min_seeds = 3;
+  bool grow = true;
+  double min_recent_share = 0.1;
+
+  static constexpr auto declarations() {
+    using P = VotingParameters;
+    return std::tuple{
+        declare(&P::references, "references", "scans", 1, 10,
+                "how many earlier scans are asked; each lies twice as far back as the one before",
+                "paper step 2, 3"),
+        declare(&P::first_gap, "first_gap", "scans", 1, 100, "how far back the first of them lies",
+                "paper step 2"),
+        declare(&P::tolerance_m, "tolerance_m", "m", 0.001, 10.0,
+                "a ray that ends this near a point's range ends on its surface", "paper step 3"),
+        declare(&P::max_ray_distance_m, "max_ray_distance_m", "m", 0.0, 10.0,
+                "the nearest ray speaks for a point within max_ray_distance_m + max_ray_distance_spacings x "
+                "laser spacing x range",
+                "method.md 2"),
+        declare(&P::max_ray_distance_spacings, "max_ray_distance_spacings", "laser spacings", 0.0, 100.0,
+                "see max_ray_distance_m", "method.md 2"),
+        declare_odd(&P::window_columns, "window_columns", "columns", 1, 31,
+                    "how many firings of the lasers above and below a point are looked at", "method.md 2"),
+        declare(&P::vacated_m, "vacated_m", "m", 0.0, 100.0,
+                "a point that was hidden then by something at most this far from it that has left since may "
+                "be that thing, moving away",
+                "docs/method.md"),
+        declare(&P::link_m, "link_m", "m", 0.001, 10.0,
+                "neighbours in the scan image belong together within link_m + range x (the larger of "
+                "link_per_m and link_spacings x laser spacing)",
+                "paper step 5; method.md 2"),
+        declare(&P::link_per_m, "link_per_m", "m/m", 0.0, 1.0, "see link_m", "method.md 2"),
+        declare(&P::link_spacings, "link_spacings", "laser spacings", 0.0, 100.0, "see link_m",
+                "method.md 2"),
+        declare(&P::seed_score, "seed_score", "votes", 0, 1000,
+                "the votes of a point and its neighbours, summed, that make it a seed (a scan that saw "
+                "through has 4): a few votes of one point alone are border effects",
+                "paper step 4"),
+        declare(&P::min_seeds, "min_seeds", "points", 1, 10000,
+                "a cluster of fewer seeds is static and does not grow", "method.md 2"),
+        declare(&P::grow, "grow",
+                "seeds grow over linked points that some scan saw through, whatever the others say",
+                "paper step 5"),
+        declare(&P::min_recent_share, "min_recent_share", "", 0.0, 1.0,
+                "share of an object's points that one of the nearest scans must have seen through: what "
+                "has stopped is static",
+                "docs/method.md"),
+    };
+  }
+};
+
 /// Everything the detector can be told.
 struct DetectorParameters {
+  DetectionMethodChoice method = DetectionMethodChoice::voting;
+  int forward_gap = 1;
+  VotingParameters voting;
   int scan_gap = 8;
-  int forward_gap = 2;
   NormalParameters normals;
   ComparisonParameters comparison;
   FreespaceParameters freespace;
@@ -139,6 +213,11 @@ struct DetectorParameters {
   static constexpr auto declarations() {
     using P = DetectorParameters;
     return std::tuple{
+        declare(&P::method, "method",
+                "voting: every point is put to several earlier scans and a later one; published: the five "
+                "steps of the paper, which alone use scan_gap, normals, comparison, freespace, box_filter "
+                "and region_growth",
+                "paper; docs/method.md"),
         declare(&P::scan_gap, "scan_gap", "scans", 1, 100,
                 "the reference scan is this many scans before the query scan; at the start of a recording "
                 "the first scan, or "
@@ -149,6 +228,7 @@ struct DetectorParameters {
                 "latency; "
                 "0: causal, no forward check",
                 "paper step 3"),
+        group(&P::voting, "voting"),
         group(&P::normals, "normals"),
         group(&P::comparison, "comparison"),
         group(&P::freespace, "freespace"),

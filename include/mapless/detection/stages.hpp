@@ -21,7 +21,13 @@ enum class FreespaceVerdict : std::uint8_t {
 enum class BoxVerdict : std::uint8_t { not_asked, kept, removed };
 
 /// What clustering and region growth said of a point.
-enum class GrowthVerdict : std::uint8_t { not_reached, seed, grown, too_small };
+enum class GrowthVerdict : std::uint8_t {
+  not_reached,
+  seed,
+  grown,
+  too_small,  ///< too few seeds
+  stopped     ///< its object moved, but not lately (method "voting")
+};
 
 /// Every stage's verdict on one point.
 struct StageTrace {
@@ -47,8 +53,9 @@ inline constexpr std::array<std::string_view, kStageCount> kStageNames = {
       return t.comparison == ComparisonVerdict::dynamic;
     case Stage::backward:
       return t.backward == FreespaceVerdict::inside;
-    case Stage::forward:
-      return t.backward == FreespaceVerdict::inside || t.forward == FreespaceVerdict::inside;
+    case Stage::forward:  // its verdict stands where it was asked
+      return t.forward == FreespaceVerdict::inside ||
+             (t.forward == FreespaceVerdict::not_asked && t.backward == FreespaceVerdict::inside);
     case Stage::box_filter:
       return t.box == BoxVerdict::kept;
     case Stage::region_growth:

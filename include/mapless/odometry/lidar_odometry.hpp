@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -61,6 +62,11 @@ class LidarOdometry {
   /// its own start: it tells how fast the first was. Throws InputError for a scan that starts before the last
   /// one or ends within it, or was compensated by somebody else; the odometry is then as before the call.
   OdometryUpdate process(const std::shared_ptr<const LidarScan>& scan);
+
+  /// Takes what the map has of moving things out of it again, as a detector finds them: `object` has one
+  /// element per return of `scan`, not 0 for a return of something that moves (Detection::object). Nothing
+  /// happens for a scan that is not among the last ten, or whose returns are not so many.
+  void leave_out(const LidarScan& scan, const std::vector<std::uint16_t>& object);
 
   /// False until the motion during the first scan is known (see process).
   [[nodiscard]] bool started() const;

@@ -8,22 +8,26 @@ namespace mapless {
 
 /// Everything the lidar odometry can be told.
 struct OdometryParameters {
+  int max_scan_points = 12000;
   double keypoint_voxel_m = 1.5;
-  int min_keypoints = 800;
+  int min_keypoints = 1500;
   double min_range_m = 1.0;
   double map_radius_m = 100.0;
   double gate_m = 0.5;
-  double robust_scale_m = 0.1;
-  double residual_sigma_m = 0.1;
-  double acceleration_density_translation = 10.0;
-  double acceleration_density_rotation = 1.0;
+  double robust_sigmas = 2.5;
+  double residual_sigma_m = 0.02;
+  double acceleration_density_translation = 0.03;
+  double acceleration_density_rotation = 0.01;
   int max_iterations = 15;
-  double min_matched_share = 0.2;
-  double min_direction_share = 0.005;
+  double min_matched_share = 0.05;
+  double min_direction_share = 0.0001;
 
   static constexpr auto declarations() {
     using P = OdometryParameters;
     return std::tuple{
+        declare(&P::max_scan_points, "max_scan_points", "points", 500, 1000000,
+                "of a scan with more returns about so many are used, near surfaces thinned most",
+                "method.md 6"),
         declare(&P::keypoint_voxel_m, "keypoint_voxel_m", "m", 0.1, 10.0,
                 "registration uses one point per cube of this size; smaller where that gives too few",
                 "method.md 6"),
@@ -35,13 +39,12 @@ struct OdometryParameters {
                 "the map forgets what is farther from the sensor", "method.md 3"),
         declare(&P::gate_m, "gate_m", "m", 0.01, 10.0, "a point farther from its plane is not matched",
                 "method.md 3"),
-        declare(&P::robust_scale_m, "robust_scale_m", "m", 0.001, 10.0,
-                "scale of the Cauchy loss on the distance from the plane", "method.md 3"),
-        declare(
-            &P::residual_sigma_m, "residual_sigma_m", "m", 0.001, 10.0,
-            "standard deviation of the distance of a matched point from its plane, which weighs the points "
-            "against the prior",
-            "method.md 3"),
+        declare(&P::robust_sigmas, "robust_sigmas", "", 0.1, 1000.0,
+                "scale of the Cauchy loss, in standard deviations of the distance from the plane",
+                "method.md 3"),
+        declare(&P::residual_sigma_m, "residual_sigma_m", "m", 0.001, 10.0,
+                "expected standard deviation of points from their plane: the noise of the ranges",
+                "method.md 6"),
         declare(&P::acceleration_density_translation, "acceleration_density_translation", "m^2/s^3", 1e-6,
                 1e6, "power spectral density Qc of the white noise on linear acceleration", "method.md 3"),
         declare(&P::acceleration_density_rotation, "acceleration_density_rotation", "rad^2/s^3", 1e-6, 1e6,

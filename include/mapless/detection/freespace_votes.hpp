@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include <mapless/detection/parameters.hpp>
+#include <mapless/detection/ray_image.hpp>
+
+namespace mapless {
+
+/// A scan's points about an origin near them, so that single precision holds them to a fraction of a
+/// millimetre wherever in the world they are.
+struct LocalPoints {
+  Eigen::Vector3d origin_0;             ///< where the sensor was at the scan's start
+  std::vector<Eigen::Vector3f> points;  ///< one per return, minus origin_0 [m]
+};
+[[nodiscard]] LocalPoints local_points(const CompensatedScan& scan);
+
+/// A scan that is asked about another: so many scans before it, or after it where `gap` is below 0.
+struct AskedScan {
+  const RayImage* image = nullptr;
+  int gap = 1;
+};
+
+/// What a scan's answer counts.
+///
+/// - It saw through the point's place: kSeenThroughVotes. What stands never looks like that, but for border
+///   effects.
+/// - It saw a surface there: 1 vote against for the nearest scans up to kMostSurfaceVotes for the farthest
+///   (surface_votes). Slow things and surfaces that slide within themselves are where they were a moment ago,
+///   and not where they were seconds ago.
+/// - Something hid the place that has left its own since, as the scan asked about shows, and that was no
+///   farther off than VotingParameters::vacated_m: kVacatedVotes. It is the thing itself, moving away.
+/// - Else it could not see: none.
+inline constexpr int kSeenThroughVotes = 4;
+inline constexpr int kVacatedVotes = 2;
+inline constexpr int kMostSurfaceVotes = 4;
+[[nodiscard]] int surface_votes(int gap);
+/// A scan no farther off than this tells whether something moves now; where all are farther, the nearest
+/// does.
+inline constexpr int kRecentGap = 4;
+
+/// The sum of what other scans say of one point.
+struct PointVotes {
+  std::int16_t earlier = 0;   ///< of the earlier scans
+  std::int16_t later = 0;     ///< of the later scan
+  bool seen_through = false;  ///< some scan saw through, or saw it leave another place
+  bool surface_seen = false;  ///< some scan saw a surface
+  bool recently = false;      ///< seen_through by a scan that tells whether something moves now
+
+  [[nodiscard]] int total() const { return earlier + later; }
+};
+
+/// Puts every point of a scan, whose own rays are `own`, to the scans `asked`. One element per return. Point
+/// by point this is the freespace check of paper step 3; the comparison of step 2 is its border answer.
+[[nodiscard]] std::vector<PointVotes> collect_votes(const LidarScan& scan, const LocalPoints& points,
+                                                    const std::vector<AskedScan>& asked, const RayImage& own,
+                                                    const VotingParameters& parameters);
+
+}  // namespace mapless

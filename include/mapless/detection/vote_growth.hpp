@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <mapless/detection/freespace_votes.hpp>
+#include <mapless/detection/region_growth.hpp>
+
+namespace mapless {
+
+/// The place of paper step 4 in method "voting": whether the votes of a point and of its linked neighbours in
+/// the 3 x 5 window of the aligned scan image sum to seed_score or more. Not asked of points whose own votes
+/// are not above 0.
+[[nodiscard]] std::vector<BoxVerdict> filter_votes(const LidarScan& scan, const LocalPoints& points,
+                                                   const std::vector<PointVotes>& votes,
+                                                   const VotingParameters& parameters);
+
+/// The place of paper step 5: clusters of fewer than min_seeds `seeds` (kept by filter_votes) are dropped;
+/// the others grow over linked points that any scan saw through, and fill holes: points that five or more of
+/// their linked neighbours in the 3 x 5 window surround, unless the votes against them are more than those of
+/// two scans that saw through. What is linked is one object, numbered in the order of its first point; one of
+/// which less than min_recent_share of the points were seen through `recently` has stopped, and has no
+/// number.
+[[nodiscard]] RegionGrowthResult grow_votes(const LidarScan& scan, const LocalPoints& points,
+                                            const std::vector<PointVotes>& votes,
+                                            const std::vector<BoxVerdict>& seeds,
+                                            const VotingParameters& parameters);
+
+}  // namespace mapless

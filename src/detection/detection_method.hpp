@@ -1,0 +1,25 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include <mapless/detection/detector.hpp>
+
+namespace mapless {
+
+/// How scans are remembered and judged; Detector says when. Scans are numbered from 0 in the order they come.
+class DetectionMethod {
+ public:
+  virtual ~DetectionMethod() = default;
+  /// Takes the next scan. Throws TrajectoryDomainError, and has then not taken it.
+  virtual void add(std::shared_ptr<const LidarScan> scan, const Trajectory& trajectory) = 0;
+  /// The detection of scan `number`, with the help of scan `later` (none: the recording ends). Scans come by
+  /// increasing number, each once.
+  virtual Detection detect(std::size_t number, std::optional<std::size_t> later) = 0;
+};
+
+/// Freespace voting, and the five steps as published.
+std::unique_ptr<DetectionMethod> make_voting_method(const DetectorParameters& parameters);
+std::unique_ptr<DetectionMethod> make_published_method(const DetectorParameters& parameters);
+
+}  // namespace mapless

@@ -1,0 +1,269 @@
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <mapless/detection/ray_image.hpp>
+
+namespace mapless {
+namespace {
+
+using Eigen::Matrix3f;
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+
+// Lasers whose origins differ less than this in height are of one bank: from 4 m on the parallax between
+// them is below the spacing of any sensor's beams, and nearer the order of two lasers matters little.
+constexpr float kBankHeight_m = 0.03F;
+constexpr int kStepsPerLaser = 8;  // of a bank's table
+constexpr int kMaxIterations = 12;
+constexpr float kFarAside = 2;  // a firing that many columns off does not speak for a point
+constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+
+// atan2(y, x); mostly the guess is good and the angle small, where a few terms of the series are exact to
+// 1e-6 rad.
+float angle_of(float y, float x) {
+  if (x > 0 && std::abs(y) < 0.15F * x) {
+    const float t = y / x;
+    const float t2 = t * t;
+    return t * (1 - t2 * (1 / 3.0F - t2 * (1 / 5.0F - t2 / 7.0F)));
+  }
+  return std::atan2(y, x);
+}
+
+// Of a number above -0.5; the library's own is a call.
+int rounded(float x) { return static_cast<int>(x + 0.5F); }
+
+float range_of_cell(const LidarScan& scan, std::int32_t cell) {
+  switch (code_of_cell(cell)) {
+    case ReturnCode::hit:
+      return scan.returns[static_cast<std::size_t>(cell)].range_m;
+    case ReturnCode::nothing:
+      return static_cast<float>(scan.model->max_range_m);
+    case ReturnCode::faulty:
+    case ReturnCode::absent:
+      break;
+  }
+  return kNone;
+}
+
+}  // namespace
+
+RayImage::RayImage(const CompensatedScan& scan) : model_(scan.scan->model) {
+  column_T_h0_.reserve(scan.column_states.size());
+  for (std::size_t c = 0; c < scan.column_states.size(); ++c) {
+    const SE3 T_hv(rotation_z(-model_->hub_angle(static_cast<double>(c))), Vector3d::Zero());
+    column_T_h0_.push_back(T_hv * scan.column_states[c].T_v0);
+  }
+  ranges_m_.reserve(scan.scan->cells.size());
+  for (const std::int32_t cell : scan.scan->cells) ranges_m_.push_back(range_of_cell(*scan.scan, cell));
+}
+
+FreespaceProbe::FreespaceProbe(const RayImage& image, const Vector3d& origin_0,
+                               const VotingParameters& parameters)
+    : image_(image),
+      parameters_(parameters),
+      columns_per_rad_(
+          static_cast<float>(image.model().sign() * image.model().columns / (2 * std::numbers::pi))) {
+  make_poses(origin_0);
+  make_beams();
+  make_banks();
+}
+
+void FreespaceProbe::make_poses(const Vector3d& origin_0) {
+  poses_.reserve(static_cast<std::size_t>(image_.columns()));
+  for (int c = 0; c < image_.columns(); ++c) {
+    const SE3& T_h0 = image_.column_T_h0(c);
+    poses_.push_back({T_h0.rotation().cast<float>(), (T_h0 * origin_0).cast<float>()});
+  }
+}
+
+void FreespaceProbe::make_beams() {
+  const auto& lasers = image_.model().lasers;
+  for (std::size_t l = 0; l < lasers.size(); ++l) {
+    const double below = l > 0 ? lasers[l].elevation_rad - lasers[l - 1].elevation_rad : 0;
+    const double above = l + 1 < lasers.size() ? lasers[l + 1].elevation_rad - lasers[l].elevation_rad : 0;
+    const double azimuth = lasers[l].azimuth_offset_rad;
+    const Vector3d origin_l = rotation_z(-azimuth) * lasers[l].origin_h_m;
+    beams_.push_back({{static_cast<float>(std::cos(azimuth)), static_cast<float>(std::sin(azimuth))},
+                      {static_cast<float>(std::cos(lasers[l].elevation_rad)),
+                       static_cast<float>(std::sin(lasers[l].elevation_rad))},
+                      origin_l.cast<float>(),
+                      static_cast<float>(-azimuth) * columns_per_rad_,
+                      static_cast<float>(std::max(below, above))});
+  }
+}
+
+void FreespaceProbe::make_banks() {
+  const auto& lasers = image_.model().lasers;
+  for (std::size_t l = 0; l < lasers.size(); ++l) {
+    const auto height = static_cast<float>(lasers[l].origin_h_m.z());
+    auto bank = std::find_if(banks_.begin(), banks_.end(),
+                             [&](const Bank& b) { return std::abs(b.height_m - height) < kBankHeight_m; });
+    if (bank == banks_.end()) bank = banks_.insert(bank, Bank{height, {}, {}, {}, 0});
+    bank->lasers.push_back(static_cast<int>(l));
+    bank->slopes.push_back(static_cast<float>(std::tan(lasers[l].elevation_rad)));
+  }
+  for (Bank& bank : banks_) {
+    const std::size_t steps = kStepsPerLaser * bank.slopes.size();
+    const float range = std::max(bank.slopes.back() - bank.slopes.front(), 1e-3F);
+    bank.steps_per_slope = static_cast<float>(steps) / range;
+    for (std::size_t k = 0; k <= steps; ++k) {
+      const float slope = bank.slopes.front() + static_cast<float>(k) / bank.steps_per_slope;
+      const auto first = std::lower_bound(bank.slopes.begin(), bank.slopes.end(), slope);
+      bank.at_least.push_back(static_cast<int>(first - bank.slopes.begin()));
+    }
+  }
+}
+
+int FreespaceProbe::Bank::below(float slope) const {
+  const float step = (slope - slopes.front()) * steps_per_slope;
+  if (!(step > 0)) return 0;
+  const auto last = static_cast<float>(at_least.size() - 1);
+  int count = at_least[static_cast<std::size_t>(std::min(step, last))];
+  while (count < static_cast<int>(slopes.size()) && slopes[static_cast<std::size_t>(count)] < slope) ++count;
+  return count;
+}
+
+void FreespaceProbe::Bracket::take(const Sighting& s) {
+  if (!s.found()) return;
+  Sighting& side = s.height_m < 0 ? above : below;
+  if (!side.found() || std::abs(s.height_m) < std::abs(side.height_m)) side = s;
+}
+
+const FreespaceProbe::Sighting& FreespaceProbe::Bracket::nearest() const {
+  if (!above.found()) return below;
+  if (!below.found()) return above;
+  return -above.height_m < below.height_m ? above : below;
+}
+
+// The column at which the hub's x axis points at q. A scan is a little more or less than a turn in the world:
+// where a direction occurs twice, at its start and its end, either will do; where not at all, there is none.
+bool FreespaceProbe::find_column(const Vector3f& q, float& column, Vector3f& q_h) const {
+  const auto last = static_cast<float>(image_.columns() - 1);
+  const auto turn = std::abs(columns_per_rad_) * 2 * std::numbers::pi_v<float>;
+  bool crossed = false;
+  for (int i = 0; i < kMaxIterations; ++i) {
+    const int at = rounded(std::clamp(column, 0.0F, last));
+    q_h = poses_[static_cast<std::size_t>(at)] * q;
+    const float next = static_cast<float>(at) + angle_of(q_h.y(), q_h.x()) * columns_per_rad_;
+    if (next >= -0.5F && next < last + 0.5F) {
+      const bool settled = std::abs(next - static_cast<float>(at)) < 0.75F;
+      column = next;
+      if (settled) return true;
+    } else {
+      if (crossed) return false;
+      crossed = true;
+      column = next < 0 ? next + turn : next - turn;
+    }
+  }
+  return false;
+}
+
+// q in the frame of a laser at the instant of a column: beam along x.
+Vector3f FreespaceProbe::in_laser(const Vector3f& q, const Beam& beam, int column) const {
+  const Vector3f q_h = poses_[static_cast<std::size_t>(column)] * q;
+  const float ahead = beam.azimuth.x() * q_h.x() + beam.azimuth.y() * q_h.y() - beam.origin.x();
+  const float left = beam.azimuth.x() * q_h.y() - beam.azimuth.y() * q_h.x() - beam.origin.y();
+  const float up = q_h.z() - beam.origin.z();
+  return {beam.elevation.x() * ahead + beam.elevation.y() * up, left,
+          beam.elevation.x() * up - beam.elevation.y() * ahead};
+}
+
+FreespaceProbe::Sighting FreespaceProbe::sight(const Vector3f& q, int laser, float column,
+                                               float columns_per_m) const {
+  const Beam& beam = beams_[static_cast<std::size_t>(laser)];
+  const int columns = image_.columns();
+  float pointing = column + beam.offset_columns - beam.origin.y() * columns_per_m;
+  if (pointing < -0.5F) pointing += static_cast<float>(columns);
+  int at = rounded(pointing);
+  if (at >= columns) at -= columns;
+  Vector3f q_l = in_laser(q, beam, at);
+  // The way the sensor went since the hub pointed there turns the beam a little off.
+  const float off = q_l.y() * columns_per_m;
+  if (std::abs(off) > 0.75F) {
+    at = rounded(std::clamp(static_cast<float>(at) + off, 0.0F, static_cast<float>(columns - 1)));
+    q_l = in_laser(q, beam, at);
+  }
+  // Near the seam a laser's own firing may lie beyond the scan's end.
+  if (q_l.x() <= 0 || std::abs(q_l.y() * columns_per_m) > kFarAside) return {};
+  return {laser, at, q_l.x(), q_l.z()};
+}
+
+FreespaceProbe::Bracket FreespaceProbe::bracket(const Vector3f& q, float column, const Vector3f& q_h) const {
+  const float horizontal = std::max(std::sqrt(q_h.x() * q_h.x() + q_h.y() * q_h.y()), 0.1F);
+  const float columns_per_m = columns_per_rad_ / horizontal;
+  Bracket bracket;
+  for (const Bank& bank : banks_) {
+    const int size = static_cast<int>(bank.lasers.size());
+    const int first = bank.below((q_h.z() - bank.height_m) / horizontal);
+    const auto passes_above = [&](int k) {
+      const Sighting s = sight(q, bank.lasers[static_cast<std::size_t>(k)], column, columns_per_m);
+      bracket.take(s);
+      return s.found() && s.height_m < 0;
+    };
+    // The first one mostly; near the sensor the lasers' places count too.
+    int k = first - 1;
+    while (k >= 0 && passes_above(k)) --k;
+    k = first;
+    while (k < size && !passes_above(k)) ++k;
+  }
+  return bracket;
+}
+
+// How far the nearest beam may pass from a point and still speak for it.
+float FreespaceProbe::reach_m(const Bracket& bracket) const {
+  const Sighting& s = bracket.nearest();
+  const float spacing = beams_[static_cast<std::size_t>(s.laser)].spacing_rad;
+  return static_cast<float>(parameters_.max_ray_distance_m) +
+         static_cast<float>(parameters_.max_ray_distance_spacings) * spacing * s.range_m;
+}
+
+void FreespaceProbe::look_around(const Sighting& s, bool is_nearest, Window& window) const {
+  const auto tolerance = static_cast<float>(parameters_.tolerance_m);
+  const int half = parameters_.window_columns / 2;
+  const int last = std::min(s.column + half, image_.columns() - 1);
+  for (int c = std::max(s.column - half, 0); c <= last; ++c) {
+    const float range = image_.range_m(s.laser, c);  // NaN is neither
+    if (range < s.range_m - tolerance) {
+      window.hides = true;
+    } else if (range <= s.range_m + tolerance) {
+      window.border = true;
+    }
+  }
+  if (is_nearest) window.nearest_range_m = image_.range_m(s.laser, s.column);
+}
+
+FreespaceProbe::Answer FreespaceProbe::look(const Vector3f& q, float& column) const {
+  Vector3f q_h;
+  if (!find_column(q, column, q_h)) return {};
+  const Bracket rays = bracket(q, column, q_h);
+  const Sighting& nearest = rays.nearest();
+  if (!nearest.found() || std::abs(nearest.height_m) > reach_m(rays)) return {};
+  Window window;
+  if (rays.above.found()) look_around(rays.above, &nearest == &rays.above, window);
+  if (rays.below.found()) look_around(rays.below, &nearest == &rays.below, window);
+  const auto answer = [&](FreespaceVerdict verdict) {
+    return Answer{verdict, nearest.laser, nearest.column};
+  };
+  if (window.border) return answer(FreespaceVerdict::border);
+  if (std::isnan(window.nearest_range_m)) return answer(FreespaceVerdict::unobserved);
+  if (window.nearest_range_m < nearest.range_m) return answer(FreespaceVerdict::outside);
+  return answer(window.hides ? FreespaceVerdict::border : FreespaceVerdict::inside);
+}
+
+bool FreespaceProbe::ended(const Answer& answer) const {
+  return image_.range_m(answer.laser, answer.column) < static_cast<float>(image_.model().max_range_m);
+}
+
+Vector3f FreespaceProbe::endpoint(int laser, int column) const {
+  const Beam& beam = beams_[static_cast<std::size_t>(laser)];
+  const Pose& pose = poses_[static_cast<std::size_t>(column)];
+  const float range = image_.range_m(laser, column);
+  const float ahead = beam.origin.x() + beam.elevation.x() * range;
+  const Vector3f p_h(beam.azimuth.x() * ahead - beam.azimuth.y() * beam.origin.y(),
+                     beam.azimuth.y() * ahead + beam.azimuth.x() * beam.origin.y(),
+                     beam.origin.z() + beam.elevation.y() * range);
+  return pose.rotation.transpose() * (p_h - pose.translation);
+}
+
+}  // namespace mapless

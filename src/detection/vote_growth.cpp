@@ -1,0 +1,158 @@
+#include <algorithm>
+#include <limits>
+
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/parallel_for.h>
+
+#include "detection/linked_neighbours.hpp"
+#include <mapless/detection/vote_growth.hpp>
+
+namespace mapless {
+namespace {
+
+// A label has 16 bits for its object; objects beyond share the last number rather than turn static.
+constexpr int kMaxObjectNumber = std::numeric_limits<std::uint16_t>::max();
+
+// Windows of the scan image, half sizes: a point's support comes from its immediate neighbours; clusters and
+// growth step over a laser or a few firings that hit something in front.
+constexpr int kSupportRows = 1, kSupportColumns = 2;
+constexpr int kLinkRows = 2, kLinkColumns = 4;
+
+// Holes are filled where more than a third of the support window is dynamic, twice, but for points against
+// which there are more votes than two scans that see through would make good.
+constexpr int kFillNeighbours = 5, kFillRounds = 2, kFirmlyStatic = -2 * kSeenThroughVotes;
+
+class VoteGrowth {
+ public:
+  VoteGrowth(const LinkedNeighbours& neighbours, const std::vector<PointVotes>& votes,
+             const VotingParameters& parameters)
+      : neighbours_(neighbours), votes_(votes), parameters_(parameters) {
+    result_.verdict.assign(votes.size(), GrowthVerdict::not_reached);
+    result_.object.assign(votes.size(), 0);
+  }
+
+  RegionGrowthResult grow(const std::vector<BoxVerdict>& seeds) {
+    keep_large_clusters(seeds);
+    if (parameters_.grow) {
+      spread();
+      for (int round = 0; round < kFillRounds; ++round) fill();
+    }
+    number_objects();
+    return std::move(result_);
+  }
+
+ private:
+  GrowthVerdict& verdict(std::int32_t i) { return result_.verdict[static_cast<std::size_t>(i)]; }
+  [[nodiscard]] bool dynamic(std::int32_t i) {
+    return verdict(i) == GrowthVerdict::seed || verdict(i) == GrowthVerdict::grown;
+  }
+
+  // Everything that `belongs` and is linked to `first`, in front_; `claim` must make it belong no more.
+  template <class Belongs, class Claim>
+  void collect(std::int32_t first, Belongs&& belongs, Claim&& claim) {
+    front_.assign(1, first);
+    claim(first);
+    for (std::size_t next = 0; next < front_.size(); ++next) {
+      neighbours_.for_each(front_[next], kLinkRows, kLinkColumns, [&](std::int32_t j) {
+        if (!belongs(j)) return;
+        claim(j);
+        front_.push_back(j);
+      });
+    }
+  }
+
+  void keep_large_clusters(const std::vector<BoxVerdict>& seeds) {
+    const auto open = [&](std::int32_t i) {
+      return seeds[static_cast<std::size_t>(i)] == BoxVerdict::kept &&
+             verdict(i) == GrowthVerdict::not_reached;
+    };
+    for (std::int32_t i = 0; i < static_cast<std::int32_t>(seeds.size()); ++i) {
+      if (!open(i)) continue;
+      collect(i, open, [&](std::int32_t j) { verdict(j) = GrowthVerdict::seed; });
+      if (static_cast<int>(front_.size()) >= parameters_.min_seeds) continue;
+      for (const std::int32_t j : front_) verdict(j) = GrowthVerdict::too_small;
+    }
+  }
+
+  void spread() {
+    front_.clear();
+    for (std::int32_t i = 0; i < static_cast<std::int32_t>(votes_.size()); ++i) {
+      if (verdict(i) == GrowthVerdict::seed) front_.push_back(i);
+    }
+    while (!front_.empty()) {
+      const std::int32_t i = front_.back();
+      front_.pop_back();
+      neighbours_.for_each(i, kLinkRows, kLinkColumns, [&](std::int32_t j) {
+        if (dynamic(j) || !votes_[static_cast<std::size_t>(j)].seen_through) return;
+        verdict(j) = GrowthVerdict::grown;
+        front_.push_back(j);
+      });
+    }
+  }
+
+  // Holes and rims: what no scan could look at, or few saw a surface at, moves with what surrounds it.
+  void fill() {
+    std::vector<std::int8_t> dynamic_neighbours(votes_.size(), 0);
+    front_.clear();
+    for (std::int32_t i = 0; i < static_cast<std::int32_t>(votes_.size()); ++i) {
+      if (!dynamic(i)) continue;
+      neighbours_.for_each(i, kSupportRows, kSupportColumns, [&](std::int32_t j) {
+        if (dynamic(j) || votes_[static_cast<std::size_t>(j)].total() < kFirmlyStatic) return;
+        if (++dynamic_neighbours[static_cast<std::size_t>(j)] == kFillNeighbours) front_.push_back(j);
+      });
+    }
+    for (const std::int32_t i : front_) verdict(i) = GrowthVerdict::grown;
+  }
+
+  // What is linked is one object; what moved a while ago but no longer does is none.
+  void number_objects() {
+    std::vector<char> done(votes_.size(), 0);
+    const auto open = [&](std::int32_t i) { return dynamic(i) && done[static_cast<std::size_t>(i)] == 0; };
+    for (std::int32_t i = 0; i < static_cast<std::int32_t>(votes_.size()); ++i) {
+      if (!open(i)) continue;
+      collect(i, open, [&](std::int32_t j) { done[static_cast<std::size_t>(j)] = 1; });
+      const auto recent = std::count_if(front_.begin(), front_.end(), [&](std::int32_t j) {
+        return votes_[static_cast<std::size_t>(j)].recently;
+      });
+      if (static_cast<double>(recent) < parameters_.min_recent_share * static_cast<double>(front_.size())) {
+        for (const std::int32_t j : front_) verdict(j) = GrowthVerdict::stopped;
+        continue;
+      }
+      const auto number = static_cast<std::uint16_t>(std::min(++result_.objects, kMaxObjectNumber));
+      for (const std::int32_t j : front_) result_.object[static_cast<std::size_t>(j)] = number;
+    }
+  }
+
+  const LinkedNeighbours& neighbours_;
+  const std::vector<PointVotes>& votes_;
+  const VotingParameters& parameters_;
+  RegionGrowthResult result_;
+  std::vector<std::int32_t> front_;
+};
+
+}  // namespace
+
+std::vector<BoxVerdict> filter_votes(const LidarScan& scan, const LocalPoints& points,
+                                     const std::vector<PointVotes>& votes,
+                                     const VotingParameters& parameters) {
+  const LinkedNeighbours neighbours(scan, points, parameters);
+  std::vector<BoxVerdict> verdicts(votes.size(), BoxVerdict::not_asked);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, votes.size(), 4096), [&](const auto& chunk) {
+    for (std::size_t i = chunk.begin(); i != chunk.end(); ++i) {
+      int score = votes[i].total();
+      if (score <= 0) continue;
+      neighbours.for_each(static_cast<std::int32_t>(i), kSupportRows, kSupportColumns,
+                          [&](std::int32_t j) { score += votes[static_cast<std::size_t>(j)].total(); });
+      verdicts[i] = score >= parameters.seed_score ? BoxVerdict::kept : BoxVerdict::removed;
+    }
+  });
+  return verdicts;
+}
+
+RegionGrowthResult grow_votes(const LidarScan& scan, const LocalPoints& points,
+                              const std::vector<PointVotes>& votes, const std::vector<BoxVerdict>& seeds,
+                              const VotingParameters& parameters) {
+  return VoteGrowth(LinkedNeighbours(scan, points, parameters), votes, parameters).grow(seeds);
+}
+
+}  // namespace mapless

@@ -1,0 +1,122 @@
+#include <deque>
+#include <utility>
+
+#include "detection/detection_method.hpp"
+#include "detection/stage_record.hpp"
+#include <mapless/detection/freespace_votes.hpp>
+#include <mapless/detection/vote_growth.hpp>
+
+namespace mapless {
+namespace {
+
+ComparisonVerdict compared(const PointVotes& v) {
+  if (v.seen_through) return ComparisonVerdict::dynamic;
+  return v.surface_seen ? ComparisonVerdict::matched : ComparisonVerdict::not_compared;
+}
+
+FreespaceVerdict freespace(int votes) {
+  if (votes == 0) return FreespaceVerdict::unobserved;
+  return votes > 0 ? FreespaceVerdict::inside : FreespaceVerdict::border;
+}
+
+void record_votes(std::vector<StageTrace>& trace, const std::vector<PointVotes>& votes) {
+  for (std::size_t i = 0; i < trace.size(); ++i) {
+    trace[i].comparison = compared(votes[i]);
+    trace[i].backward = freespace(votes[i].earlier);
+    trace[i].forward = freespace(votes[i].total());
+  }
+}
+
+class VotingMethod final : public DetectionMethod {
+ public:
+  explicit VotingMethod(const DetectorParameters& parameters) : parameters_(parameters.voting) {
+    int gap = parameters_.first_gap;
+    for (int k = 0; k < parameters_.references; ++k, gap *= 2) gaps_.push_back(static_cast<std::size_t>(gap));
+  }
+
+  void add(std::shared_ptr<const LidarScan> scan, const Trajectory& trajectory) override;
+  Detection detect(std::size_t number, std::optional<std::size_t> later) override;
+
+ private:
+  struct PendingScan {
+    std::shared_ptr<const LidarScan> scan;
+    LocalPoints points;
+    StageSeconds seconds;  // of its preparation
+  };
+  [[nodiscard]] const RayImage& image(std::size_t number) const { return images_.at(number - first_image_); }
+  [[nodiscard]] std::vector<AskedScan> scans_to_ask(std::size_t number,
+                                                    std::optional<std::size_t> later) const;
+  [[nodiscard]] Detection judge(PendingScan query, const std::vector<AskedScan>& asked,
+                                const RayImage& own) const;
+
+  VotingParameters parameters_;
+  std::vector<std::size_t> gaps_;    // of the earlier scans, increasing
+  std::deque<RayImage> images_;      // consecutive scans, oldest first
+  std::size_t first_image_ = 0;      // number of the oldest
+  std::deque<PendingScan> pending_;  // scans not judged yet, oldest first
+};
+
+// Step 1 gives the poses; here every return and ray gets its own.
+void VotingMethod::add(std::shared_ptr<const LidarScan> scan, const Trajectory& trajectory) {
+  PendingScan pending;
+  const CompensatedScan compensated =
+      timed(pending.seconds.compensation, [&] { return compensate(std::move(scan), trajectory); });
+  pending.scan = compensated.scan;
+  pending.points = local_points(compensated);
+  images_.emplace_back(compensated);
+  pending_.push_back(std::move(pending));
+}
+
+std::vector<AskedScan> VotingMethod::scans_to_ask(std::size_t number,
+                                                  std::optional<std::size_t> later) const {
+  std::vector<AskedScan> asked;
+  for (const std::size_t gap : gaps_) {
+    if (gap <= number) asked.push_back({&image(number - gap), static_cast<int>(gap)});
+  }
+  if (asked.empty() && number > 0) asked.push_back({&image(0), static_cast<int>(number)});
+  if (later) asked.push_back({&image(*later), -static_cast<int>(*later - number)});
+  return asked;
+}
+
+Detection VotingMethod::detect(std::size_t number, std::optional<std::size_t> later) {
+  PendingScan query = std::move(pending_.front());
+  pending_.pop_front();
+  Detection detection = judge(std::move(query), scans_to_ask(number, later), image(number));
+  while (first_image_ + gaps_.back() < number + 1) {  // the oldest the next detection can ask for
+    images_.pop_front();
+    ++first_image_;
+  }
+  return detection;
+}
+
+Detection VotingMethod::judge(PendingScan query, const std::vector<AskedScan>& asked,
+                              const RayImage& own) const {
+  Detection out;
+  out.seconds = query.seconds;
+  out.scan = std::move(query.scan);
+  out.trace.resize(out.scan->returns.size());
+
+  // 2., 3. Comparison and freespace check, of every point, against several earlier scans and a later one.
+  const auto votes = timed(out.seconds.backward,
+                           [&] { return collect_votes(*out.scan, query.points, asked, own, parameters_); });
+  record_votes(out.trace, votes);
+  // 4. Border effects have no neighbours that say the same.
+  const auto seeds = timed(out.seconds.box_filter,
+                           [&] { return filter_votes(*out.scan, query.points, votes, parameters_); });
+  record(out.trace, &StageTrace::box, seeds);
+  // 5. Clustering and region growth: whole objects.
+  auto regions = timed(out.seconds.region_growth,
+                       [&] { return grow_votes(*out.scan, query.points, votes, seeds, parameters_); });
+  record(out.trace, &StageTrace::growth, regions.verdict);
+  out.object = std::move(regions.object);
+  out.objects = regions.objects;
+  return out;
+}
+
+}  // namespace
+
+std::unique_ptr<DetectionMethod> make_voting_method(const DetectorParameters& parameters) {
+  return std::make_unique<VotingMethod>(parameters);
+}
+
+}  // namespace mapless

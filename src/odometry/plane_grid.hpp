@@ -1,0 +1,88 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace mapless {
+
+/// A plane fitted to the points of the map near some query point.
+struct MapPlane {
+  Eigen::Vector3d point_0;   ///< their mean
+  Eigen::Vector3d normal_0;  ///< unit length
+  /// Of the distance of a point at the query from the plane [m^2]: how thick the points lie about it, and how
+  /// well they know it there.
+  double variance;
+  double normal_variance;  ///< of the tilt of the normal [rad^2], mean of both directions
+};
+
+/// Sums over the points of each cube of a hash table, and the plane they give. Nothing of a point is kept, so
+/// that it costs the same to ask for a plane of ten points or of a hundred. Sums are taken from the corner of
+/// the cube, so that precision does not fade far from the origin.
+class PlaneGrid {
+ public:
+  static constexpr int kFewest = 6;       ///< points that give a plane
+  static constexpr int kFull = 120;       ///< a cube with that many takes no more
+  static constexpr int kFewestLines = 3;  ///< two parallel lines always lie on a plane, whatever they are of
+
+  /// Cubes of `cube_m`, one corner at (offset_m, offset_m, offset_m). `sigma_m`: what is expected of the
+  /// noise of a point, believed like six points.
+  PlaneGrid(double cube_m, double offset_m, double sigma_m);
+
+  /// `line` numbers the points of one laser in one scan, which lie on a line on whatever they hit. False, and
+  /// nothing done, where the cube is full or the point farther than 1e6 cubes from the origin.
+  bool insert(const Eigen::Vector3d& p_0, unsigned line);
+  /// Takes out a point that `insert` took, where the cube is still there.
+  void remove(const Eigen::Vector3d& p_0);
+  /// Forgets the cubes whose corner is farther from `centre_0`.
+  void keep_within(const Eigen::Vector3d& centre_0, double radius_m);
+  void clear();
+
+  /// Plane of the points in the cube of `q_0`. None where they are too few, of too few lines, lie on a line
+  /// or all about, or where the faces of the cube cut the plane's noise.
+  [[nodiscard]] std::optional<MapPlane> plane_at(const Eigen::Vector3d& q_0) const;
+
+  [[nodiscard]] std::size_t cubes() const { return cubes_.size(); }
+
+ private:
+  // Apart from the sums, so that a query touches one line of the cache.
+  struct alignas(64) Plane {
+    Eigen::Vector3f mean = Eigen::Vector3f::Zero();  // from the corner
+    Eigen::Vector3f normal = Eigen::Vector3f::Zero();
+    Eigen::Vector3f middle = Eigen::Vector3f::Zero();  // direction of medium extent
+    float thickness = 0;                               // variance across the plane
+    float uncertainty = 0;                             // variance of the plane at its mean; 0: no plane
+    float per_middle = 0, per_largest = 0;  // its growth with the square of the distance from the mean
+  };
+  struct Cube {
+    std::uint64_t key;
+    std::uint64_t lines = 0;  // bits, the numbers modulo 64
+    int count = 0;
+    int fitted = 0;  // count when the plane was fitted
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    std::array<double, 6> products = {};  // xx, xy, xz, yy, yz, zz
+  };
+  struct Slot {
+    std::uint64_t key = 0;
+    std::int32_t cube = -1;  // index into cubes_ and planes_, -1 for empty
+  };
+
+  [[nodiscard]] Eigen::Vector3d from_origin(const Eigen::Vector3d& p_0) const;
+  [[nodiscard]] std::int32_t find(std::uint64_t key) const;
+  std::size_t find_or_add(std::uint64_t key);
+  void rebuild_table(std::size_t capacity);
+  void add(Cube& cube, const Eigen::Vector3d& offset, double sign) const;
+  void fit(std::size_t i);
+  [[nodiscard]] bool is_cut(const Plane& plane) const;
+
+  double cube_m_, offset_m_, sigma_m_;
+  std::vector<Cube> cubes_;    // in the order they came
+  std::vector<Plane> planes_;  // of each
+  std::vector<Slot> table_;    // size a power of two
+  int shift_ = 0;              // leaves the high bits of the hash
+};
+
+}  // namespace mapless

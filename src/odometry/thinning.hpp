@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include <mapless/lidar/lidar_scan.hpp>
+#include <mapless/odometry/parameters.hpp>
+
+namespace mapless {
+
+/// A return of a scan that odometry uses.
+struct ScanPoint {
+  Eigen::Vector3f position_v;  ///< at its own instant [m]
+  float range_m;
+  std::int32_t time_ns;  ///< since the start of the scan
+  std::int32_t laser;
+  std::uint32_t return_index;  ///< in LidarScan::returns
+};
+
+/// About `max_scan_points` returns, or all where there are fewer: what is near is thinned most, so that
+/// surfaces seen head-on keep about the same density at any range. In an order in which neighbours in the
+/// scan come far apart. Returns nearer than `min_range_m` or beyond `map_radius_m` are not used.
+[[nodiscard]] std::vector<ScanPoint> thin(const LidarScan& scan, const OdometryParameters& parameters);
+
+}  // namespace mapless

@@ -1,0 +1,244 @@
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include <gtest/gtest.h>
+
+#include "support/run_detector.hpp"
+#include "support/toy_scene.hpp"
+#include <mapless/core/errors.hpp>
+#include <mapless/detection/detector.hpp>
+#include <mapless/io/labels.hpp>
+
+namespace mapless {
+namespace {
+
+using Eigen::Vector3d;
+
+/// Half a metre long and 8 m/s fast, in a furnished room: from one scan to the next it leaves its own length
+/// behind it, and every place it comes to was free.
+test::ToyScene room_with_box(std::shared_ptr<const Trajectory> trajectory, double speed = 8) {
+  test::ToyScene scene = test::toy_room("HDL-64E-S3", std::move(trajectory));
+  test::ToyBody box = test::toy_box({-7, 4.5, -0.1}, {0.25, 0.25, 0.6});
+  box.velocity_0 = {speed, 0, 0};
+  box.object = 1;
+  scene.world.push_back(box);
+  return scene;
+}
+
+struct Found {
+  int moving = 0;     // points of the box
+  int of_moving = 0;  // found
+  int of_still = 0;   // false ones
+  [[nodiscard]] double recall() const { return moving == 0 ? 0 : static_cast<double>(of_moving) / moving; }
+};
+
+Found found(const Detection& detection, const test::ToyScan& scan) {
+  Found f;
+  for (std::size_t i = 0; i < detection.trace.size(); ++i) {
+    const std::uint32_t label = scan.labels[detection.scan->returns[i].input_index];
+    const bool moves = motion_of_label(label) == MotionTruth::moving;
+    f.moving += moves ? 1 : 0;
+    f.of_moving += moves && detection.dynamic(i) ? 1 : 0;
+    f.of_still += !moves && detection.dynamic(i) ? 1 : 0;
+  }
+  return f;
+}
+
+DetectorParameters with_forward_gap(int gap) {
+  DetectorParameters parameters;
+  parameters.forward_gap = gap;
+  return parameters;
+}
+
+// The first scan has but the next one to ask, from which the box hides a part of where it was.
+double expected_recall(std::size_t scan) { return scan == 0 ? 0.5 : 0.9; }
+
+TEST(Detector, FindsABoxThatMovesInEveryScanAndNoFurniture) {
+  for (const auto& trajectory : {test::drive(0, 0), test::drive(0.5, 0.3)}) {
+    const auto scene = room_with_box(trajectory);
+    const auto scans = test::cast_scans(scene, 0, 16);
+    const auto detections = test::detect_all(test::scans_of(scans), *trajectory, {});
+    ASSERT_EQ(detections.size(), scans.size());
+    for (std::size_t k = 0; k < scans.size(); ++k) {
+      SCOPED_TRACE(testing::Message() << "scan " << k);
+      const Found f = found(detections[k], scans[k]);
+      ASSERT_GT(f.moving, 100);
+      EXPECT_GE(f.recall(), expected_recall(k));
+      EXPECT_LE(f.of_still, f.moving / 50);
+      EXPECT_EQ(detections[k].objects, 1);
+    }
+  }
+}
+
+TEST(Detector, AStandingBoxNeverMoves) {
+  for (const auto& trajectory : {test::drive(0, 0), test::drive(1, -0.5)}) {
+    const auto scans = test::cast_scans(room_with_box(trajectory, 0), 0, 12);
+    for (const Detection& d : test::detect_all(test::scans_of(scans), *trajectory, {}))
+      EXPECT_EQ(d.objects, 0) << "scan " << d.sequence_number;
+  }
+}
+
+// The box stops as scan kStop starts. m scans later, those of the earlier scans (2, 4, 8 and 16 back; 32 is
+// not there yet) that are at most m back see it stand, with 1, 2, 3 and 4 votes against, and the others its
+// place free, 4 votes for; the next scan sees it stand, 1 vote. Hence with 2, 4 and 8 back
+//   m = 0, 1: 4 + 4 + 4 - 1 = 11, moving;
+//   m = 2, 3: -1 + 4 + 4 - 1 = 6, moving, by the scan 4 back;
+//   m = 4 to 6: -1 - 2 + 4 + 4 - 1 = 4: seeds, but of scans that are not recent: stopped;
+//   m = 8, 9: -1 - 2 - 3 + 4 - 1 = -3: none says so any longer.
+// Scan 11 sees it half its length before where it stops; it is 8 back for m = 7.
+TEST(Detector, WhatStopsIsStaticFourScansLater) {
+  constexpr int kStop = 12;
+  const auto trajectory = test::drive(0, 0);
+  auto scene = room_with_box(trajectory);
+  auto scans = test::cast_scans(scene, 0, kStop);
+  test::ToyBody& box = scene.world.back();
+  box.T_0b = box.pose_at(scans.back().scan->end());
+  box.velocity_0.setZero();
+  for (const auto& scan : test::cast_scans(scene, kStop, 11)) scans.push_back(scan);
+  const auto detections = test::detect_all(test::scans_of(scans), *trajectory, {});
+  for (std::size_t k = 8; k + 1 < detections.size(); ++k) {
+    SCOPED_TRACE(testing::Message() << "scan " << k);
+    const int m = static_cast<int>(k) - kStop;
+    EXPECT_EQ(detections[k].objects, m < 4 ? 1 : 0);
+    const auto stopped =
+        std::count_if(detections[k].trace.begin(), detections[k].trace.end(),
+                      [](const StageTrace& t) { return t.growth == GrowthVerdict::stopped; });
+    if (m >= 4 && m < 7) {
+      EXPECT_GT(stopped, 100);
+    }
+    if (m < 4 || m > 7) {
+      EXPECT_EQ(stopped, 0);
+    }
+  }
+}
+
+TEST(Detector, AnswersWhileARecordingIsYoung) {
+  const auto scene = room_with_box(test::drive(0, 0));
+  const auto scans = test::cast_scans(scene, 0, 4);
+  const auto all = test::scans_of(scans);
+  for (std::size_t size = 1; size <= all.size(); ++size) {
+    for (const int gap : {0, 1, 2, 5}) {
+      SCOPED_TRACE(testing::Message() << size << " scans, forward gap " << gap);
+      const auto detections = test::detect_all({all.begin(), all.begin() + static_cast<std::ptrdiff_t>(size)},
+                                               *scene.trajectory, with_forward_gap(gap));
+      ASSERT_EQ(detections.size(), size);
+      for (std::size_t k = 0; k < size; ++k) {
+        EXPECT_EQ(detections[k].sequence_number, k);
+        const bool alone = k == 0 && (size == 1 || gap == 0);
+        const Found f = found(detections[k], scans[k]);
+        EXPECT_EQ(f.of_still, 0) << "scan " << k;
+        if (alone) {
+          EXPECT_EQ(detections[k].objects, 0);
+        } else {
+          EXPECT_GE(f.recall(), expected_recall(k)) << "scan " << k;
+        }
+      }
+    }
+  }
+}
+
+// However far back the only scan asked lies.
+TEST(Detector, FindsABoxByOneEarlierScanOnly) {
+  const auto scene = room_with_box(test::drive(0, 0));
+  const auto scans = test::cast_scans(scene, 0, 12);
+  DetectorParameters parameters = with_forward_gap(0);
+  parameters.voting.references = 1;
+  for (const int gap : {1, 4, 8}) {
+    parameters.voting.first_gap = gap;
+    const auto detections = test::detect_all(test::scans_of(scans), *scene.trajectory, parameters);
+    for (std::size_t k = 2; k < scans.size(); ++k) {
+      SCOPED_TRACE(testing::Message() << "scan " << k << ", " << gap << " back");
+      EXPECT_GE(found(detections[k], scans[k]).recall(), 0.9);
+    }
+  }
+}
+
+TEST(Detector, AScanAloneIsStaticAndNobodySaysOtherwise) {
+  const auto scene = room_with_box(test::drive(0, 0));
+  const auto scans = test::scans_of(test::cast_scans(scene, 0, 1));
+  const auto detections = test::detect_all(scans, *scene.trajectory, {});
+  ASSERT_EQ(detections.size(), 1u);
+  for (const StageTrace& t : detections[0].trace) {
+    EXPECT_EQ(t.comparison, ComparisonVerdict::not_compared);
+    EXPECT_EQ(t.backward, FreespaceVerdict::unobserved);
+    EXPECT_EQ(t.box, BoxVerdict::not_asked);
+  }
+}
+
+TEST(Detector, DetectionsComeOutLatencyScansLater) {
+  const auto scene = room_with_box(test::drive(0, 0));
+  const auto scans = test::scans_of(test::cast_scans(scene, 0, 4));
+  EXPECT_EQ(Detector().latency(), 1);
+  for (const auto method : {DetectionMethodChoice::voting, DetectionMethodChoice::published}) {
+    for (const int gap : {0, 1, 3}) {
+      DetectorParameters parameters = with_forward_gap(gap);
+      parameters.method = method;
+      Detector detector(parameters);
+      EXPECT_EQ(detector.latency(), gap);
+      for (std::size_t k = 0; k < scans.size(); ++k) {
+        const auto detection = detector.process(scans[k], *scene.trajectory);
+        ASSERT_EQ(detection.has_value(), k >= static_cast<std::size_t>(gap));
+        if (!detection) continue;
+        EXPECT_EQ(detection->sequence_number, k - static_cast<std::size_t>(gap));
+      }
+      for (int k = 0; k < gap; ++k) EXPECT_TRUE(detector.flush());
+      EXPECT_FALSE(detector.flush());
+    }
+  }
+}
+
+// What a scan that is refused leaves behind: nothing.
+TEST(Detector, GoesOnAfterAScanItRefused) {
+  const auto scene = room_with_box(test::drive(0, 0));
+  const auto scans = test::scans_of(test::cast_scans(scene, 0, 5));
+  const auto expected = test::detect_all(scans, *scene.trajectory, {});
+  const SampledTrajectory short_one({{Time::from_seconds(-1), SE3()}, {Time::from_seconds(0.21), SE3()}},
+                                    Duration(), "short");
+  Detector detector;
+  std::vector<Detection> detections;
+  for (const auto& scan : scans) {
+    if (scan->start > Time::from_seconds(0.15)) {
+      EXPECT_THROW(static_cast<void>(detector.process(scan, short_one)), TrajectoryDomainError);
+      EXPECT_THROW(static_cast<void>(detector.process(scans[0], *scene.trajectory)), InputError);
+    }
+    if (auto d = detector.process(scan, *scene.trajectory)) detections.push_back(std::move(*d));
+  }
+  while (auto d = detector.flush()) detections.push_back(std::move(*d));
+  ASSERT_EQ(detections.size(), expected.size());
+  for (std::size_t k = 0; k < detections.size(); ++k) EXPECT_EQ(detections[k].object, expected[k].object);
+}
+
+// A recording longer than the farthest scan asked: what is forgotten is not asked for again.
+TEST(Detector, ForgetsScansNobodyWillAsk) {
+  const auto scene = room_with_box(test::drive(0, 0), 0.4);
+  const auto scans = test::cast_scans(scene, 0, 12);
+  for (const auto& [references, first_gap] : {std::pair{1, 1}, std::pair{2, 1}, std::pair{1, 4}}) {
+    DetectorParameters parameters;
+    parameters.voting.references = references;
+    parameters.voting.first_gap = first_gap;
+    EXPECT_EQ(test::detect_all(test::scans_of(scans), *scene.trajectory, parameters).size(), scans.size());
+  }
+}
+
+// An object slides within itself for the scans of a moment ago, not for those of seconds ago. The wall it
+// uncovers is more than vacated_m behind its face.
+TEST(Detector, FindsAWallThatSlidesOnceItHasLeftItsOwnLength) {
+  test::ToyScene scene = test::toy_room("HDL-64E-S3", test::drive(0, 0));
+  test::ToyBody lorry = test::toy_box({-5, 3.6, 0.1}, {1.5, 0.3, 0.6});
+  lorry.velocity_0 = {2.5, 0, 0};
+  lorry.object = 1;
+  scene.world.push_back(lorry);
+  const auto scans = test::cast_scans(scene, 0, 36);
+  const auto detections = test::detect_all(test::scans_of(scans), *scene.trajectory, {});
+  // 3 m at 2.5 m/s: 1.2 s. Of scans 16 and 32 back it has left its place, of those 2, 4 and 8 back only in
+  // part; its front, which all say is new, makes seeds, and growth goes over what any scan saw through.
+  for (std::size_t k = 17; k + 1 < scans.size(); ++k) {
+    const Found f = found(detections[k], scans[k]);
+    EXPECT_GE(f.recall(), 0.9) << "scan " << k;
+    EXPECT_LE(f.of_still, f.moving / 50) << "scan " << k;
+  }
+}
+
+}  // namespace
+}  // namespace mapless

@@ -1,0 +1,328 @@
+#include <algorithm>
+#include <numbers>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "oracle/vote_growth_oracle.hpp"
+#include <mapless/detection/vote_growth.hpp>
+
+namespace mapless {
+namespace {
+
+constexpr int kColumns = 24;
+
+/// A sensor of few lasers and columns, with a return in every cell but for those in `missing`.
+LidarScan small_scan(const std::vector<double>& offsets_in_columns, double range_m,
+                     const std::vector<char>& missing = {}) {
+  auto model = std::make_shared<LidarModel>();
+  model->columns = kColumns;
+  model->max_range_m = 100;
+  std::vector<LidarRecord> records;
+  for (std::size_t l = 0; l < offsets_in_columns.size(); ++l) {
+    Laser laser;
+    laser.elevation_rad = 0.01 * static_cast<double>(l);
+    laser.azimuth_offset_rad = offsets_in_columns[l] * model->sign() * 2 * std::numbers::pi / kColumns;
+    model->lasers.push_back(laser);
+  }
+  for (int l = 0; l < static_cast<int>(offsets_in_columns.size()); ++l) {
+    for (int c = 0; c < kColumns; ++c) {
+      const bool gone = !missing.empty() && missing[records.size()] != 0;
+      records.push_back({model->point_v(l, c, range_m).cast<float>(), l, c, c,
+                         gone ? ReturnCode::faulty : ReturnCode::hit});
+    }
+  }
+  LidarScan scan;
+  scan.model = model;
+  scan.columns = kColumns;
+  scan.column_period = Duration::from_nanoseconds(1000);
+  return organise(scan, records, "test");
+}
+
+LocalPoints points_of(const LidarScan& scan) {
+  LocalPoints points{Eigen::Vector3d::Zero(), {}};
+  for (const LidarReturn& r : scan.returns) points.points.push_back(r.position_v);
+  return points;
+}
+
+/// Five lasers, 24 columns, everything 5 m off and linked to all of its window unless a test says otherwise.
+class VoteImage : public testing::Test {
+ protected:
+  VoteImage() {
+    parameters_.link_m = 100;
+    parameters_.seed_score = 8;
+  }
+  [[nodiscard]] std::size_t at(int laser, int column) const {
+    return static_cast<std::size_t>(scan_.cell(laser, column));
+  }
+  void set(int laser, int column, int votes) {
+    PointVotes& v = votes_[at(laser, column)];
+    v.earlier = static_cast<std::int16_t>(votes);
+    v.seen_through = v.recently = votes > 0;
+    v.surface_seen = votes < 0;
+  }
+  [[nodiscard]] std::vector<BoxVerdict> filter() const {
+    return filter_votes(scan_, points_, votes_, parameters_);
+  }
+  [[nodiscard]] RegionGrowthResult grow() const {
+    std::vector<BoxVerdict> seeds;
+    for (const PointVotes& v : votes_)
+      seeds.push_back(v.total() > 0 ? BoxVerdict::kept : BoxVerdict::not_asked);
+    return grow_votes(scan_, points_, votes_, seeds, parameters_);
+  }
+  /// Growth alone reaches it: seen through once, and a surface seen as often.
+  void see_through(int laser, int column) { votes_[at(laser, column)] = {1, -1, true, true, true}; }
+  /// Whoever saw through it did so a while ago.
+  void make_old(int laser, int column) { votes_[at(laser, column)].recently = false; }
+
+  LidarScan scan_ = small_scan({0, 0, 0, 0, 0}, 5);
+  LocalPoints points_ = points_of(scan_);
+  std::vector<PointVotes> votes_ = std::vector<PointVotes>(scan_.returns.size());
+  VotingParameters parameters_;
+};
+
+// 2 of its own and three times 2 of its neighbours make the 8 a seed needs; with 1 less it is removed.
+TEST_F(VoteImage, ASeedNeedsTheVotesOfItsNeighbours) {
+  set(2, 5, 2);
+  set(1, 4, 2);
+  set(3, 7, 2);
+  set(2, 3, 2);
+  EXPECT_EQ(filter()[at(2, 5)], BoxVerdict::kept);
+  EXPECT_EQ(filter()[at(1, 4)], BoxVerdict::removed);  // (3, 7) is two lasers and three columns off
+  set(2, 3, 1);
+  EXPECT_EQ(filter()[at(2, 5)], BoxVerdict::removed);
+  votes_[at(2, 3)].later = 1;
+  EXPECT_EQ(filter()[at(2, 5)], BoxVerdict::kept);
+}
+
+TEST_F(VoteImage, NeighboursAlsoSpeakAgainst) {
+  for (int c = 3; c <= 7; ++c) set(2, c, 6);
+  EXPECT_EQ(filter()[at(2, 5)], BoxVerdict::kept);
+  for (int c = 3; c <= 7; ++c) {
+    set(1, c, -3);
+    set(3, c, -2);
+  }
+  EXPECT_EQ(filter()[at(2, 5)], BoxVerdict::removed);  // 30 - 25
+}
+
+TEST_F(VoteImage, OneAloneIsABorderEffect) {
+  set(2, 5, 6);
+  EXPECT_EQ(filter()[at(2, 5)], BoxVerdict::removed);
+  set(2, 6, 6);
+  EXPECT_EQ(filter()[at(2, 5)], BoxVerdict::kept);
+  parameters_.link_m = 0.1;  // 15 degrees at 5 m are 1.3 m
+  parameters_.link_per_m = parameters_.link_spacings = 0;
+  EXPECT_EQ(filter()[at(2, 5)], BoxVerdict::removed);
+}
+
+TEST_F(VoteImage, IsNotAskedOfWhatMostSayStands) {
+  set(2, 5, -1);
+  set(2, 6, 0);
+  for (int c = 7; c < 10; ++c) set(2, c, 6);
+  EXPECT_EQ(filter()[at(2, 5)], BoxVerdict::not_asked);
+  EXPECT_EQ(filter()[at(2, 6)], BoxVerdict::not_asked);
+}
+
+TEST_F(VoteImage, WrapsAtTheSeamAndEndsAboveAndBelow) {
+  set(0, 0, 4);
+  set(0, kColumns - 2, 4);
+  EXPECT_EQ(filter()[at(0, 0)], BoxVerdict::kept);
+  set(0, kColumns - 2, 0);
+  set(4, 0, 4);
+  EXPECT_EQ(filter()[at(0, 0)], BoxVerdict::removed);
+}
+
+TEST_F(VoteImage, NumbersObjectsByTheirFirstPointAndDropsSmallClusters) {
+  for (int c : {14, 15, 16}) set(0, c, 3);  // first of all
+  for (int c : {4, 5, 6}) set(1, c, 3);
+  for (int c : {20, 22}) set(4, c, 3);  // two seeds only
+  const RegionGrowthResult result = grow();
+  EXPECT_EQ(result.objects, 2);
+  EXPECT_EQ(result.object[at(0, 15)], 1);
+  EXPECT_EQ(result.object[at(1, 6)], 2);
+  EXPECT_EQ(result.verdict[at(4, 20)], GrowthVerdict::too_small);
+  EXPECT_EQ(result.object[at(4, 20)], 0);
+  parameters_.min_seeds = 2;
+  EXPECT_EQ(grow().objects, 3);
+}
+
+TEST_F(VoteImage, GrowsOverWhatAnyoneSawThroughAndNoFurther) {
+  for (int c : {4, 5, 6}) set(2, c, 3);
+  see_through(2, 9);
+  see_through(2, 13);
+  see_through(2, 18);  // five columns from the next: out of the window
+  const RegionGrowthResult result = grow();
+  EXPECT_EQ(result.verdict[at(2, 9)], GrowthVerdict::grown);
+  EXPECT_EQ(result.verdict[at(2, 13)], GrowthVerdict::grown);
+  EXPECT_EQ(result.verdict[at(2, 18)], GrowthVerdict::not_reached);
+  EXPECT_EQ(result.verdict[at(2, 7)], GrowthVerdict::not_reached);
+  EXPECT_EQ(result.objects, 1);
+  parameters_.grow = false;
+  EXPECT_EQ(grow().verdict[at(2, 9)], GrowthVerdict::not_reached);
+}
+
+// Growth that meets another cluster makes one object of both, also of a cluster that was too small.
+TEST_F(VoteImage, WhatIsLinkedIsOneObject) {
+  for (int c : {2, 3, 4, 12, 13, 14}) set(2, c, 3);
+  EXPECT_EQ(grow().objects, 2);
+  see_through(2, 8);
+  EXPECT_EQ(grow().objects, 1);
+  for (int c : {12, 13}) set(2, c, 0);
+  const RegionGrowthResult result = grow();
+  EXPECT_EQ(result.verdict[at(2, 8)], GrowthVerdict::grown);
+  EXPECT_EQ(result.verdict[at(2, 14)], GrowthVerdict::too_small);  // six columns off
+  see_through(2, 11);
+  EXPECT_EQ(grow().verdict[at(2, 14)], GrowthVerdict::grown);
+}
+
+// Five of the 14 around it, unless what saw surfaces there outweighs by more than two scans that saw through,
+// 8 votes; and once more from what was filled.
+TEST_F(VoteImage, FillsHolesAndRims) {
+  for (int c : {4, 5, 6}) set(2, c, 3);
+  for (int c : {5, 6}) set(3, c, 3);
+  EXPECT_EQ(grow().verdict[at(2, 7)], GrowthVerdict::not_reached);  // (2, 5), (2, 6), (3, 5), (3, 6)
+  set(3, 4, 3);
+  set(3, 7, 3);
+  set(2, 5, -8);
+  EXPECT_EQ(grow().verdict[at(2, 5)], GrowthVerdict::grown);
+  set(2, 5, -9);
+  EXPECT_EQ(grow().verdict[at(2, 5)], GrowthVerdict::not_reached);
+  set(2, 5, 3);
+  // (2, 7) has (2, 5), (2, 6), (3, 5), (3, 6), (3, 7); (2, 8) has but (2, 6), (3, 6), (3, 7) and (2, 7).
+  EXPECT_EQ(grow().verdict[at(2, 7)], GrowthVerdict::grown);
+  EXPECT_EQ(grow().object[at(2, 7)], 1);
+  EXPECT_EQ(grow().verdict[at(2, 9)], GrowthVerdict::not_reached);
+  parameters_.grow = false;
+  EXPECT_EQ(grow().verdict[at(2, 7)], GrowthVerdict::not_reached);
+}
+
+// A tenth of an object's points is enough, less is not: of ten points one, of eleven two.
+TEST_F(VoteImage, WhatNobodySawThroughLatelyHasStopped) {
+  parameters_.grow = false;  // which would fill its rims
+  for (int c = 4; c < 14; ++c) {
+    set(1, c, 3);
+    if (c > 4) make_old(1, c);
+  }
+  EXPECT_EQ(grow().objects, 1);
+  set(1, 14, 3);
+  make_old(1, 14);
+  const RegionGrowthResult result = grow();
+  EXPECT_EQ(result.objects, 0);
+  for (int c = 4; c < 15; ++c) {
+    EXPECT_EQ(result.verdict[at(1, c)], GrowthVerdict::stopped);
+    EXPECT_EQ(result.object[at(1, c)], 0);
+  }
+  votes_[at(1, 14)].recently = true;
+  EXPECT_EQ(grow().objects, 1);
+}
+
+TEST_F(VoteImage, ShareOfRecentPointsFromNoneToAll) {
+  for (int c = 4; c < 8; ++c) {
+    set(1, c, 3);
+    make_old(1, c);
+  }
+  parameters_.min_recent_share = 0;
+  EXPECT_EQ(grow().objects, 1);
+  parameters_.min_recent_share = 1;
+  for (int c = 4; c < 8; ++c) {
+    EXPECT_EQ(grow().objects, 0);
+    votes_[at(1, c)].recently = true;
+  }
+  EXPECT_EQ(grow().objects, 1);
+}
+
+// Growth and filled holes count with the rest of their object; others keep their numbers in order.
+TEST_F(VoteImage, AnObjectThatHasStoppedHasNoNumber) {
+  for (int c : {2, 3, 4}) {
+    set(0, c, 3);
+    make_old(0, c);
+  }
+  for (int c : {12, 13, 14}) set(0, c, 3);
+  for (int c : {20, 21, 22}) {
+    set(3, c, 3);
+    make_old(3, c);
+  }
+  RegionGrowthResult result = grow();
+  EXPECT_EQ(result.objects, 1);
+  EXPECT_EQ(result.object[at(0, 13)], 1);
+  EXPECT_EQ(result.verdict[at(3, 21)], GrowthVerdict::stopped);
+  see_through(1, 5);  // one of four, linked to the first
+  result = grow();
+  EXPECT_EQ(result.objects, 2);
+  EXPECT_EQ(result.object[at(0, 2)], 1);
+  EXPECT_EQ(result.object[at(1, 5)], 1);
+  EXPECT_EQ(result.object[at(0, 13)], 2);
+}
+
+TEST_F(VoteImage, HasNothingToDoWithoutPointsOrWithoutSeeds) {
+  EXPECT_EQ(grow().objects, 0);
+  const LidarScan empty = small_scan({0, 0}, 5, std::vector<char>(2 * kColumns, 1));
+  EXPECT_TRUE(filter_votes(empty, points_of(empty), {}, parameters_).empty());
+  EXPECT_EQ(grow_votes(empty, points_of(empty), {}, {}, parameters_).objects, 0);
+}
+
+struct RandomImage {
+  LidarScan scan;
+  LocalPoints points;
+  std::vector<PointVotes> votes;
+};
+
+/// Points at ranges of 3 to 8 m that jump now and then, votes in runs, returns missing.
+RandomImage random_image(std::mt19937_64& random) {
+  const std::vector<double> offsets = {0.2, -3.1, 2.4, 5.3, -0.4, 1.1};
+  std::vector<char> missing(offsets.size() * kColumns);
+  for (char& m : missing) m = random() % 8 == 0 ? 1 : 0;
+  RandomImage image{small_scan(offsets, 5, missing), {}, {}};
+  float range = 5;
+  int votes = 0;
+  for (LidarReturn& r : image.scan.returns) {
+    if (random() % 6 == 0) range = 3 + 0.5F * static_cast<float>(random() % 11);
+    if (random() % 4 == 0) votes = static_cast<int>(random() % 9) * 3 - 12;
+    r.position_v *= range / r.range_m;
+    r.range_m = range;
+    const bool both = random() % 3 == 0;
+    const int later = static_cast<int>(random() % 3) * 4 - 4;
+    const bool through = votes > 0 || later > 0 || both;
+    image.votes.push_back({static_cast<std::int16_t>(votes), static_cast<std::int16_t>(later), through,
+                           votes < 0 || later < 0 || both, through && random() % 3 == 0});
+  }
+  image.points = points_of(image.scan);
+  return image;
+}
+
+TEST(VoteGrowth, AgreesWithAllPairs) {
+  int kept = 0, grown = 0, stopped = 0, objects = 0;
+  for (unsigned seed = 0; seed < 150; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    std::mt19937_64 random(seed);
+    const RandomImage image = random_image(random);
+    VotingParameters parameters;
+    parameters.link_m = 0.4 + 0.4 * static_cast<double>(seed % 5);
+    parameters.link_per_m = seed % 2 == 0 ? 0.0 : 0.1;
+    parameters.link_spacings = seed % 3 == 0 ? 0.0 : 0.5;
+    parameters.seed_score = 6 + 3 * static_cast<int>(seed % 7);
+    parameters.min_seeds = 1 + static_cast<int>(seed % 4);
+    parameters.grow = seed % 9 != 0;
+    parameters.min_recent_share = 0.1 * static_cast<double>(seed % 6);
+    const test::VoteGrowthOracle oracle(image.scan, image.points, parameters);
+    const auto seeds = filter_votes(image.scan, image.points, image.votes, parameters);
+    ASSERT_EQ(seeds, oracle.filter(image.votes));
+    const RegionGrowthResult expected = oracle.grow(image.votes, seeds);
+    const RegionGrowthResult result = grow_votes(image.scan, image.points, image.votes, seeds, parameters);
+    ASSERT_EQ(result.verdict, expected.verdict);
+    ASSERT_EQ(result.object, expected.object);
+    ASSERT_EQ(result.objects, expected.objects);
+    kept += static_cast<int>(std::count(seeds.begin(), seeds.end(), BoxVerdict::kept));
+    grown += static_cast<int>(std::count(result.verdict.begin(), result.verdict.end(), GrowthVerdict::grown));
+    stopped +=
+        static_cast<int>(std::count(result.verdict.begin(), result.verdict.end(), GrowthVerdict::stopped));
+    objects += result.objects;
+  }
+  EXPECT_GT(kept, 500);
+  EXPECT_GT(grown, 400);
+  EXPECT_GT(stopped, 300);
+  EXPECT_GT(objects, 200);
+}
+
+}  // namespace
+}  // namespace mapless

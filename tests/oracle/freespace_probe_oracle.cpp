@@ -1,0 +1,125 @@
+#include "oracle/freespace_probe_oracle.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace mapless::test {
+namespace {
+
+using Eigen::Vector3d;
+
+double known_range(const LidarScan& scan, int laser, int column) {
+  const std::int32_t cell = scan.cell(laser, column);
+  if (cell >= 0) return static_cast<double>(scan.returns[static_cast<std::size_t>(cell)].range_m);
+  if (code_of_cell(cell) == ReturnCode::nothing) return scan.model->max_range_m;
+  return std::numeric_limits<double>::quiet_NaN();
+}
+
+}  // namespace
+
+FreespaceProbeOracle::FreespaceProbeOracle(const LidarScan& reference, const Trajectory& trajectory,
+                                           const VotingParameters& parameters)
+    : reference_(reference), trajectory_(trajectory), parameters_(parameters) {
+  for (int l = 0; l < reference.rows(); ++l) {
+    const Laser& laser = reference.model->lasers[static_cast<std::size_t>(l)];
+    const SE3 T_hl = laser.T_lh().inverse();
+    for (int c = 0; c < reference.columns; ++c) {
+      const SE3 T_0v = trajectory.at(reference.column_time(c) + laser.firing_offset).T_v0.inverse();
+      const SE3 T_vh(rotation_z(reference.model->hub_angle(c)), Vector3d::Zero());
+      const SE3 T_0l = T_0v * T_vh * T_hl;
+      rays_.push_back(
+          {T_0l.translation(), T_0l.rotation().col(0), T_0l.rotation().col(2), known_range(reference, l, c)});
+    }
+  }
+}
+
+FreespaceProbeOracle::Sighting FreespaceProbeOracle::sight(const Vector3d& q_0, int laser, int first,
+                                                           int end) const {
+  Sighting best;
+  double best_squared = std::numeric_limits<double>::infinity();
+  for (int c = first; c < end; ++c) {
+    const Ray& r = ray(laser, c);
+    const Vector3d d = q_0 - r.origin;
+    const double foot = d.dot(r.direction);
+    const double squared = d.squaredNorm() - foot * foot;
+    if (foot <= 0 || squared >= best_squared) continue;
+    best_squared = squared;
+    best = {laser, c, foot, d.dot(r.up)};
+  }
+  return best;
+}
+
+double FreespaceProbeOracle::spacing_rad(int laser) const {
+  const auto& lasers = reference_.model->lasers;
+  double spacing = 0;
+  for (int l = std::max(laser, 1); l <= std::min(laser + 1, reference_.rows() - 1); ++l) {
+    const auto i = static_cast<std::size_t>(l);
+    spacing = std::max(spacing, lasers[i].elevation_rad - lasers[i - 1].elevation_rad);
+  }
+  return spacing;
+}
+
+FreespaceVerdict FreespaceProbeOracle::judge(const std::vector<Sighting>& around,
+                                             const Sighting& nearest) const {
+  bool ends_here = false, ends_short = false;
+  for (const Sighting& s : around) {
+    for (int c = 0; c < reference_.columns; ++c) {
+      if (std::abs(c - s.column) > parameters_.window_columns / 2) continue;
+      const double beyond = ray(s.laser, c).range_m - s.range_m;
+      ends_here = ends_here || std::abs(beyond) <= parameters_.tolerance_m;
+      ends_short = ends_short || beyond < -parameters_.tolerance_m;
+    }
+  }
+  if (ends_here) return FreespaceVerdict::border;
+  const double range = ray(nearest.laser, nearest.column).range_m;
+  if (std::isnan(range)) return FreespaceVerdict::unobserved;
+  if (range < nearest.range_m) return FreespaceVerdict::outside;
+  return ends_short ? FreespaceVerdict::border : FreespaceVerdict::inside;
+}
+
+FreespaceVerdict FreespaceProbeOracle::ask(const Vector3d& q_0, int first, int end) const {
+  Sighting above, below;
+  for (int l = 0; l < reference_.rows(); ++l) {
+    const Sighting s = sight(q_0, l, first, end);
+    if (s.laser < 0) continue;
+    Sighting& side = s.height_m < 0 ? above : below;
+    if (side.laser < 0 || std::abs(s.height_m) < std::abs(side.height_m)) side = s;
+  }
+  std::vector<Sighting> around;
+  for (const Sighting& s : {above, below}) {
+    if (s.laser >= 0) around.push_back(s);
+  }
+  if (around.empty()) return FreespaceVerdict::unobserved;
+  const Sighting nearest = *std::min_element(around.begin(), around.end(), [](const auto& a, const auto& b) {
+    return std::abs(a.height_m) < std::abs(b.height_m);
+  });
+  const double reach = parameters_.max_ray_distance_m +
+                       parameters_.max_ray_distance_spacings * spacing_rad(nearest.laser) * nearest.range_m;
+  if (std::abs(nearest.height_m) > reach) return FreespaceVerdict::unobserved;
+  return judge(around, nearest);
+}
+
+double FreespaceProbeOracle::margin_m(const Vector3d& q_0, FreespaceVerdict verdict) const {
+  for (double step = 0.0005; step < 0.3; step *= 2) {
+    for (int direction = 0; direction < 27; ++direction) {
+      const int x = direction % 3 - 1, y = direction / 3 % 3 - 1, z = direction / 9 - 1;
+      const Vector3d d(x, y, z);
+      if (d.isZero(0)) continue;
+      if (ask(q_0 + step * d.normalized()) == verdict) return step;
+    }
+  }
+  return std::numeric_limits<double>::infinity();
+}
+
+double FreespaceProbeOracle::hub_angle_to(const Vector3d& q_0, int column) const {
+  const Vector3d q_v = trajectory_.at(reference_.column_time(column)).T_v0 * q_0;
+  const Vector3d q_h = rotation_z(-reference_.model->hub_angle(column)) * q_v;
+  return std::abs(std::atan2(q_h.y(), q_h.x()));
+}
+
+double FreespaceProbeOracle::angle_from_seam(const Vector3d& q_0) const {
+  return std::min(hub_angle_to(q_0, 0), hub_angle_to(q_0, reference_.columns - 1));
+}
+
+}  // namespace mapless::test

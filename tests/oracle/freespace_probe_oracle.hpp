@@ -1,0 +1,69 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include <mapless/core/se3.hpp>
+#include <mapless/detection/parameters.hpp>
+#include <mapless/detection/stages.hpp>
+#include <mapless/lidar/lidar_scan.hpp>
+#include <mapless/trajectory/trajectory.hpp>
+
+namespace mapless::test {
+
+/// What ray_image.hpp says FreespaceProbe answers, by brute force over all lasers and firings, each ray from
+/// the pose of the sensor at the instant that laser fired, in double precision.
+class FreespaceProbeOracle {
+ public:
+  FreespaceProbeOracle(const LidarScan& reference, const Trajectory& trajectory,
+                       const VotingParameters& parameters);
+
+  [[nodiscard]] FreespaceVerdict ask(const Eigen::Vector3d& q_0) const {
+    return ask(q_0, 0, reference_.columns);
+  }
+  /// The same with the firings of columns [first, end) alone to choose from. Where a turning sensor saw a
+  /// direction twice, at its start and its end, both answers are right.
+  [[nodiscard]] FreespaceVerdict ask(const Eigen::Vector3d& q_0, int first, int end) const;
+  /// How near q is to a point of which `verdict` is the answer [m], tried in 26 directions and steps of a
+  /// factor of two from 0.5 mm to 0.25 m; infinite where none is.
+  [[nodiscard]] double margin_m(const Eigen::Vector3d& q_0, FreespaceVerdict verdict) const;
+  /// Least angle between the direction of q and the hub's x axis at the scan's start and its end [rad].
+  [[nodiscard]] double angle_from_seam(const Eigen::Vector3d& q_0) const;
+  /// Where a ray starts and points, in the world.
+  [[nodiscard]] const Eigen::Vector3d& origin_0(int laser, int column) const {
+    return ray(laser, column).origin;
+  }
+  [[nodiscard]] const Eigen::Vector3d& direction_0(int laser, int column) const {
+    return ray(laser, column).direction;
+  }
+
+ private:
+  struct Ray {
+    Eigen::Vector3d origin;
+    Eigen::Vector3d direction;
+    Eigen::Vector3d up;  // across the beam, away from the ground where the sensor is upright
+    double range_m;      // how far it is known to have gone; NaN: not known
+  };
+  struct Sighting {
+    int laser = -1;
+    int column = -1;
+    double range_m = 0;
+    double height_m = 0;
+  };
+  [[nodiscard]] const Ray& ray(int laser, int column) const {
+    return rays_[static_cast<std::size_t>(laser) * static_cast<std::size_t>(reference_.columns) +
+                 static_cast<std::size_t>(column)];
+  }
+  [[nodiscard]] Sighting sight(const Eigen::Vector3d& q_0, int laser, int first, int end) const;
+  [[nodiscard]] double spacing_rad(int laser) const;
+  [[nodiscard]] FreespaceVerdict judge(const std::vector<Sighting>& around, const Sighting& nearest) const;
+  [[nodiscard]] double hub_angle_to(const Eigen::Vector3d& q_0, int column) const;
+
+  const LidarScan& reference_;
+  const Trajectory& trajectory_;
+  VotingParameters parameters_;
+  std::vector<Ray> rays_;  // row-major
+};
+
+}  // namespace mapless::test

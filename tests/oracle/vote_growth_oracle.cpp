@@ -1,0 +1,137 @@
+#include "oracle/vote_growth_oracle.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <map>
+#include <numbers>
+#include <numeric>
+
+namespace mapless::test {
+
+int VoteGrowthOracle::image_column(const LidarReturn& r) const {
+  const LidarModel& model = *scan_.model;
+  const double columns_per_rad = model.sign() * model.columns / (2 * std::numbers::pi);
+  const double offset = model.lasers[static_cast<std::size_t>(r.laser)].azimuth_offset_rad;
+  return r.column + static_cast<int>(std::lround(offset * columns_per_rad));
+}
+
+double VoteGrowthOracle::link_m(const LidarReturn& r) const {
+  const auto& lasers = scan_.model->lasers;
+  double spacing = 2 * std::numbers::pi / scan_.model->columns;
+  for (std::size_t l = 1; l < lasers.size(); ++l) {
+    if (r.laser == static_cast<int>(l) || r.laser == static_cast<int>(l) - 1)
+      spacing = std::max(spacing, lasers[l].elevation_rad - lasers[l - 1].elevation_rad);
+  }
+  const double per_m = std::max(parameters_.link_per_m, parameters_.link_spacings * spacing);
+  return parameters_.link_m + per_m * static_cast<double>(r.range_m);
+}
+
+bool VoteGrowthOracle::linked(std::size_t i, std::size_t j, int rows, int columns) const {
+  const LidarReturn &a = scan_.returns[i], &b = scan_.returns[j];
+  if (std::abs(a.laser - b.laser) > rows) return false;
+  const int apart = std::abs(image_column(a) - image_column(b)) % scan_.columns;
+  if (std::min(apart, scan_.columns - apart) > columns) return false;
+  const double distance = (points_[i].cast<double>() - points_[j].cast<double>()).norm();
+  return distance <= std::min(link_m(a), link_m(b));
+}
+
+std::vector<BoxVerdict> VoteGrowthOracle::filter(const std::vector<PointVotes>& votes) const {
+  std::vector<BoxVerdict> verdicts;
+  for (std::size_t i = 0; i < votes.size(); ++i) {
+    int score = votes[i].total();
+    for (std::size_t j = 0; j < votes.size(); ++j)
+      if (j != i && linked(i, j, 1, 2)) score += votes[j].total();
+    if (votes[i].total() <= 0) {
+      verdicts.push_back(BoxVerdict::not_asked);
+    } else {
+      verdicts.push_back(score >= parameters_.seed_score ? BoxVerdict::kept : BoxVerdict::removed);
+    }
+  }
+  return verdicts;
+}
+
+std::vector<std::size_t> VoteGrowthOracle::sets(const std::vector<char>& chosen) const {
+  std::vector<std::size_t> lowest(chosen.size());
+  std::iota(lowest.begin(), lowest.end(), std::size_t{0});
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (std::size_t i = 0; i < chosen.size(); ++i)
+      for (std::size_t j = 0; j < chosen.size(); ++j)
+        if (chosen[i] && chosen[j] && lowest[j] < lowest[i] && linked(i, j, 2, 4)) {
+          lowest[i] = lowest[j];
+          changed = true;
+        }
+  }
+  return lowest;
+}
+
+void VoteGrowthOracle::fill(const std::vector<PointVotes>& votes, std::vector<char>& dynamic,
+                            RegionGrowthResult& result) const {
+  const std::vector<char> before = dynamic;
+  for (std::size_t i = 0; i < votes.size(); ++i) {
+    int neighbours = 0;
+    for (std::size_t j = 0; j < votes.size(); ++j)
+      if (j != i && before[j] && linked(i, j, 1, 2)) ++neighbours;
+    if (before[i] || votes[i].total() < -8 || neighbours < 5) continue;
+    dynamic[i] = 1;
+    result.verdict[i] = GrowthVerdict::grown;
+  }
+}
+
+RegionGrowthResult VoteGrowthOracle::grow(const std::vector<PointVotes>& votes,
+                                          const std::vector<BoxVerdict>& seeds) const {
+  const std::size_t size = votes.size();
+  RegionGrowthResult result;
+  result.verdict.assign(size, GrowthVerdict::not_reached);
+  result.object.assign(size, 0);
+  std::vector<char> seed(size), usable(size), dynamic(size);
+  for (std::size_t i = 0; i < size; ++i) seed[i] = seeds[i] == BoxVerdict::kept ? 1 : 0;
+  const std::vector<std::size_t> clusters = sets(seed);
+  std::map<std::size_t, int> seeds_in;
+  for (std::size_t i = 0; i < size; ++i) seeds_in[clusters[i]] += seed[i];
+  for (std::size_t i = 0; i < size; ++i) {
+    if (!seed[i]) continue;
+    const bool large = seeds_in[clusters[i]] >= parameters_.min_seeds;
+    result.verdict[i] = large ? GrowthVerdict::seed : GrowthVerdict::too_small;
+  }
+  for (std::size_t i = 0; i < size; ++i)
+    usable[i] = result.verdict[i] == GrowthVerdict::seed || (parameters_.grow && votes[i].seen_through);
+  const std::vector<std::size_t> regions = sets(usable);
+  std::map<std::size_t, bool> has_seed;
+  for (std::size_t i = 0; i < size; ++i)
+    if (result.verdict[i] == GrowthVerdict::seed) has_seed[regions[i]] = true;
+  for (std::size_t i = 0; i < size; ++i) {
+    if (!usable[i] || !has_seed[regions[i]]) continue;
+    if (result.verdict[i] != GrowthVerdict::seed) result.verdict[i] = GrowthVerdict::grown;
+    dynamic[i] = 1;
+  }
+  for (int round = 0; parameters_.grow && round < 2; ++round) fill(votes, dynamic, result);
+  number(votes, dynamic, result);
+  return result;
+}
+
+void VoteGrowthOracle::number(const std::vector<PointVotes>& votes, const std::vector<char>& dynamic,
+                              RegionGrowthResult& result) const {
+  const std::vector<std::size_t> objects = sets(dynamic);
+  std::map<std::size_t, int> points, recent;  // by an object's lowest point
+  for (std::size_t i = 0; i < votes.size(); ++i) {
+    if (!dynamic[i]) continue;
+    ++points[objects[i]];
+    recent[objects[i]] += votes[i].recently ? 1 : 0;
+  }
+  std::map<std::size_t, std::uint16_t> numbers;
+  for (std::size_t i = 0; i < votes.size(); ++i) {
+    if (!dynamic[i]) continue;
+    const std::size_t object = objects[i];
+    if (recent[object] < parameters_.min_recent_share * points[object]) {
+      result.verdict[i] = GrowthVerdict::stopped;
+      continue;
+    }
+    auto& number = numbers[object];
+    if (number == 0) number = static_cast<std::uint16_t>(++result.objects);
+    result.object[i] = number;
+  }
+}
+
+}  // namespace mapless::test

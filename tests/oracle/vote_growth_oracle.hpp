@@ -1,0 +1,39 @@
+#pragma once
+
+#include <vector>
+
+#include <mapless/detection/freespace_votes.hpp>
+#include <mapless/detection/region_growth.hpp>
+
+namespace mapless::test {
+
+/// vote_growth.hpp by going over all pairs of points. Two points belong together where they are no farther
+/// apart than link_m + range x max(link_per_m, link_spacings x the widest angle between neighbouring beams)
+/// of either, and no more than so many lasers and columns of the aligned scan image.
+class VoteGrowthOracle {
+ public:
+  VoteGrowthOracle(const LidarScan& scan, const LocalPoints& points, const VotingParameters& parameters)
+      : scan_(scan), points_(points.points), parameters_(parameters) {}
+
+  [[nodiscard]] std::vector<BoxVerdict> filter(const std::vector<PointVotes>& votes) const;
+  [[nodiscard]] RegionGrowthResult grow(const std::vector<PointVotes>& votes,
+                                        const std::vector<BoxVerdict>& seeds) const;
+
+ private:
+  void fill(const std::vector<PointVotes>& votes, std::vector<char>& dynamic,
+            RegionGrowthResult& result) const;
+  /// Numbers the sets of `dynamic` points, and stops those of which too few were seen through lately.
+  void number(const std::vector<PointVotes>& votes, const std::vector<char>& dynamic,
+              RegionGrowthResult& result) const;
+  [[nodiscard]] bool linked(std::size_t i, std::size_t j, int rows, int columns) const;
+  [[nodiscard]] double link_m(const LidarReturn& r) const;
+  [[nodiscard]] int image_column(const LidarReturn& r) const;
+  /// Lowest index of the set of `chosen` points that each belongs to; meaningless for the others.
+  [[nodiscard]] std::vector<std::size_t> sets(const std::vector<char>& chosen) const;
+
+  const LidarScan& scan_;
+  const std::vector<Eigen::Vector3f>& points_;
+  VotingParameters parameters_;
+};
+
+}  // namespace mapless::test
