@@ -50,7 +50,7 @@ class RowVotes {
  private:
   static constexpr std::size_t kStride = 4;
 
-  static bool is_static(const PointVotes& v) { return v.surface_seen && !v.seen_through; }
+  static bool is_static(const PointVotes& v) { return v.surface_seen && !v.seen_through && !v.vacated; }
 
   [[nodiscard]] bool lies_between(std::size_t i, std::size_t left, std::size_t right) const {
     const Eigen::Vector3f chord = points_[right] - points_[left];
@@ -77,18 +77,18 @@ class RowVotes {
     int count = 0;
     if (answer.verdict == FreespaceVerdict::inside) {
       count = kSeenThroughVotes;
+      votes.seen_through = true;
     } else if (answer.verdict == FreespaceVerdict::border) {
       count = -surface_votes(witness.gap);
       votes.surface_seen = true;
     } else if (answer.verdict == FreespaceVerdict::outside && witness.probe.ended(answer) &&
                has_left(i, witness.probe.endpoint(answer.laser, answer.column))) {
       count = kVacatedVotes;
+      votes.vacated = true;
     }
     std::int16_t& sum = witness.gap < 0 ? votes.later : votes.earlier;
     sum = static_cast<std::int16_t>(sum + count);
-    if (count <= 0) return;
-    votes.seen_through = true;
-    votes.recently = votes.recently || witness.recent;
+    votes.recently = votes.recently || (count > 0 && witness.recent);
   }
 
   // Whether what stood at `before` and hid point i is near enough to be the same thing, and not there now.

@@ -31,7 +31,10 @@ float angle_of(float y, float x) {
 }
 
 // Of a number above -0.5; the library's own is a call.
-int rounded(float x) { return static_cast<int>(x + 0.5F); }
+int rounded(float x) {
+  const float above = x + 0.5F;
+  return static_cast<int>(above);
+}
 
 float range_of_cell(const LidarScan& scan, std::int32_t cell) {
   switch (code_of_cell(cell)) {

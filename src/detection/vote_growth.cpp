@@ -47,6 +47,12 @@ class VoteGrowth {
     return verdict(i) == GrowthVerdict::seed || verdict(i) == GrowthVerdict::grown;
   }
 
+  // What was uncovered beside a thing that moved looks as if that had left it too: alone that is not enough.
+  [[nodiscard]] bool may_move(std::int32_t i) const {
+    const PointVotes& v = votes_[static_cast<std::size_t>(i)];
+    return v.seen_through || v.total() > 0;
+  }
+
   // Everything that `belongs` and is linked to `first`, in front_; `claim` must make it belong no more.
   template <class Belongs, class Claim>
   void collect(std::int32_t first, Belongs&& belongs, Claim&& claim) {
@@ -83,7 +89,7 @@ class VoteGrowth {
       const std::int32_t i = front_.back();
       front_.pop_back();
       neighbours_.for_each(i, kLinkRows, kLinkColumns, [&](std::int32_t j) {
-        if (dynamic(j) || !votes_[static_cast<std::size_t>(j)].seen_through) return;
+        if (dynamic(j) || !may_move(j)) return;
         verdict(j) = GrowthVerdict::grown;
         front_.push_back(j);
       });

@@ -10,7 +10,7 @@ namespace mapless {
 namespace {
 
 ComparisonVerdict compared(const PointVotes& v) {
-  if (v.seen_through) return ComparisonVerdict::dynamic;
+  if (v.seen_through || v.vacated) return ComparisonVerdict::dynamic;
   return v.surface_seen ? ComparisonVerdict::matched : ComparisonVerdict::not_compared;
 }
 

@@ -44,12 +44,12 @@ struct WallThen {
 
 struct Expected {
   int earlier, later;
-  bool seen_through, surface_seen, recently;
+  bool seen_through, surface_seen, recently, vacated = false;
 };
 
 bool is(const PointVotes& v, const Expected& e) {
   return v.earlier == e.earlier && v.later == e.later && v.seen_through == e.seen_through &&
-         v.surface_seen == e.surface_seen && v.recently == e.recently;
+         v.surface_seen == e.surface_seen && v.recently == e.recently && v.vacated == e.vacated;
 }
 
 std::vector<AskedScan> asked(const std::vector<RayImage>& images, const std::vector<int>& gaps) {
@@ -119,8 +119,8 @@ TEST(CollectVotes, WhereAllAreFarOffTheNearestTellsWhatMovesNow) {
 TEST(CollectVotes, WhatHidAPointAndHasLeftCountsByHowFarOffItWas) {
   VotingParameters parameters;
   parameters.vacated_m = 1.4;
-  expect_votes({{6, 2}, {6, 4}, {6, 8}, {6, -1}}, {6, 2, true, false, true}, parameters);
-  expect_votes({{7, 2}, {6, 8}}, {-1 + 2, 0, true, true, false}, parameters);
+  expect_votes({{6, 2}, {6, 4}, {6, 8}, {6, -1}}, {6, 2, false, false, true, true}, parameters);
+  expect_votes({{7, 2}, {6, 8}}, {-1 + 2, 0, false, true, false, true}, parameters);
   parameters.vacated_m = 0.99;
   expect_votes({{6, 2}, {6, 4}, {6, 8}, {6, -1}}, {0, 0, false, false, false}, parameters);
 }
@@ -162,7 +162,7 @@ TEST(CollectVotes, AWallUncoveredByWhatWasFarFromItDoesNotMove) {
   for (const auto& [x, v] : votes_of({wall_at(9)}, {wall_at(9), crate_at(6)})) {
     uncovered += v.total() == 0 ? 1 : 0;
     EXPECT_LE(v.total(), 0);
-    EXPECT_FALSE(v.seen_through);
+    EXPECT_FALSE(v.seen_through || v.vacated);
   }
   EXPECT_GT(uncovered, 1000);
 }
@@ -198,7 +198,7 @@ TEST(CollectVotes, WhatComesWithinTheMaximumRangeDoesNotMove) {
   ASSERT_GT(query.points_0.size(), 100u);
   for (const PointVotes& v :
        collect_votes(*query.scan, local_points(query), {{&before, 2}}, RayImage(query), {}))
-    EXPECT_FALSE(v.seen_through);
+    EXPECT_FALSE(v.seen_through || v.vacated);
 }
 
 /// Every point by itself, from the rules in freespace_votes.hpp.
@@ -224,7 +224,8 @@ std::vector<PointVotes> ask_every_point(const LocalPoints& points, const std::ve
         vote = 2;
       auto& sum = a.gap > 0 ? votes[i].earlier : votes[i].later;
       sum = static_cast<std::int16_t>(sum + vote);
-      votes[i].seen_through = votes[i].seen_through || vote > 0;
+      votes[i].seen_through = votes[i].seen_through || vote == 4;
+      votes[i].vacated = votes[i].vacated || vote == 2;
       votes[i].surface_seen = votes[i].surface_seen || vote < 0;
       votes[i].recently = votes[i].recently || (vote > 0 && std::abs(a.gap) <= 4);
     }
@@ -233,7 +234,7 @@ std::vector<PointVotes> ask_every_point(const LocalPoints& points, const std::ve
 }
 
 bool same(const PointVotes& a, const PointVotes& b) {
-  return is(a, {b.earlier, b.later, b.seen_through, b.surface_seen, b.recently});
+  return is(a, {b.earlier, b.later, b.seen_through, b.surface_seen, b.recently, b.vacated});
 }
 
 struct Scans {

@@ -96,7 +96,8 @@ RegionGrowthResult VoteGrowthOracle::grow(const std::vector<PointVotes>& votes,
     result.verdict[i] = large ? GrowthVerdict::seed : GrowthVerdict::too_small;
   }
   for (std::size_t i = 0; i < size; ++i)
-    usable[i] = result.verdict[i] == GrowthVerdict::seed || (parameters_.grow && votes[i].seen_through);
+    usable[i] = result.verdict[i] == GrowthVerdict::seed ||
+                (parameters_.grow && (votes[i].seen_through || votes[i].total() > 0));
   const std::vector<std::size_t> regions = sets(usable);
   std::map<std::size_t, bool> has_seed;
   for (std::size_t i = 0; i < size; ++i)

@@ -46,9 +46,10 @@ inline constexpr int kRecentGap = 4;
 struct PointVotes {
   std::int16_t earlier = 0;   ///< of the earlier scans
   std::int16_t later = 0;     ///< of the later scan
-  bool seen_through = false;  ///< some scan saw through, or saw it leave another place
+  bool seen_through = false;  ///< some scan saw through
   bool surface_seen = false;  ///< some scan saw a surface
-  bool recently = false;      ///< seen_through by a scan that tells whether something moves now
+  bool recently = false;      ///< a vote for it is by a scan that tells whether something moves now
+  bool vacated = false;       ///< what hid it from some scan has left
 
   [[nodiscard]] int total() const { return earlier + later; }
 };

@@ -188,7 +188,8 @@ struct VotingParameters {
         declare(&P::min_seeds, "min_seeds", "points", 1, 10000,
                 "a cluster of fewer seeds is static and does not grow", "method.md 2"),
         declare(&P::grow, "grow",
-                "seeds grow over linked points that some scan saw through, whatever the others say",
+                "seeds grow over linked points that some scan saw through, whatever the others say, or whose "
+                "votes are above 0",
                 "paper step 5"),
         declare(&P::min_recent_share, "min_recent_share", "", 0.0, 1.0,
                 "share of an object's points that one of the nearest scans must have seen through: what "
