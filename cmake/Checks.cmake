@@ -21,7 +21,7 @@ mapless_check(lint.format ${scripts}/check_format.sh ${MAPLESS_CLANG_FORMAT})
 mapless_check(lint.layers ${Python3_EXECUTABLE} ${scripts}/check_layers.py)
 mapless_check(lint.documents ${Python3_EXECUTABLE} ${scripts}/check_documents.py)
 mapless_check(lint.checks ${Python3_EXECUTABLE} -m unittest discover -s tests/scripts -p "*_test.py")
-mapless_parallel_check(lint.tidy ${scripts}/check_tidy.sh ${MAPLESS_RUN_CLANG_TIDY} ${PROJECT_BINARY_DIR})
+mapless_parallel_check(lint.tidy ${scripts}/check_tidy.sh ${MAPLESS_RUN_CLANG_TIDY} ${PROJECT_SOURCE_DIR}/build/tidy)
 
 mapless_parallel_check(package.example ${scripts}/check_package.sh ${PROJECT_BINARY_DIR}
                        $<$<TARGET_EXISTS:mapless_make_scene>:$<TARGET_FILE:mapless_make_scene>>)
