@@ -8,7 +8,7 @@ set(scripts ${PROJECT_SOURCE_DIR}/scripts)
 
 function(mapless_check name)
   add_test(NAME ${name} COMMAND ${ARGN} WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
-  set_tests_properties(${name} PROPERTIES TIMEOUT 1800)
+  set_tests_properties(${name} PROPERTIES TIMEOUT 3600)
 endfunction()
 
 # Such a check has the machine to itself.
