@@ -21,7 +21,7 @@ constexpr int kQuery = 30;  // the sensor turns, three cars cross or meet it
 
 DetectorParameters published_parameters() {
   DetectorParameters parameters;
-  parameters.method = DetectionMethodChoice::published;
+  parameters.method = DetectionMethod::published;
   parameters.forward_gap = 2;
   return parameters;
 }

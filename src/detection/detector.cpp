@@ -1,7 +1,7 @@
 #include <string>
 #include <utility>
 
-#include "detection/detection_method.hpp"
+#include "detection/detection_pipeline.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/detection/detector.hpp>
 
@@ -9,8 +9,8 @@ namespace mapless {
 
 Detector::Detector(const DetectorParameters& parameters)
     : parameters_(parameters),
-      method_(parameters.method == DetectionMethodChoice::voting ? make_voting_method(parameters)
-                                                                 : make_published_method(parameters)) {}
+      pipeline_(parameters.method == DetectionMethod::voting ? make_voting_pipeline(parameters)
+                                                             : make_published_pipeline(parameters)) {}
 Detector::~Detector() = default;
 Detector::Detector(Detector&&) noexcept = default;
 Detector& Detector::operator=(Detector&&) noexcept = default;
@@ -23,7 +23,7 @@ std::optional<Detection> Detector::process(std::shared_ptr<const LidarScan> scan
                       std::to_string(start.nanoseconds()) + " ns", "not after the scan before it",
                       "give scans by increasing time"});
   }
-  method_->add(std::move(scan), trajectory);
+  pipeline_->add(std::move(scan), trajectory);
   newest_start_ = start;
   ++next_number_;
   const auto gap = static_cast<std::size_t>(parameters_.forward_gap);
@@ -40,7 +40,7 @@ std::optional<Detection> Detector::flush() {
 }
 
 Detection Detector::next(std::optional<std::size_t> later) {
-  Detection detection = method_->detect(next_detection_, later);
+  Detection detection = pipeline_->detect(next_detection_, later);
   detection.sequence_number = next_detection_++;
   return detection;
 }

@@ -53,13 +53,7 @@ class FreespaceCheck {
 
   // How far from a point its nearest ray may pass and still speak for it.
   [[nodiscard]] double near_limit(const NearestRay& ray) const {
-    const auto& lasers = scan().model->lasers;
-    const auto elevation = [&](int l) { return lasers[static_cast<std::size_t>(l)].elevation_rad; };
-    double spacing = 0;
-    if (ray.laser > 0) spacing = elevation(ray.laser) - elevation(ray.laser - 1);
-    if (ray.laser + 1 < scan().rows()) {
-      spacing = std::max(spacing, elevation(ray.laser + 1) - elevation(ray.laser));
-    }
+    const double spacing = scan().model->elevation_step(ray.laser);
     return parameters_.max_ray_distance_m + parameters_.max_ray_distance_spacings * spacing * ray.range_m;
   }
 

@@ -16,12 +16,9 @@ class LinkedNeighbours {
  public:
   LinkedNeighbours(const LidarScan& scan, const LocalPoints& points, const VotingParameters& parameters)
       : scan_(scan), points_(points.points), link_m_(static_cast<float>(parameters.link_m)), image_(scan) {
-    const auto& lasers = scan.model->lasers;
-    for (std::size_t l = 0; l < lasers.size(); ++l) {
-      double spacing = 2 * std::numbers::pi / scan.model->columns;
-      if (l > 0) spacing = std::max(spacing, lasers[l].elevation_rad - lasers[l - 1].elevation_rad);
-      if (l + 1 < lasers.size())
-        spacing = std::max(spacing, lasers[l + 1].elevation_rad - lasers[l].elevation_rad);
+    const double column_rad = 2 * std::numbers::pi / scan.model->columns;
+    for (int l = 0; l < scan.rows(); ++l) {
+      const double spacing = std::max(column_rad, scan.model->elevation_step(l));
       link_per_m_.push_back(
           static_cast<float>(std::max(parameters.link_per_m, parameters.link_spacings * spacing)));
     }

@@ -9,7 +9,7 @@ namespace {
 // The method as published; where it is silent, the plainest reading.
 DetectorParameters paper_profile() {
   DetectorParameters p;
-  p.method = DetectionMethodChoice::published;
+  p.method = DetectionMethod::published;
   p.scan_gap = 4;
   p.forward_gap = 1;
   p.comparison.error_threshold_m = 0.5;

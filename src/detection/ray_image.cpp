@@ -83,8 +83,6 @@ void FreespaceProbe::make_poses(const Vector3d& origin_0) {
 void FreespaceProbe::make_beams() {
   const auto& lasers = image_.model().lasers;
   for (std::size_t l = 0; l < lasers.size(); ++l) {
-    const double below = l > 0 ? lasers[l].elevation_rad - lasers[l - 1].elevation_rad : 0;
-    const double above = l + 1 < lasers.size() ? lasers[l + 1].elevation_rad - lasers[l].elevation_rad : 0;
     const double azimuth = lasers[l].azimuth_offset_rad;
     const Vector3d origin_l = rotation_z(-azimuth) * lasers[l].origin_h_m;
     beams_.push_back({{static_cast<float>(std::cos(azimuth)), static_cast<float>(std::sin(azimuth))},
@@ -92,7 +90,7 @@ void FreespaceProbe::make_beams() {
                        static_cast<float>(std::sin(lasers[l].elevation_rad))},
                       origin_l.cast<float>(),
                       static_cast<float>(-azimuth) * columns_per_rad_,
-                      static_cast<float>(std::max(below, above))});
+                      static_cast<float>(image_.model().elevation_step(static_cast<int>(l)))});
   }
 }
 

@@ -60,6 +60,14 @@ Eigen::Vector3d LidarModel::point_v(int laser, double column, double range_m) co
   return rotation_z(hub_angle(column)) * (l.origin_h_m + range_m * l.direction_h());
 }
 
+double LidarModel::elevation_step(int laser) const {
+  const auto l = static_cast<std::size_t>(laser);
+  double step = 0;
+  if (l > 0) step = lasers[l].elevation_rad - lasers[l - 1].elevation_rad;
+  if (l + 1 < lasers.size()) step = std::max(step, lasers[l + 1].elevation_rad - lasers[l].elevation_rad);
+  return step;
+}
+
 double LidarModel::largest_elevation_step() const {
   double step = 0;
   for (std::size_t i = 1; i < lasers.size(); ++i) {

@@ -43,7 +43,7 @@ Counts count(const Detection& detection, const std::vector<std::uint32_t>& label
 
 DetectorParameters published() {
   DetectorParameters parameters;
-  parameters.method = DetectionMethodChoice::published;
+  parameters.method = DetectionMethod::published;
   parameters.forward_gap = 2;
   return parameters;
 }

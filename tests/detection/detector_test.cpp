@@ -170,7 +170,7 @@ TEST(Detector, DetectionsComeOutLatencyScansLater) {
   const auto scene = room_with_box(test::drive(0, 0));
   const auto scans = test::scans_of(test::cast_scans(scene, 0, 4));
   EXPECT_EQ(Detector().latency(), 1);
-  for (const auto method : {DetectionMethodChoice::voting, DetectionMethodChoice::published}) {
+  for (const auto method : {DetectionMethod::voting, DetectionMethod::published}) {
     for (const int gap : {0, 1, 3}) {
       DetectorParameters parameters = with_forward_gap(gap);
       parameters.method = method;

@@ -82,6 +82,18 @@ TEST(LidarModel, PointIsTheNativeFormula) {
   EXPECT_LT((model.point_v(1, 90, range) - expected).norm(), 1e-13);
 }
 
+TEST(LidarModel, ElevationStepIsToTheFartherNeighbour) {
+  LidarModel model = small_model();
+  model.lasers.resize(1);
+  EXPECT_EQ(model.elevation_step(0), 0);
+  model.lasers.resize(3, model.lasers[0]);
+  model.lasers[1].elevation_rad = model.lasers[0].elevation_rad + 0.1;
+  model.lasers[2].elevation_rad = model.lasers[1].elevation_rad + 0.3;
+  EXPECT_NEAR(model.elevation_step(0), 0.1, 1e-15);
+  EXPECT_NEAR(model.elevation_step(1), 0.3, 1e-15);
+  EXPECT_NEAR(model.elevation_step(2), 0.3, 1e-15);
+}
+
 TEST(LidarModel, LargestElevationStep) {
   LidarModel model = small_model();
   EXPECT_NEAR(model.largest_elevation_step(), 0.25, 1e-15);

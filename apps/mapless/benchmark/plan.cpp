@@ -128,7 +128,7 @@ std::vector<Job> ablations(const Job& plain) {
   add("rays not compensated", p, Compensation::not_of_rays);
   add("neither compensated", p, Compensation::none);
   add("no forward check", with(p, {"forward_gap", "0"}));
-  if (p.method == DetectionMethodChoice::voting) {
+  if (p.method == DetectionMethod::voting) {
     add("one earlier scan", with(with(p, {"voting.references", "1"}), {"voting.first_gap", "8"}));
     add("no support filter", with(p, {"voting.seed_score", "0"}));
     add("no growth", with(p, {"voting.grow", "false"}));

@@ -44,7 +44,7 @@ struct Detection {
   [[nodiscard]] bool dynamic(std::size_t i) const { return object[i] != 0; }
 };
 
-class DetectionMethod;
+class DetectionPipeline;
 
 /// Tells, online, which returns of each scan belong to things that move now (arXiv 1809.06972).
 ///
@@ -74,7 +74,7 @@ class Detector {
   Detection next(std::optional<std::size_t> later);
 
   DetectorParameters parameters_;
-  std::unique_ptr<DetectionMethod> method_;
+  std::unique_ptr<DetectionPipeline> pipeline_;
   Time newest_start_;
   std::size_t next_number_ = 0;     // of the next scan in
   std::size_t next_detection_ = 0;  // of the next detection out

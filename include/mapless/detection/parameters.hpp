@@ -129,11 +129,9 @@ struct RegionGrowthParameters {
 };
 
 /// How the detector decides: freespace voting over many scans, or the five steps as published.
-enum class DetectionMethodChoice { voting, published };
+enum class DetectionMethod { voting, published };
 inline constexpr std::array<std::string_view, 2> kDetectionMethodNames = {"voting", "published"};
-constexpr std::span<const std::string_view> choice_names(DetectionMethodChoice) {
-  return kDetectionMethodNames;
-}
+constexpr std::span<const std::string_view> choice_names(DetectionMethod) { return kDetectionMethodNames; }
 
 /// Method "voting": every point is put to several earlier scans and a later one.
 struct VotingParameters {
@@ -201,7 +199,7 @@ struct VotingParameters {
 
 /// Everything the detector can be told.
 struct DetectorParameters {
-  DetectionMethodChoice method = DetectionMethodChoice::voting;
+  DetectionMethod method = DetectionMethod::voting;
   int forward_gap = 1;
   VotingParameters voting;
   int scan_gap = 8;

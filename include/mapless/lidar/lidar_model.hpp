@@ -48,6 +48,8 @@ struct LidarModel {
   /// Where a return of `laser` lies in the sensor frame at the instant of firing:
   /// Rz(hub_angle) (origin + range (cos el cos az, cos el sin az, sin el)).
   [[nodiscard]] Eigen::Vector3d point_v(int laser, double column, double range_m) const;
+  /// Step in elevation from a laser to the farther of its neighbours [rad]; 0 for a single laser.
+  [[nodiscard]] double elevation_step(int laser) const;
   /// Largest step in elevation between neighbouring lasers [rad]; 0 for a single laser.
   [[nodiscard]] double largest_elevation_step() const;
 };

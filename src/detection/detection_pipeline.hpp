@@ -8,9 +8,9 @@
 namespace mapless {
 
 /// How scans are remembered and judged; Detector says when. Scans are numbered from 0 in the order they come.
-class DetectionMethod {
+class DetectionPipeline {
  public:
-  virtual ~DetectionMethod() = default;
+  virtual ~DetectionPipeline() = default;
   /// Takes the next scan. Throws TrajectoryDomainError, and has then not taken it.
   virtual void add(std::shared_ptr<const LidarScan> scan, const Trajectory& trajectory) = 0;
   /// The detection of scan `number`, with the help of scan `later` (none: the recording ends). Scans come by
@@ -19,7 +19,7 @@ class DetectionMethod {
 };
 
 /// Freespace voting, and the five steps as published.
-std::unique_ptr<DetectionMethod> make_voting_method(const DetectorParameters& parameters);
-std::unique_ptr<DetectionMethod> make_published_method(const DetectorParameters& parameters);
+std::unique_ptr<DetectionPipeline> make_voting_pipeline(const DetectorParameters& parameters);
+std::unique_ptr<DetectionPipeline> make_published_pipeline(const DetectorParameters& parameters);
 
 }  // namespace mapless

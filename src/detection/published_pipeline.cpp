@@ -1,7 +1,7 @@
 #include <deque>
 #include <utility>
 
-#include "detection/detection_method.hpp"
+#include "detection/detection_pipeline.hpp"
 #include "detection/stage_record.hpp"
 #include <mapless/detection/box_filter.hpp>
 #include <mapless/detection/freespace_check.hpp>
@@ -34,9 +34,9 @@ Duration distance(const PreparedScan& earlier, const PreparedScan& later) {
 bool was_outside(const StageTrace& t) { return t.backward == FreespaceVerdict::outside; }
 bool looks_dynamic(const StageTrace& t) { return t.comparison == ComparisonVerdict::dynamic; }
 
-class PublishedMethod final : public DetectionMethod {
+class PublishedPipeline final : public DetectionPipeline {
  public:
-  explicit PublishedMethod(const DetectorParameters& parameters) : parameters_(parameters) {}
+  explicit PublishedPipeline(const DetectorParameters& parameters) : parameters_(parameters) {}
 
   void add(std::shared_ptr<const LidarScan> scan, const Trajectory& trajectory) override {
     buffer_.push_back(prepare(std::move(scan), trajectory));
@@ -80,8 +80,8 @@ class PublishedMethod final : public DetectionMethod {
 };
 
 // Step 1 gives the poses; here every return and ray gets its own.
-PublishedMethod::BufferedScan PublishedMethod::prepare(std::shared_ptr<const LidarScan> scan,
-                                                       const Trajectory& trajectory) const {
+PublishedPipeline::BufferedScan PublishedPipeline::prepare(std::shared_ptr<const LidarScan> scan,
+                                                           const Trajectory& trajectory) const {
   StageSeconds seconds;
   CompensatedScan compensated =
       timed(seconds.compensation, [&] { return compensate(std::move(scan), trajectory); });
@@ -92,8 +92,8 @@ PublishedMethod::BufferedScan PublishedMethod::prepare(std::shared_ptr<const Lid
   return {{std::move(compensated), std::move(neighbours), std::move(normals)}, seconds};
 }
 
-Detection PublishedMethod::judge(const PreparedScan& query, const PreparedScan* reference,
-                                 const PreparedScan* other) const {
+Detection PublishedPipeline::judge(const PreparedScan& query, const PreparedScan* reference,
+                                   const PreparedScan* other) const {
   Detection out;
   out.scan = query.compensated.scan;
   out.trace.resize(out.scan->returns.size());
@@ -137,8 +137,8 @@ Detection PublishedMethod::judge(const PreparedScan& query, const PreparedScan* 
 
 }  // namespace
 
-std::unique_ptr<DetectionMethod> make_published_method(const DetectorParameters& parameters) {
-  return std::make_unique<PublishedMethod>(parameters);
+std::unique_ptr<DetectionPipeline> make_published_pipeline(const DetectorParameters& parameters) {
+  return std::make_unique<PublishedPipeline>(parameters);
 }
 
 }  // namespace mapless

@@ -1,7 +1,7 @@
 #include <deque>
 #include <utility>
 
-#include "detection/detection_method.hpp"
+#include "detection/detection_pipeline.hpp"
 #include "detection/stage_record.hpp"
 #include <mapless/detection/freespace_votes.hpp>
 #include <mapless/detection/vote_growth.hpp>
@@ -27,9 +27,9 @@ void record_votes(std::vector<StageTrace>& trace, const std::vector<PointVotes>&
   }
 }
 
-class VotingMethod final : public DetectionMethod {
+class VotingPipeline final : public DetectionPipeline {
  public:
-  explicit VotingMethod(const DetectorParameters& parameters) : parameters_(parameters.voting) {
+  explicit VotingPipeline(const DetectorParameters& parameters) : parameters_(parameters.voting) {
     int gap = parameters_.first_gap;
     for (int k = 0; k < parameters_.references; ++k, gap *= 2) gaps_.push_back(static_cast<std::size_t>(gap));
   }
@@ -57,7 +57,7 @@ class VotingMethod final : public DetectionMethod {
 };
 
 // Step 1 gives the poses; here every return and ray gets its own.
-void VotingMethod::add(std::shared_ptr<const LidarScan> scan, const Trajectory& trajectory) {
+void VotingPipeline::add(std::shared_ptr<const LidarScan> scan, const Trajectory& trajectory) {
   PendingScan pending;
   const CompensatedScan compensated =
       timed(pending.seconds.compensation, [&] { return compensate(std::move(scan), trajectory); });
@@ -67,8 +67,8 @@ void VotingMethod::add(std::shared_ptr<const LidarScan> scan, const Trajectory& 
   pending_.push_back(std::move(pending));
 }
 
-std::vector<AskedScan> VotingMethod::scans_to_ask(std::size_t number,
-                                                  std::optional<std::size_t> later) const {
+std::vector<AskedScan> VotingPipeline::scans_to_ask(std::size_t number,
+                                                    std::optional<std::size_t> later) const {
   std::vector<AskedScan> asked;
   for (const std::size_t gap : gaps_) {
     if (gap <= number) asked.push_back({&image(number - gap), static_cast<int>(gap)});
@@ -78,7 +78,7 @@ std::vector<AskedScan> VotingMethod::scans_to_ask(std::size_t number,
   return asked;
 }
 
-Detection VotingMethod::detect(std::size_t number, std::optional<std::size_t> later) {
+Detection VotingPipeline::detect(std::size_t number, std::optional<std::size_t> later) {
   PendingScan query = std::move(pending_.front());
   pending_.pop_front();
   Detection detection = judge(std::move(query), scans_to_ask(number, later), image(number));
@@ -89,8 +89,8 @@ Detection VotingMethod::detect(std::size_t number, std::optional<std::size_t> la
   return detection;
 }
 
-Detection VotingMethod::judge(PendingScan query, const std::vector<AskedScan>& asked,
-                              const RayImage& own) const {
+Detection VotingPipeline::judge(PendingScan query, const std::vector<AskedScan>& asked,
+                                const RayImage& own) const {
   Detection out;
   out.seconds = query.seconds;
   out.scan = std::move(query.scan);
@@ -115,8 +115,8 @@ Detection VotingMethod::judge(PendingScan query, const std::vector<AskedScan>& a
 
 }  // namespace
 
-std::unique_ptr<DetectionMethod> make_voting_method(const DetectorParameters& parameters) {
-  return std::make_unique<VotingMethod>(parameters);
+std::unique_ptr<DetectionPipeline> make_voting_pipeline(const DetectorParameters& parameters) {
+  return std::make_unique<VotingPipeline>(parameters);
 }
 
 }  // namespace mapless
