@@ -7,6 +7,11 @@ if(MAPLESS_WARNINGS_AS_ERRORS)
   target_compile_options(mapless_options INTERFACE -Werror)
 endif()
 
+if(CMAKE_UNITY_BUILD)
+  # Wrong there: a source of ours counts as a header, because another file includes it.
+  target_compile_options(mapless_options INTERFACE -Wno-subobject-linkage)
+endif()
+
 if(MAPLESS_SANITIZE)
   # maybe-uninitialized is wrong about instrumented Eigen code too often to be of use.
   target_compile_options(mapless_options INTERFACE -fsanitize=${MAPLESS_SANITIZE} -fno-omit-frame-pointer

@@ -12,6 +12,7 @@ set(slow_headers <Eigen/Dense> <algorithm> <filesystem> <functional> <memory> <o
                  <fmt/format.h> <oneapi/tbb/parallel_for.h>)
 target_precompile_headers(mapless PRIVATE ${slow_headers})
 target_precompile_headers(mapless_verbs PRIVATE ${slow_headers} <CLI/CLI.hpp> <nlohmann/json.hpp>)
+target_precompile_headers(mapless_command REUSE_FROM mapless_verbs)
 if(MAPLESS_BUILD_TESTS)
   target_precompile_headers(mapless_test_support PRIVATE ${slow_headers} <gtest/gtest.h> <gmock/gmock.h>)
   get_property(test_targets DIRECTORY ${PROJECT_SOURCE_DIR}/tests PROPERTY BUILDSYSTEM_TARGETS)

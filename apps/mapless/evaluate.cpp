@@ -35,8 +35,6 @@ struct EvaluateOptions {
   std::string json;
 };
 
-std::string rate_text(const std::optional<double>& rate) { return rate ? fmt::format("{:.3f}", *rate) : "-"; }
-
 std::string table_row(std::string_view name, const PrecisionRecall& r) {
   const Counts& c = r.total();
   return fmt::format("{:<22}{:>10}{:>8}{:>12}{:>6}{:>9}{:>6}{:>8}{:>8}{:>10}{:>10}{:>10}{:>12}\n", name,

@@ -8,8 +8,6 @@
 namespace mapless::app {
 namespace {
 
-std::string rate_text(const std::optional<double>& rate) { return rate ? fmt::format("{:.3f}", *rate) : "-"; }
-
 std::string counts_head(std::string_view name) {
   return fmt::format("\n{:<22}{:>10}{:>8}{:>8}{:>8}{:>10}{:>10}{:>10}", name, "precision", "recall", "F1",
                      "IoU", "TP", "FP", "FN");
@@ -80,6 +78,8 @@ std::string objects_text(const EvaluationReport& report) {
 }
 
 }  // namespace
+
+std::string rate_text(const std::optional<double>& rate) { return rate ? fmt::format("{:.3f}", *rate) : "-"; }
 
 std::string report_tables(const EvaluationReport& report) {
   return range_table(report) + class_table(report) +

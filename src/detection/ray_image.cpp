@@ -15,7 +15,7 @@ using Eigen::Vector3f;
 // them is below the spacing of any sensor's beams, and nearer the order of two lasers matters little.
 constexpr float kBankHeight_m = 0.03F;
 constexpr int kStepsPerLaser = 8;  // of a bank's table
-constexpr int kMaxIterations = 12;
+constexpr int kMaxColumnSteps = 12;
 constexpr float kFarAside = 2;  // a firing that many columns off does not speak for a point
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
@@ -143,7 +143,7 @@ bool FreespaceProbe::find_column(const Vector3f& q, float& column, Vector3f& q_h
   const auto last = static_cast<float>(image_.columns() - 1);
   const auto turn = std::abs(columns_per_rad_) * 2 * std::numbers::pi_v<float>;
   bool crossed = false;
-  for (int i = 0; i < kMaxIterations; ++i) {
+  for (int i = 0; i < kMaxColumnSteps; ++i) {
     const int at = rounded(std::clamp(column, 0.0F, last));
     q_h = poses_[static_cast<std::size_t>(at)] * q;
     const float next = static_cast<float>(at) + angle_of(q_h.y(), q_h.x()) * columns_per_rad_;

@@ -5,13 +5,11 @@
 #include <numbers>
 
 #include "detection/disjoint_sets.hpp"
+#include "detection/object_number.hpp"
 #include <mapless/detection/region_growth.hpp>
 
 namespace mapless {
 namespace {
-
-// A label has 16 bits for its object; objects beyond share the last number rather than turn static.
-constexpr int kMaxObjectNumber = std::numeric_limits<std::uint16_t>::max();
 
 class RegionGrowth {
  public:

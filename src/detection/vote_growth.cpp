@@ -1,17 +1,14 @@
 #include <algorithm>
-#include <limits>
 
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/parallel_for.h>
 
 #include "detection/linked_neighbours.hpp"
+#include "detection/object_number.hpp"
 #include <mapless/detection/vote_growth.hpp>
 
 namespace mapless {
 namespace {
-
-// A label has 16 bits for its object; objects beyond share the last number rather than turn static.
-constexpr int kMaxObjectNumber = std::numeric_limits<std::uint16_t>::max();
 
 // Windows of the scan image, half sizes: a point's support comes from its immediate neighbours; clusters and
 // growth step over a laser or a few firings that hit something in front.

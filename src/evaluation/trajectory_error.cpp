@@ -25,14 +25,14 @@ SE3 error_between(const PosePair& first, const PosePair& second) {
   return estimated.inverse() * (first.T_0v_true.inverse() * second.T_0v_true);
 }
 
-std::optional<PoseErrors> figures_of(const std::vector<SE3>& errors) {
+std::optional<PoseErrors> figures_of_poses(const std::vector<SE3>& errors) {
   if (errors.empty()) return std::nullopt;
   std::vector<double> translations, rotations;
   for (const SE3& E : errors) {
     translations.push_back(E.translation().norm());
     rotations.push_back(angle_deg(E));
   }
-  return PoseErrors{*mapless::figures_of(translations), *mapless::figures_of(rotations)};
+  return PoseErrors{*figures_of(translations), *figures_of(rotations)};
 }
 
 // Way along the true poses up to each of them.
@@ -137,7 +137,7 @@ std::optional<PoseErrors> absolute_error_from_first(std::span<const PosePair> pa
   if (pairs.size() < 2) return std::nullopt;
   std::vector<SE3> errors;
   for (const PosePair& p : pairs) errors.push_back(error_between(pairs.front(), p));
-  return figures_of(errors);
+  return figures_of_poses(errors);
 }
 
 std::optional<PoseErrors> relative_error_per_scan(std::span<const PosePair> pairs, std::size_t first_scan) {
@@ -146,7 +146,7 @@ std::optional<PoseErrors> relative_error_per_scan(std::span<const PosePair> pair
     if (pairs[i].scan < first_scan || pairs[i + 1].scan != pairs[i].scan + 1) continue;
     errors.push_back(error_between(pairs[i], pairs[i + 1]));
   }
-  return figures_of(errors);
+  return figures_of_poses(errors);
 }
 
 }  // namespace mapless

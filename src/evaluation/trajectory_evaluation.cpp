@@ -11,7 +11,6 @@
 namespace mapless {
 namespace {
 
-constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kWidestGapInScans = 1.5;
 // A pose for the end of a scan is one for the start of the next, whatever the last digits say.
 constexpr double kEarlyInScans = 0.05;
@@ -60,7 +59,7 @@ std::optional<VelocityError> velocity_error(const Dataset& dataset, const Trajec
     const Vector6d real = (truth.at(to).T_v0 * truth.at(from).T_v0.inverse()).log();
     const Vector6d error = (estimated - real) / (to - from).seconds();
     linear.push_back(error.head<3>().norm());
-    angular.push_back(error.tail<3>().norm() * kDegrees);
+    angular.push_back(error.tail<3>().norm() * 180 / std::numbers::pi);
   }
   if (linear.empty()) return std::nullopt;
   return VelocityError{*figures_of(linear), *figures_of(angular)};

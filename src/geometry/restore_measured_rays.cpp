@@ -13,11 +13,6 @@
 namespace mapless {
 namespace {
 
-// Where a column and an instant were recovered from the azimuth of a compensated point, moving the point
-// changes the azimuth. Each pass leaves as much of the error as the direction of the point turns against the
-// spin of the hub: below a tenth for 15 m/s past a point 4 m away.
-constexpr int kPasses = 3;
-
 // The (fractional) column, any whole number of turns away, at which `laser` measures p_v.
 double column_of(const LidarModel& model, const Laser& laser, const Eigen::Vector3d& p_v) {
   const Eigen::Vector2d beam(std::cos(laser.azimuth_offset_rad), std::sin(laser.azimuth_offset_rad));
@@ -40,8 +35,12 @@ double unwrapped(double column, double previous, const LidarScan& scan) {
   return std::clamp(c, 0.0, static_cast<double>(scan.columns));
 }
 
+// Where a column and an instant were recovered from the azimuth of a compensated point, moving the point
+// changes the azimuth. Each pass leaves as much of the error as the direction of the point turns against the
+// spin of the hub: below a tenth for 15 m/s past a point 4 m away.
 void recover_from_azimuth(const LidarScan& scan, const SensorMotion& motion, const Eigen::Vector3d& p_0,
                           LidarReturn& r) {
+  constexpr int kPasses = 3;
   const Laser& laser = scan.model->lasers[static_cast<std::size_t>(r.laser)];
   double column = r.column;
   for (int pass = 0; pass < kPasses; ++pass) {

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "core/median.hpp"
 #include "io/kitti_files.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/io/labels.hpp>
@@ -25,9 +26,7 @@ constexpr double kSeam_rad = std::numbers::pi;
 double median_duration_s(const std::vector<BareCloudScan>& scans) {
   std::vector<double> durations;
   for (const BareCloudScan& scan : scans) durations.push_back((scan.end - scan.start).seconds());
-  const auto middle = durations.begin() + static_cast<std::ptrdiff_t>(durations.size() / 2);
-  std::nth_element(durations.begin(), middle, durations.end());
-  return *middle;
+  return median(std::move(durations));
 }
 
 // The points as measured: each at the instant that the azimuth it was measured at tells. The compensation has

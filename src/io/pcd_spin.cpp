@@ -7,6 +7,8 @@
 #include <numbers>
 #include <numeric>
 
+#include "core/median.hpp"
+
 namespace mapless {
 namespace {
 
@@ -19,12 +21,6 @@ constexpr int kBins = 64;  // of a turn: the hub turns evenly within one
 
 double azimuth_of(const Eigen::Vector3f& p) {
   return std::atan2(static_cast<double>(p.y()), static_cast<double>(p.x()));
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 void add_rates(const TimedCloud& cloud, std::vector<double>& rates) {

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "core/median.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/io/atomic_file.hpp>
 #include <mapless/io/labels.hpp>
@@ -16,13 +17,6 @@ namespace {
 constexpr double kGapPeriods = 1.5;
 // Bare clouds vary in size from scan to scan; by more than this factor from the median is odd.
 constexpr double kSizeFactor = 2.0;
-
-std::size_t median(std::vector<std::size_t> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 struct ScanSizes {
   std::vector<std::size_t> number, records, returns;  // of the readable scans

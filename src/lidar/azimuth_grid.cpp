@@ -7,6 +7,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include "core/median.hpp"
 #include "lidar/ring_points.hpp"
 
 namespace mapless {
@@ -23,12 +24,6 @@ constexpr std::size_t kPointsPerRing = 1500;
 double across_angle(double across_m, double rho_m) {
   const double x = std::clamp(across_m / rho_m, -1.0, 1.0);
   return x + x * x * x / 6;
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 // Steps of azimuth between stored neighbours at about the same distance: free of offsets and horizontal

@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 
+#include "core/median.hpp"
 #include <mapless/lidar/ring_recovery.hpp>
 
 namespace mapless {
@@ -31,12 +32,6 @@ std::vector<Cone> cones_of(const LidarModel& model) {
   std::vector<Cone> cones;
   for (const Laser& laser : model.lasers) cones.emplace_back(laser);
   return cones;
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 double median_step_rad(const LidarModel& model) {

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <optional>
 
+#include "core/median.hpp"
 #include "lidar/ring_points.hpp"
 
 namespace mapless {
@@ -17,12 +18,6 @@ struct Line {
   double intercept = 0;
   double intercept_sigma = 0;  // if residuals were independent
 };
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 double residual(const RingPoint& p, const Line& line) {
   return p.z_m - line.intercept - p.rho_m * line.slope;

@@ -10,7 +10,7 @@
 namespace mapless {
 namespace {
 
-constexpr double kTwoPi = 2 * std::numbers::pi;
+constexpr double kTurn_rad = 2 * std::numbers::pi;
 // Steps back inside a ring come from horizontal origins (below 2 degrees) or from compensation at the seam (a
 // few degrees while turning); a new ring starts at the front again.
 constexpr double kRingDrop_rad = 0.5;
@@ -20,8 +20,8 @@ constexpr double kFrontJitter_rad = 2e-4;
 constexpr int kFiringLasers = 3;
 
 double turn_from_zero(double angle_rad) {
-  const double a = std::fmod(angle_rad, kTwoPi);
-  return std::signbit(a) ? a + kTwoPi : a;  // -0, just before the front, too
+  const double a = std::fmod(angle_rad, kTurn_rad);
+  return std::signbit(a) ? a + kTurn_rad : a;  // -0, just before the front, too
 }
 
 double azimuth_of(const Eigen::Vector3f& p) {
@@ -42,7 +42,7 @@ bool is_jitter(const std::vector<Eigen::Vector3f>& points, std::size_t begin, st
   for (std::size_t i = begin; i < end; ++i) {
     if (!is_usable(points[i])) continue;
     const double azimuth = azimuth_of(points[i]);
-    if (azimuth > kFrontJitter_rad && azimuth < kTwoPi - kFrontJitter_rad) return false;
+    if (azimuth > kFrontJitter_rad && azimuth < kTurn_rad - kFrontJitter_rad) return false;
   }
   return true;
 }
@@ -55,7 +55,7 @@ void settle_points_on_the_front(const std::vector<Eigen::Vector3f>& points,
   for (std::size_t k = 1; k < starts.size(); ++k) {
     std::size_t& s = starts[k];
     if (s < 2 || s + 1 >= points.size()) continue;
-    const bool before_front = azimuth_of(points[s - 1]) > kTwoPi - kFrontJitter_rad;
+    const bool before_front = azimuth_of(points[s - 1]) > kTurn_rad - kFrontJitter_rad;
     if (before_front && belongs_to(points, s - 1, s, s - 2)) {
       --s;
     } else if (azimuth_of(points[s]) < kFrontJitter_rad && belongs_to(points, s, s - 1, s + 1)) {
@@ -135,7 +135,7 @@ double hub_turn(const Eigen::Vector3f& p, const Laser& laser, const LidarModel& 
   const double rho = std::sqrt(p.head<2>().cast<double>().squaredNorm());
   const double hub =
       std::atan2(p.y(), p.x()) - laser.azimuth_offset_rad - std::asin(std::clamp(across / rho, -1.0, 1.0));
-  const double turn = turn_from_zero(model.sign() * (hub - model.start_azimuth_rad)) / kTwoPi;
+  const double turn = turn_from_zero(model.sign() * (hub - model.start_azimuth_rad)) / kTurn_rad;
   return turn < 1 ? turn : 0;
 }
 

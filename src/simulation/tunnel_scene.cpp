@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 
+#include "simulation/rings.hpp"
 #include "simulation/scenes.hpp"
 
 namespace mapless {
@@ -13,7 +14,6 @@ using Eigen::Vector3d;
 
 constexpr double kHalfLength = 110;  // of the tunnel, along x [m]
 constexpr double kHalfWidth = 3.6;
-constexpr double kTurn = 2 * std::numbers::pi;
 
 Terrain floor_of_tunnel() {
   return [](double x, double /*y*/) { return 0.8 * std::sin(x / 30); };

@@ -14,8 +14,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr unsigned kPoses = 9;                                       // of a part in one interval
-constexpr Duration kHalfStep = Duration::from_nanoseconds(200'000);  // for the surface's velocity
+constexpr unsigned kPoses = 9;                                               // of a part in one interval
+constexpr Duration kHalfVelocityStep = Duration::from_nanoseconds(200'000);  // for the surface's velocity
 
 void require_valid(const WorldDescription& world) {
   const auto refuse = [](const std::string& field, std::size_t value, const std::string& problem) {
@@ -215,9 +215,9 @@ RayHit SimulatedWorld::exact_hit(const TimedRay& ray, double range_m, unsigned i
   if (hit.cos_incidence > 1e-3 && std::abs(exact - range_m) < 0.02) hit.range_m = exact;
   if (mover != nullptr) {
     const Vector3d p_s = T_0s.inverse() * (ray.origin_0 + hit.range_m * ray.direction_0);
-    const Vector3d after = mover->T_0s(part, ray.time + kHalfStep) * p_s;
-    const Vector3d before = mover->T_0s(part, ray.time - kHalfStep) * p_s;
-    hit.velocity_0 = (after - before) / (2 * kHalfStep.seconds());
+    const Vector3d after = mover->T_0s(part, ray.time + kHalfVelocityStep) * p_s;
+    const Vector3d before = mover->T_0s(part, ray.time - kHalfVelocityStep) * p_s;
+    hit.velocity_0 = (after - before) / (2 * kHalfVelocityStep.seconds());
   }
   return hit;
 }
