@@ -9,7 +9,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kGround = -1.73;  // below the sensor on a car's roof [m]
-constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kDegree_rad = std::numbers::pi / 180;
 
 class StreetBuilder {
  public:
@@ -43,7 +43,7 @@ void add_houses(StreetBuilder& street) {
 
 void add_street_furniture(StreetBuilder& street) {
   for (const double x : {-14.0, -7.5, 4.0, 10.5, 17.0}) street.still(car(x, -5.2, 0));
-  street.still(car(9, 7.4, 3 * kDegree));
+  street.still(car(9, 7.4, 3 * kDegree_rad));
   street.still(car(50, 7.4, 0));
   for (const double x : {-6.0, 14.0, 47.0}) street.still(toy_cylinder({x, -8, 0}, 0.2, 2.5));
   street.still(toy_sphere({14, -8, 3.2}, 1.4));
@@ -53,13 +53,13 @@ void add_street_furniture(StreetBuilder& street) {
 void add_traffic(StreetBuilder& street) {
   street.moving(car(40, 3.2, 0), {-9, 0, 0});
   street.moving(car(95, 3.2, 0), {-8, 0, 0});
-  street.moving(car(34, -30, kDegree * 90), {0, 7, 0});
-  street.moving(car(30.5, 62, kDegree * 90), {0, -10, 0});
+  street.moving(car(34, -30, kDegree_rad * 90), {0, 7, 0});
+  street.moving(car(30.5, 62, kDegree_rad * 90), {0, -10, 0});
   street.moving(car(22, -1, 0), {8.5, 0, 0});
   street.moving(person(12, -7), {1.4, 0, 0});
   street.moving(person(26, 9), {-1.3, 0, 0});
   street.moving(person(27, -6), {0.1, 1.2, 0});
-  street.moving(toy_box({31, -9, kGround + 0.9}, {0.9, 0.3, 0.85}), {0, 0, 0}, 60 * kDegree);
+  street.moving(toy_box({31, -9, kGround + 0.9}, {0.9, 0.3, 0.85}), {0, 0, 0}, 60 * kDegree_rad);
 }
 
 /// 8 m/s straight on for 2.5 s, then a left turn at 30 degrees/s for 3 s, straight on again.
@@ -72,7 +72,7 @@ std::shared_ptr<const Trajectory> street_drive() {
     poses.push_back({t, T_v0});
     const bool turning = i >= 250 && i < 550;
     Vector6d varpi;
-    varpi << -8, 0, 0, 0, 0, turning ? -30 * kDegree : 0;
+    varpi << -8, 0, 0, 0, 0, turning ? -30 * kDegree_rad : 0;
     T_v0 = SE3::exp(step_s * varpi) * T_v0;
   }
   // Some lasers fire a little before their column's instant.
