@@ -1,46 +1,18 @@
 #include <algorithm>
-#include <numbers>
 #include <random>
 
 #include <gtest/gtest.h>
 
 #include "oracle/box_filter_oracle.hpp"
-#include "support/toy_scene.hpp"
+#include "support/small_scan.hpp"
 #include <mapless/detection/box_filter.hpp>
 
 namespace mapless {
 namespace {
 
-constexpr int kColumns = 24;
+using test::small_scan;
 
-/// A scan of few lasers and columns, all returns 5 m away, except that a ray in `missing_in` never came back.
-LidarScan small_scan(const std::vector<double>& offsets_in_columns, SpinDirection direction, unsigned seed,
-                     int missing_in) {
-  auto model = std::make_shared<LidarModel>();
-  model->columns = kColumns;
-  model->direction = direction;
-  model->max_range_m = 100;
-  std::vector<LidarRecord> records;
-  std::mt19937_64 random(seed);
-  for (std::size_t l = 0; l < offsets_in_columns.size(); ++l) {
-    Laser laser;
-    laser.elevation_rad = 0.01 * static_cast<double>(l);
-    laser.azimuth_offset_rad = offsets_in_columns[l] * model->sign() * 2 * std::numbers::pi / kColumns;
-    model->lasers.push_back(laser);
-  }
-  for (int l = 0; l < static_cast<int>(offsets_in_columns.size()); ++l) {
-    for (int c = 0; c < kColumns; ++c) {
-      const bool missing = missing_in > 0 && random() % static_cast<unsigned>(missing_in) == 0;
-      records.push_back(
-          {model->point_v(l, c, 5).cast<float>(), l, c, c, missing ? ReturnCode::faulty : ReturnCode::hit});
-    }
-  }
-  LidarScan scan;
-  scan.model = model;
-  scan.columns = kColumns;
-  scan.column_period = Duration::from_nanoseconds(1000);
-  return organise(scan, records, "test");
-}
+constexpr int kColumns = test::kSmallColumns;
 
 std::vector<char> none_dynamic(const LidarScan& scan) { return std::vector<char>(scan.returns.size(), 0); }
 
@@ -56,7 +28,7 @@ int removed(const std::vector<BoxVerdict>& verdicts) {
 // A lone run scores 8 for the empty rows and 1 for each of its pixels; two rows of four lose 4 for each
 // other.
 TEST(BoxFilter, RemovesLoneRunsByScore) {
-  const LidarScan scan = small_scan({0, 0, 0, 0, 0}, SpinDirection::clockwise, 1, 0);
+  const LidarScan scan = small_scan({0, 0, 0, 0, 0});
   BoxFilterParameters parameters;  // more than 10 of 12
   auto dynamic = none_dynamic(scan);
   set_dynamic(scan, dynamic, 2, {5, 6, 7});
@@ -71,7 +43,7 @@ TEST(BoxFilter, RemovesLoneRunsByScore) {
 }
 
 TEST(BoxFilter, TakesTheImageAsEmptyAboveAndBelowAndAsRoundAtItsSides) {
-  const LidarScan scan = small_scan({0, 0, 0}, SpinDirection::clockwise, 1, 0);
+  const LidarScan scan = small_scan({0, 0, 0});
   auto dynamic = none_dynamic(scan);
   set_dynamic(scan, dynamic, 0, {kColumns - 2, kColumns - 1, 0, 1});
   set_dynamic(scan, dynamic, 2, {10, 11, 12, 13});
@@ -79,7 +51,7 @@ TEST(BoxFilter, TakesTheImageAsEmptyAboveAndBelowAndAsRoundAtItsSides) {
 }
 
 TEST(BoxFilter, TwelveSwitchesItOff) {
-  const LidarScan scan = small_scan({0, 0, 0}, SpinDirection::clockwise, 1, 0);
+  const LidarScan scan = small_scan({0, 0, 0});
   auto dynamic = none_dynamic(scan);
   set_dynamic(scan, dynamic, 1, {10, 11, 12, 13});
   BoxFilterParameters parameters;
@@ -112,8 +84,10 @@ TEST(BoxFilter, AgreesWithTheWindowPutEverywhere) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     std::mt19937_64 random(seed);
     const auto direction = seed % 2 == 0 ? SpinDirection::clockwise : SpinDirection::counter_clockwise;
-    const LidarScan scan =
-        small_scan({0.2, -3.1, 2.4, 5.3, -0.4, 1.1}, direction, seed, seed % 3 == 0 ? 0 : 8);
+    const std::vector<double> offsets = {0.2, -3.1, 2.4, 5.3, -0.4, 1.1};
+    std::vector<char> missing(offsets.size() * kColumns);
+    if (seed % 3 != 0) std::generate(missing.begin(), missing.end(), [&] { return random() % 8 == 0; });
+    const LidarScan scan = small_scan(offsets, 5, missing, direction);
     BoxFilterParameters parameters;
     parameters.image = seed % 4 < 2 ? ImageAlignment::aligned : ImageAlignment::raw;
     parameters.score_threshold = 7 + static_cast<int>(seed % 6);

@@ -1,43 +1,18 @@
 #include <algorithm>
-#include <numbers>
 #include <random>
 
 #include <gtest/gtest.h>
 
 #include "oracle/vote_growth_oracle.hpp"
+#include "support/small_scan.hpp"
 #include <mapless/detection/vote_growth.hpp>
 
 namespace mapless {
 namespace {
 
-constexpr int kColumns = 24;
+using test::small_scan;
 
-/// A sensor of few lasers and columns, with a return in every cell but for those in `missing`.
-LidarScan small_scan(const std::vector<double>& offsets_in_columns, double range_m,
-                     const std::vector<char>& missing = {}) {
-  auto model = std::make_shared<LidarModel>();
-  model->columns = kColumns;
-  model->max_range_m = 100;
-  std::vector<LidarRecord> records;
-  for (std::size_t l = 0; l < offsets_in_columns.size(); ++l) {
-    Laser laser;
-    laser.elevation_rad = 0.01 * static_cast<double>(l);
-    laser.azimuth_offset_rad = offsets_in_columns[l] * model->sign() * 2 * std::numbers::pi / kColumns;
-    model->lasers.push_back(laser);
-  }
-  for (int l = 0; l < static_cast<int>(offsets_in_columns.size()); ++l) {
-    for (int c = 0; c < kColumns; ++c) {
-      const bool gone = !missing.empty() && missing[records.size()] != 0;
-      records.push_back({model->point_v(l, c, range_m).cast<float>(), l, c, c,
-                         gone ? ReturnCode::faulty : ReturnCode::hit});
-    }
-  }
-  LidarScan scan;
-  scan.model = model;
-  scan.columns = kColumns;
-  scan.column_period = Duration::from_nanoseconds(1000);
-  return organise(scan, records, "test");
-}
+constexpr int kColumns = test::kSmallColumns;
 
 LocalPoints points_of(const LidarScan& scan) {
   LocalPoints points{Eigen::Vector3d::Zero(), {}};
