@@ -1,4 +1,5 @@
 #include <cmath>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -27,8 +28,6 @@
 
 namespace mapless::app {
 namespace {
-
-constexpr int kInterrupted = 130;
 
 struct DetectOptions {
   RecordingOptions recording;
@@ -61,7 +60,7 @@ class DetectionRun {
  public:
   DetectionRun(const Dataset& dataset, MotionSource& motion, const ResultFolder& result,
                const DetectorParameters& parameters, RunSummary& summary, std::size_t first,
-               std::size_t count)
+               std::size_t count, std::function<void()> make_folder)
       : dataset_(dataset),
         motion_(motion),
         result_(result),
@@ -69,6 +68,7 @@ class DetectionRun {
         summary_(summary),
         first_(first),
         count_(count),
+        make_folder_(std::move(make_folder)),
         progress_("scans") {}
 
   /// False where it was interrupted: what is finished is written, what is not is not.
@@ -85,9 +85,10 @@ class DetectionRun {
     return true;
   }
 
-  /// Poses and summary of the scans finished so far.
+  /// Poses and summary of the scans finished so far; nothing where not one was.
   void write_outcome() {
     progress_.clear();
+    if (!has_folder_) return;
     write_kitti_poses(result_.kitti_poses(), poses_);
     std::vector<TimedPose> rows = rows_;
     append_last_pose(rows, motion_.trajectory(), last_end_);
@@ -115,6 +116,8 @@ class DetectionRun {
 
   void finish_scan(const Detection& detection) {
     motion_.leave_out(detection);
+    if (!has_folder_) make_folder_();
+    has_folder_ = true;
     const std::size_t k = first_ + detection.sequence_number;
     write_stage_file(result_.stage_file(k), stage_masks_of(detection));
     write_label_file(result_.label_file(k), labels_of(detection));
@@ -131,6 +134,8 @@ class DetectionRun {
   Detector detector_;
   RunSummary& summary_;
   std::size_t first_, count_;
+  std::function<void()> make_folder_;
+  bool has_folder_ = false;
   Progress progress_;
   std::vector<TimedPose> poses_, rows_;  // at the start of each scan, and within it
   Time last_end_;
@@ -152,11 +157,15 @@ void announce(const Dataset& dataset, const MotionSource& motion) {
 }
 
 int report(const DetectOptions& options, const RunSummary& summary, bool complete) {
+  if (!complete && summary.scans() == 0) {
+    fmt::print(stderr, "mapless: interrupted before the first scan was finished; nothing is written\n");
+    return InterruptGuard::exit_code();
+  }
   if (!complete) {
     fmt::print(stderr,
                "mapless: interrupted after {} finished scans; they are valid, the summary says incomplete\n",
                summary.scans());
-    return kInterrupted;
+    return InterruptGuard::exit_code();
   }
   if (options.json) {
     fmt::print("{}", summary.text());
@@ -203,9 +212,13 @@ int detect(const DetectOptions& options) {
   const InterruptGuard interrupt;
   RunSummary summary(*dataset, options.recording.path, motion.source(), options.parameters.profile,
                      options.first, count);
-  result.create(options.overwrite, summary.text());
-  write_file_atomically(result.config(), configuration_text(options.parameters));
-  DetectionRun run(*dataset, motion, result, parameters, summary, options.first, count);
+  // Not before there is a scan to write: a run that fails earlier leaves nothing behind, and an earlier
+  // result as it is.
+  const auto make_folder = [&] {
+    result.create(options.overwrite, summary.text());
+    write_file_atomically(result.config(), configuration_text(options.parameters));
+  };
+  DetectionRun run(*dataset, motion, result, parameters, summary, options.first, count, make_folder);
   const bool complete = run_to_the_end(run, summary);
   if (const std::string trouble = motion.trouble(); !trouble.empty())
     fmt::print(stderr, "mapless: {}\n", trouble);

@@ -6,10 +6,19 @@
 namespace mapless::app {
 namespace {
 
-std::atomic<bool> interrupted{false};
-static_assert(std::atomic<bool>::is_always_lock_free, "set from a signal handler");
+std::atomic<int> first_signal{0};
+static_assert(std::atomic<int>::is_always_lock_free, "set from a signal handler");
 
-void remember(int /*signal*/) { interrupted = true; }
+void remember(int signal) {
+  int none = 0;
+  first_signal.compare_exchange_strong(none, signal);
+}
+
+bool is_ignored(int signal) {
+  struct sigaction action = {};
+  sigaction(signal, nullptr, &action);
+  return action.sa_handler == SIG_IGN;
+}
 
 void handle(void (*handler)(int), int flags) {
   struct sigaction action = {};
@@ -18,6 +27,7 @@ void handle(void (*handler)(int), int flags) {
   sigemptyset(&action.sa_mask);
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
+  if (!is_ignored(SIGHUP)) sigaction(SIGHUP, &action, nullptr);
 }
 
 }  // namespace
@@ -25,6 +35,7 @@ void handle(void (*handler)(int), int flags) {
 // SA_RESTART: a read that is under way goes on, the scan in hand is finished.
 InterruptGuard::InterruptGuard() { handle(remember, static_cast<int>(SA_RESTART | SA_RESETHAND)); }
 InterruptGuard::~InterruptGuard() { handle(SIG_DFL, 0); }
-bool InterruptGuard::requested() { return interrupted; }
+bool InterruptGuard::requested() { return first_signal != 0; }
+int InterruptGuard::exit_code() { return 128 + first_signal; }
 
 }  // namespace mapless::app

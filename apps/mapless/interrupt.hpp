@@ -2,8 +2,8 @@
 
 namespace mapless::app {
 
-/// While it lives, SIGINT and SIGTERM do not end the process but are remembered; the second one ends it as
-/// usual.
+/// While it lives, SIGINT, SIGTERM and SIGHUP do not end the process but are remembered; the second of a kind
+/// ends it as usual. A SIGHUP that was ignored (nohup) stays so.
 class InterruptGuard {
  public:
   InterruptGuard();
@@ -12,6 +12,8 @@ class InterruptGuard {
   InterruptGuard& operator=(const InterruptGuard&) = delete;
 
   [[nodiscard]] static bool requested();
+  /// 128 + the number of the first signal, as a shell has it for a program that the signal ended.
+  [[nodiscard]] static int exit_code();
 };
 
 }  // namespace mapless::app

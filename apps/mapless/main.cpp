@@ -50,7 +50,8 @@ int main(int argc, char** argv) {
   command.set_version_flag("--version", "mapless " MAPLESS_VERSION);
   command.require_subcommand(0, 1);
   command.footer(
-      "Exit code 0 success, 1 failure, 2 wrong usage, 130 interrupted. 'mapless VERB --help' has every "
+      "Exit code 0 success, 1 failure, 2 wrong usage, 128 + N ended by signal N (130: interrupted). 'mapless "
+      "VERB --help' has every "
       "option.");
   int exit_code = 0;
   mapless::app::add_detect(command, exit_code);

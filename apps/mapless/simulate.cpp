@@ -22,8 +22,6 @@
 namespace mapless::app {
 namespace {
 
-constexpr int kInterrupted = 130;
-
 struct SimulateOptions {
   std::string scene;
   std::string output;
@@ -122,7 +120,7 @@ int simulate(SimulateOptions options) {
   if (done < count) {
     fmt::print(stderr, "mapless: interrupted after {} finished scans; they are a valid shorter sequence\n",
                done);
-    return kInterrupted;
+    return InterruptGuard::exit_code();
   }
   fmt::print("{} scans of {} ({}, {}), {:.1f} scans/s\nresult in {}\n", done, options.scene, model->name,
              options.format, done / seconds, options.output);

@@ -333,6 +333,19 @@ TEST_F(DetectTest, ABrokenScanLeavesTheFinishedOnesAndSaysSo) {
   EXPECT_THAT(summary()["stopped"].get<std::string>(), HasSubstr("000005.pcd"));
 }
 
+TEST_F(DetectTest, ABrokenFirstScanLeavesNothingAndAnEarlierResultAsItWas) {
+  const std::string copy = street_copy();
+  fs::resize_file(copy + "/scans/000000.pcd", fs::file_size(copy + "/scans/000000.pcd") / 2);
+  expect_error(detect({}, copy), 1, {"000000.pcd"});
+  EXPECT_FALSE(fs::exists(out()));
+  ASSERT_EQ(detect({"--count", "2"}).exit_code, 0);
+  const auto files = files_in(out());
+  const std::string before = read_whole_file(result().summary());
+  expect_error(detect({"--overwrite"}, copy), 1, {"000000.pcd"});
+  EXPECT_EQ(files_in(out()), files);
+  EXPECT_EQ(read_whole_file(result().summary()), before);
+}
+
 // The scans are enough that the signal, sent at the first sign of progress, comes long before the last.
 TEST_F(DetectTest, AnInterruptFinishesTheScanInHand) {
   test::write_toy_sequence(test::toy_street("VLP-16"), 60, folder / "long");

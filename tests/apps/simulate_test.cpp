@@ -114,19 +114,22 @@ TEST(Simulate, WhatIsFinishedWhenTheDiskIsFullIsARecording) {
 }
 
 TEST(Simulate, WhatIsFinishedAtAnInterruptIsARecording) {
-  const test::TemporaryFolder folder;
-  const fs::path out = folder.path() / "out";
-  test::RunningCommand command(
-      {"simulate", "flyer", "-o", out.string(), "--sensor", "VLP-16", "--duration-s", "200"});
-  ASSERT_TRUE(command.wait_for_error_line("1 of 2000"));
-  command.send(SIGINT);
-  const CommandResult result = command.wait();
-  EXPECT_EQ(result.exit_code, 130);
-  EXPECT_THAT(result.err, HasSubstr("valid shorter sequence"));
-  const auto dataset = open_dataset(out);
-  EXPECT_GE(dataset->size(), 1u);
-  EXPECT_LT(dataset->size(), 2000u);
-  EXPECT_TRUE(dataset->read_labels(0));
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    SCOPED_TRACE(testing::Message() << "signal " << signal);
+    const test::TemporaryFolder folder;
+    const fs::path out = folder.path() / "out";
+    test::RunningCommand command(
+        {"simulate", "flyer", "-o", out.string(), "--sensor", "VLP-16", "--duration-s", "200"});
+    ASSERT_TRUE(command.wait_for_error_line("1 of 2000"));
+    command.send(signal);
+    const CommandResult result = command.wait();
+    EXPECT_EQ(result.exit_code, 128 + signal);
+    EXPECT_THAT(result.err, HasSubstr("valid shorter sequence"));
+    const auto dataset = open_dataset(out);
+    EXPECT_GE(dataset->size(), 1u);
+    EXPECT_LT(dataset->size(), 2000u);
+    EXPECT_TRUE(dataset->read_labels(0));
+  }
 }
 
 }  // namespace

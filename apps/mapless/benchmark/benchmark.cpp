@@ -32,8 +32,6 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr int kInterrupted = 130;
-
 struct BenchmarkOptions {
   PlanOptions plan;
   std::string output;
@@ -119,7 +117,7 @@ int report_interrupt(std::size_t finished, std::size_t of) {
       stderr,
       "mapless: interrupted; {} of {} runs are finished and kept, the same command goes on from there\n",
       finished, of);
-  return kInterrupted;
+  return InterruptGuard::exit_code();
 }
 
 int benchmark(const BenchmarkOptions& options) {
