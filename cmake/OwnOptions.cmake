@@ -21,7 +21,7 @@ endif()
 if(MAPLESS_SANITIZE MATCHES "undefined")
   # A check of every pointer doubles the time it takes to compile Eigen code. AddressSanitizer stops at null and
   # out-of-bounds ones too.
-  target_compile_options(mapless_options INTERFACE -fno-sanitize=null,alignment,object-size,vptr)
+  target_compile_options(mapless_options INTERFACE -fno-sanitize=null,alignment,object-size,vptr,pointer-overflow)
 endif()
 if(MAPLESS_SANITIZE STREQUAL "thread")
   target_include_directories(mapless_options BEFORE INTERFACE ${PROJECT_SOURCE_DIR}/tests/thread_sanitizer)
