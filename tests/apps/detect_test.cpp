@@ -348,9 +348,9 @@ TEST_F(DetectTest, ABrokenFirstScanLeavesNothingAndAnEarlierResultAsItWas) {
 
 // The scans are enough that the signal, sent at the first sign of progress, comes long before the last.
 TEST_F(DetectTest, AnInterruptFinishesTheScanInHand) {
-  test::write_toy_sequence(test::toy_street("VLP-16"), 60, folder / "long");
+  test::write_toy_sequence(test::toy_street("VLP-16"), 30, folder / "long");
   test::RunningCommand command({"detect", folder / "long", "-o", out()});
-  ASSERT_TRUE(command.wait_for_error_line("1 of 60 scans"));
+  ASSERT_TRUE(command.wait_for_error_line("1 of 30 scans"));
   command.send(SIGINT);
   const CommandResult r = command.wait();
   EXPECT_EQ(r.exit_code, 130);
@@ -359,7 +359,7 @@ TEST_F(DetectTest, AnInterruptFinishesTheScanInHand) {
   EXPECT_EQ(s["complete"], false);
   const auto finished = result().labelled_scans();
   EXPECT_EQ(s["scans"], finished.size());
-  EXPECT_LT(finished.size(), 60u);
+  EXPECT_LT(finished.size(), 30u);
   const auto dataset = open_dataset(folder / "long");
   for (const std::size_t k : finished)
     EXPECT_NO_THROW((void)read_label_file(result().label_file(k), 16u * dataset->model()->columns));
