@@ -59,8 +59,7 @@ class VoteGrowth {
     front_.assign(1, first);
     claim(first);
     for (std::size_t next = 0; next < front_.size(); ++next) {
-      neighbours_.for_each(front_[next], kLinkRows, kLinkColumns, [&](std::int32_t j) {
-        if (!belongs(j)) return;
+      neighbours_.for_each(front_[next], kLinkRows, kLinkColumns, belongs, [&](std::int32_t j) {
         claim(j);
         front_.push_back(j);
       });
@@ -81,6 +80,7 @@ class VoteGrowth {
   }
 
   void spread() {
+    const auto may_join = [&](std::int32_t j) { return !dynamic(j) && may_move(j); };
     front_.clear();
     for (std::int32_t i = 0; i < static_cast<std::int32_t>(votes_.size()); ++i) {
       if (verdict(i) == GrowthVerdict::seed) front_.push_back(i);
@@ -88,8 +88,7 @@ class VoteGrowth {
     while (!front_.empty()) {
       const std::int32_t i = front_.back();
       front_.pop_back();
-      neighbours_.for_each(i, kLinkRows, kLinkColumns, [&](std::int32_t j) {
-        if (dynamic(j) || !may_move(j)) return;
+      neighbours_.for_each(i, kLinkRows, kLinkColumns, may_join, [&](std::int32_t j) {
         verdict(j) = GrowthVerdict::grown;
         front_.push_back(j);
       });
@@ -99,11 +98,13 @@ class VoteGrowth {
   // Holes and rims: what no scan could look at, or few saw a surface at, moves with what surrounds it.
   void fill() {
     std::vector<std::int8_t> dynamic_neighbours(votes_.size(), 0);
+    const auto may_fill = [&](std::int32_t j) {
+      return !dynamic(j) && votes_[static_cast<std::size_t>(j)].total() >= kFirmlyStatic;
+    };
     front_.clear();
     for (std::int32_t i = 0; i < static_cast<std::int32_t>(votes_.size()); ++i) {
       if (!dynamic(i)) continue;
-      neighbours_.for_each(i, kSupportRows, kSupportColumns, [&](std::int32_t j) {
-        if (dynamic(j) || votes_[static_cast<std::size_t>(j)].total() < kFirmlyStatic) return;
+      neighbours_.for_each(i, kSupportRows, kSupportColumns, may_fill, [&](std::int32_t j) {
         if (++dynamic_neighbours[static_cast<std::size_t>(j)] == kFillNeighbours) front_.push_back(j);
       });
     }
@@ -147,8 +148,9 @@ std::vector<BoxVerdict> filter_votes(const LidarScan& scan, const LocalPoints& p
     for (std::size_t i = chunk.begin(); i != chunk.end(); ++i) {
       int score = votes[i].total();
       if (score <= 0) continue;
-      neighbours.for_each(static_cast<std::int32_t>(i), kSupportRows, kSupportColumns,
-                          [&](std::int32_t j) { score += votes[static_cast<std::size_t>(j)].total(); });
+      neighbours.for_each(
+          static_cast<std::int32_t>(i), kSupportRows, kSupportColumns, [](std::int32_t) { return true; },
+          [&](std::int32_t j) { score += votes[static_cast<std::size_t>(j)].total(); });
       verdicts[i] = score >= parameters.seed_score ? BoxVerdict::kept : BoxVerdict::removed;
     }
   });

@@ -93,9 +93,31 @@ bool is_right(const FreespaceProbeOracle& oracle, const Vector3d& q_0, Freespace
          oracle.ask(q_0, columns / 2, columns) == verdict;
 }
 
-class ProbeAgreement : public testing::TestWithParam<Case> {};
+enum class Asked { alone, by_fours };
 
-TEST_P(ProbeAgreement, WithBruteForceOverAllRays) {
+struct ProbeAgreement : testing::TestWithParam<Case> {
+  void expect_agreement(Asked asked) const;
+};
+
+/// The first guesses are bad, those of every other four good.
+std::vector<FreespaceVerdict> ask_by_fours(const FreespaceProbe& probe, const Vector3d& origin_0,
+                                           const std::vector<Vector3d>& queries) {
+  std::vector<FreespaceVerdict> verdicts(queries.size());
+  for (std::size_t i = 0; i < queries.size(); i += 4) {
+    std::array<Eigen::Vector3f, 4> q;
+    std::array<float, 4> columns{};
+    for (std::size_t k = 0; k < 4; ++k) {
+      q[k] = (queries[i + k] - origin_0).cast<float>();
+      columns[k] = static_cast<float>((i + k) % 900);
+      if (i % 8 == 0) (void)probe.look(q[k], columns[k]);
+    }
+    const auto answers = probe.look(q, columns);
+    for (std::size_t k = 0; k < 4; ++k) verdicts[i + k] = answers[k].verdict;
+  }
+  return verdicts;
+}
+
+void ProbeAgreement::expect_agreement(Asked asked) const {
   const Case& c = GetParam();
   std::mt19937_64 random(17);
   const test::ToyScene scene = scene_of(c);
@@ -113,9 +135,10 @@ TEST_P(ProbeAgreement, WithBruteForceOverAllRays) {
   const double turned = std::abs(c.yaw_rate_deg) / 10 * kDegree;
   const double seam = turned > 0 || c.speed > 0 ? turned + 20 * kDegree : 0;
   std::vector<FreespaceVerdict> verdicts(queries.size());
+  if (asked == Asked::by_fours) verdicts = ask_by_fours(probe, origin_0, queries);
   std::vector<char> right(queries.size());
   tbb::parallel_for(std::size_t{0}, queries.size(), [&](std::size_t i) {
-    verdicts[i] = ask(probe, origin_0, queries[i], static_cast<float>(i % 900));
+    if (asked == Asked::alone) verdicts[i] = ask(probe, origin_0, queries[i], static_cast<float>(i % 900));
     right[i] = is_right(oracle, queries[i], verdicts[i], seam, scan->columns) ? 1 : 0;
   });
   std::array<int, kVerdicts> seen{};
@@ -139,6 +162,10 @@ TEST_P(ProbeAgreement, WithBruteForceOverAllRays) {
                                    FreespaceVerdict::outside, FreespaceVerdict::unobserved})
     EXPECT_GT(seen[static_cast<std::size_t>(v)], 10) << "hardly tests verdict " << static_cast<int>(v);
 }
+
+TEST_P(ProbeAgreement, WithBruteForceOverAllRays) { expect_agreement(Asked::alone); }
+
+TEST_P(ProbeAgreement, OfFourAtOnceWithBruteForceOverAllRays) { expect_agreement(Asked::by_fours); }
 
 INSTANTIATE_TEST_SUITE_P(Sensors, ProbeAgreement,
                          testing::Values(Case{"HDL-64E-S2", 0, 0, false}, Case{"HDL-64E-S2", 10, 0, true},
