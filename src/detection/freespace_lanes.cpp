@@ -183,7 +183,13 @@ std::array<FreespaceProbe::Answer, 4> FreespaceProbe::Lanes::judge(const Side& b
       (above.found | below.found) &
       (magnitude(height) <= probe.reach_at_0_m_ + probe.reach_spacings_ * spacing * expected);
   const auto all_lanes = [](FreespaceVerdict v) { return Ints{} + static_cast<int>(v); };
-  Ints verdict = window.hides ? all_lanes(FreespaceVerdict::border) : all_lanes(FreespaceVerdict::inside);
+  Ints verdict = all_lanes(FreespaceVerdict::inside);
+  if (probe.beams_.size() > 1) {
+    const Ints known =
+        (above.found & below.found) | (magnitude(height) <= kEdgeSpacings * spacing * expected);
+    verdict = known ? verdict : all_lanes(FreespaceVerdict::unobserved);
+  }
+  verdict = window.hides ? all_lanes(FreespaceVerdict::border) : verdict;
   verdict = range < expected ? all_lanes(FreespaceVerdict::outside) : verdict;
   verdict = range != range ? all_lanes(FreespaceVerdict::unobserved) : verdict;
   verdict = window.border ? all_lanes(FreespaceVerdict::border) : verdict;

@@ -17,11 +17,14 @@ struct Witness {
   bool recent;
 };
 
-bool is_static(const PointVotes& v) { return v.surface_seen && !v.seen_through && !v.vacated; }
+bool is_static(const PointVotes& v) {
+  return v.surface_seen && !v.seen_through && !v.vacated && !v.moving_seen;
+}
 
 bool same(const PointVotes& a, const PointVotes& b) {
   return a.earlier == b.earlier && a.later == b.later && a.seen_through == b.seen_through &&
-         a.surface_seen == b.surface_seen && a.recently == b.recently && a.vacated == b.vacated;
+         a.surface_seen == b.surface_seen && a.recently == b.recently && a.vacated == b.vacated &&
+         a.moving_seen == b.moving_seen;
 }
 
 // Puts the points of one laser to all probes, one in kStride at first. Where two of them stand that nobody
@@ -165,7 +168,9 @@ class RowVotes {
       count = kSeenThroughVotes;
       votes.seen_through = true;
     } else if (answer.verdict == FreespaceVerdict::border) {
-      count = -surface_votes(witness.gap);
+      const bool moving = witness.recent && witness.probe.dynamic(answer);
+      count = moving ? kMovingVotes : -surface_votes(witness.gap);
+      votes.moving_seen = votes.moving_seen || moving;
       votes.surface_seen = true;
     } else if (answer.verdict == FreespaceVerdict::outside && witness.probe.ended(answer) &&
                has_left(i, witness.probe.endpoint(answer.laser, answer.column))) {
@@ -174,7 +179,8 @@ class RowVotes {
     }
     std::int16_t& sum = witness.gap < 0 ? votes.later : votes.earlier;
     sum = static_cast<std::int16_t>(sum + count);
-    votes.recently = votes.recently || (count > 0 && witness.recent);
+    votes.recently =
+        votes.recently || (witness.recent && count > 0 && answer.verdict != FreespaceVerdict::border);
   }
 
   // Whether what stood at `before` and hid point i is near enough to be the same thing, and not there now.

@@ -69,6 +69,16 @@ RayImage::RayImage(const CompensatedScan& scan) : model_(scan.scan->model) {
   for (const std::int32_t cell : scan.scan->cells) ranges_m_.push_back(range_of_cell(*scan.scan, cell));
 }
 
+void RayImage::mark_dynamic(const LidarScan& scan, const std::vector<std::uint16_t>& object) {
+  dynamic_.assign(ranges_m_.size(), false);
+  for (std::size_t i = 0; i < object.size(); ++i) {
+    const LidarReturn& r = scan.returns[i];
+    if (object[i] == 0) continue;
+    dynamic_[static_cast<std::size_t>(r.laser) * column_T_h0_.size() + static_cast<std::size_t>(r.column)] =
+        true;
+  }
+}
+
 FreespaceProbe::FreespaceProbe(const RayImage& image, const Vector3d& origin_0,
                                const VotingParameters& parameters)
     : image_(image),
@@ -277,7 +287,13 @@ FreespaceProbe::Answer FreespaceProbe::look(const Vector3f& q, float& column) co
   if (window.border) return answer(FreespaceVerdict::border);
   if (std::isnan(window.nearest_range_m)) return answer(FreespaceVerdict::unobserved);
   if (window.nearest_range_m < nearest.range_m) return answer(FreespaceVerdict::outside);
-  return answer(window.hides ? FreespaceVerdict::border : FreespaceVerdict::inside);
+  if (window.hides) return answer(FreespaceVerdict::border);
+  const bool between = rays.below.found() && rays.above.found();
+  const float edge_m = kEdgeSpacings * nearest.beam->spacing_rad * nearest.range_m;
+  if (!between && beams_.size() > 1 && std::abs(nearest.height_m) > edge_m) {
+    return answer(FreespaceVerdict::unobserved);
+  }
+  return answer(FreespaceVerdict::inside);
 }
 
 bool FreespaceProbe::ended(const Answer& answer) const {

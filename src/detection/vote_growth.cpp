@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include <oneapi/tbb/blocked_range.h>
@@ -18,15 +19,18 @@ constexpr int kMaxObjectNumber = std::numeric_limits<std::uint16_t>::max();
 constexpr int kSupportRows = 1, kSupportColumns = 2;
 constexpr int kLinkRows = 2, kLinkColumns = 4;
 
-// Holes are filled where more than a third of the support window is dynamic, twice, but for points against
-// which there are more votes than two scans that see through would make good.
-constexpr int kFillNeighbours = 5, kFillRounds = 2, kFirmlyStatic = -2 * kSeenThroughVotes;
+// Holes are filled where more than a third of the support window is dynamic, twice.
+constexpr int kFillNeighbours = 5, kFillRounds = 2;
+
+// Neither fill nor growth reaches points against which there are more votes than three scans that see through
+// would make good.
+constexpr int kFirmlyStatic = -3 * kSeenThroughVotes;
 
 class VoteGrowth {
  public:
-  VoteGrowth(const LinkedNeighbours& neighbours, const std::vector<PointVotes>& votes,
-             const VotingParameters& parameters)
-      : neighbours_(neighbours), votes_(votes), parameters_(parameters) {
+  VoteGrowth(const LinkedNeighbours& neighbours, const LocalPoints& points,
+             const std::vector<PointVotes>& votes, const VotingParameters& parameters)
+      : neighbours_(neighbours), points_(points), votes_(votes), parameters_(parameters) {
     result_.verdict.assign(votes.size(), GrowthVerdict::not_reached);
     result_.object.assign(votes.size(), 0);
   }
@@ -50,7 +54,7 @@ class VoteGrowth {
   // What was uncovered beside a thing that moved looks as if that had left it too: alone that is not enough.
   [[nodiscard]] bool may_move(std::int32_t i) const {
     const PointVotes& v = votes_[static_cast<std::size_t>(i)];
-    return v.seen_through || v.total() > 0;
+    return v.total() > 0 || (v.seen_through && v.total() >= kFirmlyStatic);
   }
 
   // Everything that `belongs` and is linked to `first`, in front_; `claim` must make it belong no more.
@@ -118,10 +122,7 @@ class VoteGrowth {
     for (std::int32_t i = 0; i < static_cast<std::int32_t>(votes_.size()); ++i) {
       if (!open(i)) continue;
       collect(i, open, [&](std::int32_t j) { done[static_cast<std::size_t>(j)] = 1; });
-      const auto recent = std::count_if(front_.begin(), front_.end(), [&](std::int32_t j) {
-        return votes_[static_cast<std::size_t>(j)].recently;
-      });
-      if (static_cast<double>(recent) < parameters_.min_recent_share * static_cast<double>(front_.size())) {
+      if (advance_m() < parameters_.min_advance_m) {
         for (const std::int32_t j : front_) verdict(j) = GrowthVerdict::stopped;
         continue;
       }
@@ -130,7 +131,26 @@ class VoteGrowth {
     }
   }
 
+  // About how far the thing in front_ went since the scans of a moment ago: what goes on by a part of its
+  // length uncovers such a part of its points.
+  [[nodiscard]] double advance_m() const {
+    Eigen::Vector3f centre = Eigen::Vector3f::Zero();
+    std::size_t recent = 0;
+    for (const std::int32_t j : front_) {
+      centre += points_.points[static_cast<std::size_t>(j)];
+      recent += votes_[static_cast<std::size_t>(j)].recently ? 1 : 0;
+    }
+    const auto count = static_cast<float>(front_.size());
+    centre /= count;
+    float radius2 = 0;
+    for (const std::int32_t j : front_) {
+      radius2 = std::max(radius2, (points_.points[static_cast<std::size_t>(j)] - centre).squaredNorm());
+    }
+    return 2 * std::sqrt(radius2) * static_cast<float>(recent) / count;
+  }
+
   const LinkedNeighbours& neighbours_;
+  const LocalPoints& points_;
   const std::vector<PointVotes>& votes_;
   const VotingParameters& parameters_;
   RegionGrowthResult result_;
@@ -160,7 +180,7 @@ std::vector<BoxVerdict> filter_votes(const LidarScan& scan, const LocalPoints& p
 RegionGrowthResult grow_votes(const LidarScan& scan, const LocalPoints& points,
                               const std::vector<PointVotes>& votes, const std::vector<BoxVerdict>& seeds,
                               const VotingParameters& parameters) {
-  return VoteGrowth(LinkedNeighbours(scan, points, parameters), votes, parameters).grow(seeds);
+  return VoteGrowth(LinkedNeighbours(scan, points, parameters), points, votes, parameters).grow(seeds);
 }
 
 }  // namespace mapless

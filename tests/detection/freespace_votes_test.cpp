@@ -125,6 +125,24 @@ TEST(CollectVotes, WhatHidAPointAndHasLeftCountsByHowFarOffItWas) {
   expect_votes({{6, 2}, {6, 4}, {6, 8}, {6, -1}}, {0, 0, false, false, false}, parameters);
 }
 
+// A wall seen where it stands now by scans 2 and 8 back, and found moving by both then: the one of a moment
+// ago is no witness that it stands, the other is.
+TEST(CollectVotes, WhatWasFoundMovingAMomentAgoGoesOn) {
+  const CompensatedScan query = cast(standing({wall_at(7)}));
+  RayImage image(query);
+  const std::vector<AskedScan> asked = {{&image, 2}, {&image, 8}};
+  const auto votes = [&] { return collect_votes(*query.scan, local_points(query), asked, image, {}); };
+  for (const PointVotes& v : votes()) {
+    EXPECT_TRUE(is(v, {-1 - 3, 0, false, true, false}));
+    EXPECT_FALSE(v.moving_seen);
+  }
+  image.mark_dynamic(*query.scan, std::vector<std::uint16_t>(query.points_0.size(), 1));
+  for (const PointVotes& v : votes()) {
+    EXPECT_TRUE(is(v, {kMovingVotes - 3, 0, false, true, false}));
+    EXPECT_TRUE(v.moving_seen);
+  }
+}
+
 test::ToyBody crate_at(double x) { return test::toy_box({x + 0.5, 0, 0}, {0.5, 1, 0.8}); }
 
 /// Votes of a scan of `now`, at rest, from one scan of `then`, by range ahead.

@@ -295,6 +295,20 @@ TEST(FreespaceProbe, BesideAThinPole) {
   }
 }
 
+// A quarter of a laser's spacing below the lowest beam, at -15 degrees, what it ran into says nothing of where a
+// slanting surface goes on; a wall where it ended is a wall there too.
+TEST(FreespaceProbe, BeyondTheOutermostBeamNothingIsInside) {
+  const Seen wall("VLP-16", {wall_at(10)});
+  const double beam_m = 10 / std::cos(15 * kDegree);
+  EXPECT_EQ(wall.at(-15, beam_m), FreespaceVerdict::border);
+  EXPECT_EQ(wall.at(-15, 5), FreespaceVerdict::inside);
+  EXPECT_EQ(wall.at(-14.7, 5), FreespaceVerdict::inside);
+  EXPECT_EQ(wall.at(-15.1, 5), FreespaceVerdict::inside);  // a twentieth of 2 degrees below
+  EXPECT_EQ(wall.at(-15.5, 5), FreespaceVerdict::unobserved);
+  EXPECT_EQ(wall.at(15.5, 5), FreespaceVerdict::unobserved);
+  EXPECT_EQ(wall.at(-15.5, beam_m), FreespaceVerdict::border);
+}
+
 TEST(FreespaceProbe, OutOfSightNothingIsObserved) {
   const Seen wall("VLP-16", {wall_at(10)});
   EXPECT_EQ(wall.at(20, 8), FreespaceVerdict::unobserved);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <limits>
 #include <memory>
 #include <vector>
@@ -39,6 +40,15 @@ class RayImage {
   [[nodiscard]] const float* row_m(int laser) const {
     return ranges_m_.data() + static_cast<std::size_t>(laser) * column_T_h0_.size();
   }
+
+  /// Remembers which returns were found dynamic: `object` is 0 for those that were not, one element per
+  /// return of `scan`, the scan this was made of.
+  void mark_dynamic(const LidarScan& scan, const std::vector<std::uint16_t>& object);
+  /// Whether the cell's return was; false where nothing was marked yet.
+  [[nodiscard]] bool dynamic(int laser, int column) const {
+    return !dynamic_.empty() &&
+           dynamic_[static_cast<std::size_t>(laser) * column_T_h0_.size() + static_cast<std::size_t>(column)];
+  }
   /// World to hub at the instant of a column.
   [[nodiscard]] const SE3& column_T_h0(int column) const {
     return column_T_h0_[static_cast<std::size_t>(column)];
@@ -51,6 +61,7 @@ class RayImage {
   std::vector<SE3> column_T_h0_;
   std::vector<Drift> drifts_;    // one per column
   std::vector<float> ranges_m_;  // row-major
+  std::vector<bool> dynamic_;    // the same; empty until marked
 };
 
 /// Asks one RayImage about points near `origin_0`, in single precision about that origin.
@@ -60,7 +71,9 @@ class RayImage {
 /// those. Where any of them ends within the tolerance of q's own range, or some end short of it and some
 /// beyond, a surface passes through or near q: border. Where all go on beyond: inside. Where the nearest ends
 /// short of it: outside. A surface between two lasers is thus seen as well as one on a laser, with no normal
-/// to be known; far ground, of which one ring ends short of q and the next beyond, is border.
+/// to be known; far ground, of which one ring ends short of q and the next beyond, is border. Above the
+/// highest beam and below the lowest only what is on them, by a tenth of the spacing, can be inside: where a
+/// slanting surface goes there is not known.
 class FreespaceProbe {
  public:
   FreespaceProbe(const RayImage& image, const Eigen::Vector3d& origin_0, const VotingParameters& parameters);
@@ -83,6 +96,10 @@ class FreespaceProbe {
 
   /// Whether the firing named hit something; what met nothing goes to the maximum range and hides nothing.
   [[nodiscard]] bool ended(const Answer& answer) const;
+  /// Whether what the firing named hit was found dynamic.
+  [[nodiscard]] bool dynamic(const Answer& answer) const {
+    return image_.dynamic(answer.laser, answer.column);
+  }
   /// Where the ray of a cell with a return ended, minus origin_0 [m].
   [[nodiscard]] Eigen::Vector3f endpoint(int laser, int column) const;
 
@@ -151,6 +168,7 @@ class FreespaceProbe {
   float tolerance_m_;
   int half_window_;
   float reach_at_0_m_, reach_spacings_;
+  static constexpr float kEdgeSpacings = 0.1F;
   float columns_per_rad_;
   std::vector<Pose> poses_;  // of each column
   std::vector<Beam> beams_;  // of each laser
