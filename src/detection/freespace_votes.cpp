@@ -11,11 +11,27 @@
 namespace mapless {
 namespace {
 
+// Votes against a point that settle it where its neighbours have as many: two scans more than kRecentGap off,
+// say.
+constexpr int kEnough = 6;
+
 struct Witness {
   FreespaceProbe probe;
-  int gap;
+  int surface_votes;
+  bool later;
   bool recent;
 };
+
+// What stands can be seen to from scans far enough off that slow things have moved since, but not so far that
+// they look from elsewhere; they are asked first.
+std::vector<AskedScan> in_order(std::vector<AskedScan> asked) {
+  const auto rank = [](const AskedScan& a) {
+    return a.gap > kRecentGap ? a.gap - std::numeric_limits<int>::max() : -std::abs(a.gap);
+  };
+  std::stable_sort(asked.begin(), asked.end(),
+                   [&](const AskedScan& a, const AskedScan& b) { return rank(a) < rank(b); });
+  return asked;
+}
 
 bool is_static(const PointVotes& v) { return v.surface_seen && !v.seen_through && !v.vacated; }
 
@@ -36,7 +52,7 @@ class RowVotes {
         witnesses_(witnesses),
         own_(own),
         tolerance2_(squared(parameters.tolerance_m / 2)),
-        vacated2_(squared(parameters.vacated_m)),
+        vacated_m_(static_cast<float>(parameters.vacated_m)),
         columns_(witnesses.size()) {}
 
   void vote(std::size_t begin, std::size_t end, std::vector<PointVotes>& out) {
@@ -147,6 +163,10 @@ class RowVotes {
     }
     std::array<PointVotes, 4> votes;
     for (std::size_t k = 0; k < witnesses_.size(); ++k) {
+      if (std::all_of(votes.begin(), votes.begin() + static_cast<std::ptrdiff_t>(count), stands)) {
+        for (PointVotes& v : votes) assume_seen(k, v);
+        break;
+      }
       std::vector<float>& found = columns_[k];
       std::array<float, 4> columns{found[i[0]], found[i[1]], found[i[2]], found[i[3]]};
       const auto answers = witnesses_[k].probe.look(q, columns);
@@ -158,28 +178,41 @@ class RowVotes {
     for (std::size_t l = 0; l < count; ++l) out_[i[l]] = votes[l];
   }
 
+  // Seen by scans enough, and by none seen through.
+  static bool stands(const PointVotes& v) { return is_static(v) && v.total() <= -kEnough; }
+
+  // The scans from witness k on, which are not asked, are taken to see a surface as those before did.
+  void assume_seen(std::size_t k, PointVotes& votes) const {
+    for (; k < witnesses_.size(); ++k) {
+      count(witnesses_[k], -witnesses_[k].surface_votes, votes);
+    }
+  }
+
+  static void count(const Witness& witness, int number, PointVotes& votes) {
+    std::int16_t& sum = witness.later ? votes.later : votes.earlier;
+    sum = static_cast<std::int16_t>(sum + number);
+    votes.recently = votes.recently || (number > 0 && witness.recent);
+  }
+
   void hear(std::size_t i, const Witness& witness, const FreespaceProbe::Answer& answer,
             PointVotes& votes) const {
-    int count = 0;
     if (answer.verdict == FreespaceVerdict::inside) {
-      count = kSeenThroughVotes;
+      count(witness, kSeenThroughVotes, votes);
       votes.seen_through = true;
     } else if (answer.verdict == FreespaceVerdict::border) {
-      count = -surface_votes(witness.gap);
+      count(witness, -witness.surface_votes, votes);
       votes.surface_seen = true;
-    } else if (answer.verdict == FreespaceVerdict::outside && witness.probe.ended(answer) &&
+    } else if (answer.verdict == FreespaceVerdict::outside && answer.short_by_m <= vacated_m_ &&
+               witness.probe.ended(answer) &&
                has_left(i, witness.probe.endpoint(answer.laser, answer.column))) {
-      count = kVacatedVotes;
+      count(witness, kVacatedVotes, votes);
       votes.vacated = true;
     }
-    std::int16_t& sum = witness.gap < 0 ? votes.later : votes.earlier;
-    sum = static_cast<std::int16_t>(sum + count);
-    votes.recently = votes.recently || (count > 0 && witness.recent);
   }
 
   // Whether what stood at `before` and hid point i is near enough to be the same thing, and not there now.
   [[nodiscard]] bool has_left(std::size_t i, const Eigen::Vector3f& before) const {
-    if ((before - points_[i]).squaredNorm() > vacated2_) return false;
+    if ((before - points_[i]).squaredNorm() > vacated_m_ * vacated_m_) return false;
     auto column = static_cast<float>(scan_.returns[i].column);
     return own_.ask(before, column) == FreespaceVerdict::inside;
   }
@@ -190,7 +223,7 @@ class RowVotes {
   const std::vector<Eigen::Vector3f>& points_;
   const std::vector<Witness>& witnesses_;
   const FreespaceProbe& own_;
-  float tolerance2_, vacated2_;
+  float tolerance2_, vacated_m_;
   // Of one row:
   std::size_t begin_ = 0;                    // its first point
   PointVotes* out_ = nullptr;                // of its points
@@ -237,9 +270,9 @@ std::vector<PointVotes> collect_votes(const LidarScan& scan, const LocalPoints& 
                                       const VotingParameters& parameters) {
   const int recent = recent_gap(asked);
   std::vector<Witness> witnesses;
-  for (const AskedScan& a : asked) {
-    witnesses.push_back(
-        {FreespaceProbe(*a.image, points.origin_0, parameters), a.gap, std::abs(a.gap) <= recent});
+  for (const AskedScan& a : in_order(asked)) {
+    witnesses.push_back({FreespaceProbe(*a.image, points.origin_0, parameters), surface_votes(a.gap),
+                         a.gap < 0, std::abs(a.gap) <= recent});
   }
   const FreespaceProbe own_probe(own, points.origin_0, parameters);
   std::vector<PointVotes> votes(points.points.size());
