@@ -11,9 +11,8 @@
 namespace mapless {
 namespace {
 
-// Votes against a point that settle it where its neighbours have as many: two scans more than kRecentGap off,
-// say.
-constexpr int kEnough = 6;
+// Votes against a point that settle it where the points asked with it have as many: two scans of long ago.
+constexpr int kEnough = 2 * kMostSurfaceVotes;
 
 struct Witness {
   FreespaceProbe probe;
@@ -22,14 +21,10 @@ struct Witness {
   bool recent;
 };
 
-// What stands can be seen to from scans far enough off that slow things have moved since, but not so far that
-// they look from elsewhere; they are asked first.
+// The farthest first: what they saw a surface at has stood there for long.
 std::vector<AskedScan> in_order(std::vector<AskedScan> asked) {
-  const auto rank = [](const AskedScan& a) {
-    return a.gap > kRecentGap ? a.gap - std::numeric_limits<int>::max() : -std::abs(a.gap);
-  };
   std::stable_sort(asked.begin(), asked.end(),
-                   [&](const AskedScan& a, const AskedScan& b) { return rank(a) < rank(b); });
+                   [](const AskedScan& a, const AskedScan& b) { return std::abs(a.gap) > std::abs(b.gap); });
   return asked;
 }
 
@@ -234,9 +229,12 @@ class RowVotes {
 
 // Where each laser's returns begin, and where the last one's end.
 std::vector<std::size_t> row_bounds(const LidarScan& scan) {
-  std::vector<std::size_t> bounds(static_cast<std::size_t>(scan.rows()) + 1, 0);
-  for (const LidarReturn& r : scan.returns) ++bounds[static_cast<std::size_t>(r.laser) + 1];
-  for (std::size_t l = 1; l < bounds.size(); ++l) bounds[l] += bounds[l - 1];
+  std::vector<std::size_t> bounds;
+  for (int l = 0; l <= scan.rows(); ++l) {
+    const auto first = std::partition_point(scan.returns.begin(), scan.returns.end(),
+                                            [l](const LidarReturn& r) { return r.laser < l; });
+    bounds.push_back(static_cast<std::size_t>(first - scan.returns.begin()));
+  }
   return bounds;
 }
 
