@@ -47,13 +47,13 @@ struct FreespaceProbe::Lanes {
     Ints border{}, hides{};
   };
 
-  void find_columns(const std::array<Eigen::Vector3f, 4>& q);
-  void follow();
-  void bracket(Side& below, Side& above);
-  [[nodiscard]] Floats heights_over(const Beams& beams) const;
-  void sight(Side& side);
-  [[nodiscard]] Floats look_around(const Side& side, Window& window) const;
-  [[nodiscard]] std::array<Answer, 4> judge(const Side& below, const Side& above) const;
+  [[gnu::always_inline]] inline void find_columns(const std::array<Eigen::Vector3f, 4>& q);
+  [[gnu::always_inline]] inline void follow();
+  [[gnu::always_inline]] inline void bracket(Side& below, Side& above);
+  [[gnu::always_inline]] inline Floats heights_over(const Beams& beams) const;
+  [[gnu::always_inline]] inline void sight(Side& side);
+  [[gnu::always_inline]] inline Floats look_around(const Side& side, Window& window) const;
+  [[gnu::always_inline]] inline std::array<Answer, 4> judge(const Side& below, const Side& above) const;
 };
 
 void FreespaceProbe::Lanes::find_columns(const std::array<Eigen::Vector3f, 4>& q) {
@@ -197,7 +197,8 @@ std::array<FreespaceProbe::Answer, 4> FreespaceProbe::Lanes::judge(const Side& b
   for (std::size_t k = 0; k < 4; ++k) {
     if (reached[k] == 0) continue;
     const Beam& beam = is_above[k] != 0 ? *above.beams[k] : *below.beams[k];
-    answers[k] = {static_cast<FreespaceVerdict>(verdict[k]), beam.laser, column_there[k]};
+    answers[k] = {static_cast<FreespaceVerdict>(verdict[k]), beam.laser, column_there[k],
+                  expected[k] - range[k]};
   }
   return answers;
 }

@@ -11,11 +11,27 @@
 namespace mapless {
 namespace {
 
+// Votes against a point that settle it where the points asked with it have as many: two scans of long ago.
+constexpr int kEnough = 2 * kMostSurfaceVotes;
+
 struct Witness {
   FreespaceProbe probe;
-  int gap;
+  int surface_votes;
+  bool later;
   bool recent;
 };
+
+// The farthest first, and every third: those tell of seconds ago and of a moment ago. Where all of them saw a
+// surface the others need not be asked.
+std::vector<AskedScan> in_order(std::vector<AskedScan> asked) {
+  std::stable_sort(asked.begin(), asked.end(),
+                   [](const AskedScan& a, const AskedScan& b) { return std::abs(a.gap) > std::abs(b.gap); });
+  std::vector<AskedScan> ordered;
+  for (std::size_t first = 0; first < 3; ++first) {
+    for (std::size_t k = first; k < asked.size(); k += 3) ordered.push_back(asked[k]);
+  }
+  return ordered;
+}
 
 bool is_static(const PointVotes& v) {
   return v.surface_seen && !v.seen_through && !v.vacated && !v.moving_seen;
@@ -39,7 +55,7 @@ class RowVotes {
         witnesses_(witnesses),
         own_(own),
         tolerance2_(squared(parameters.tolerance_m / 2)),
-        vacated2_(squared(parameters.vacated_m)),
+        vacated_m_(static_cast<float>(parameters.vacated_m)),
         columns_(witnesses.size()) {}
 
   void vote(std::size_t begin, std::size_t end, std::vector<PointVotes>& out) {
@@ -150,6 +166,10 @@ class RowVotes {
     }
     std::array<PointVotes, 4> votes;
     for (std::size_t k = 0; k < witnesses_.size(); ++k) {
+      if (std::all_of(votes.begin(), votes.begin() + static_cast<std::ptrdiff_t>(count), stands)) {
+        for (PointVotes& v : votes) assume_seen(k, v);
+        break;
+      }
       std::vector<float>& found = columns_[k];
       std::array<float, 4> columns{found[i[0]], found[i[1]], found[i[2]], found[i[3]]};
       const auto answers = witnesses_[k].probe.look(q, columns);
@@ -161,31 +181,44 @@ class RowVotes {
     for (std::size_t l = 0; l < count; ++l) out_[i[l]] = votes[l];
   }
 
+  // Seen by scans enough, and by none seen through.
+  static bool stands(const PointVotes& v) { return is_static(v) && v.total() <= -kEnough; }
+
+  // The scans from witness k on, which are not asked, are taken to see a surface as those before did.
+  void assume_seen(std::size_t k, PointVotes& votes) const {
+    for (; k < witnesses_.size(); ++k) {
+      count(witnesses_[k], -witnesses_[k].surface_votes, votes);
+    }
+  }
+
+  static void count(const Witness& witness, int number, PointVotes& votes) {
+    std::int16_t& sum = witness.later ? votes.later : votes.earlier;
+    sum = static_cast<std::int16_t>(sum + number);
+  }
+
   void hear(std::size_t i, const Witness& witness, const FreespaceProbe::Answer& answer,
             PointVotes& votes) const {
-    int count = 0;
     if (answer.verdict == FreespaceVerdict::inside) {
-      count = kSeenThroughVotes;
+      count(witness, kSeenThroughVotes, votes);
       votes.seen_through = true;
+      votes.recently = votes.recently || witness.recent;
     } else if (answer.verdict == FreespaceVerdict::border) {
       const bool moving = witness.recent && witness.probe.dynamic(answer);
-      count = moving ? kMovingVotes : -surface_votes(witness.gap);
+      count(witness, moving ? kMovingVotes : -witness.surface_votes, votes);
       votes.moving_seen = votes.moving_seen || moving;
       votes.surface_seen = true;
-    } else if (answer.verdict == FreespaceVerdict::outside && witness.probe.ended(answer) &&
+    } else if (answer.verdict == FreespaceVerdict::outside && answer.short_by_m <= vacated_m_ &&
+               witness.probe.ended(answer) &&
                has_left(i, witness.probe.endpoint(answer.laser, answer.column))) {
-      count = kVacatedVotes;
+      count(witness, kVacatedVotes, votes);
       votes.vacated = true;
+      votes.recently = votes.recently || witness.recent;
     }
-    std::int16_t& sum = witness.gap < 0 ? votes.later : votes.earlier;
-    sum = static_cast<std::int16_t>(sum + count);
-    votes.recently =
-        votes.recently || (witness.recent && count > 0 && answer.verdict != FreespaceVerdict::border);
   }
 
   // Whether what stood at `before` and hid point i is near enough to be the same thing, and not there now.
   [[nodiscard]] bool has_left(std::size_t i, const Eigen::Vector3f& before) const {
-    if ((before - points_[i]).squaredNorm() > vacated2_) return false;
+    if ((before - points_[i]).squaredNorm() > vacated_m_ * vacated_m_) return false;
     auto column = static_cast<float>(scan_.returns[i].column);
     return own_.ask(before, column) == FreespaceVerdict::inside;
   }
@@ -196,7 +229,7 @@ class RowVotes {
   const std::vector<Eigen::Vector3f>& points_;
   const std::vector<Witness>& witnesses_;
   const FreespaceProbe& own_;
-  float tolerance2_, vacated2_;
+  float tolerance2_, vacated_m_;
   // Of one row:
   std::size_t begin_ = 0;                    // its first point
   PointVotes* out_ = nullptr;                // of its points
@@ -207,9 +240,12 @@ class RowVotes {
 
 // Where each laser's returns begin, and where the last one's end.
 std::vector<std::size_t> row_bounds(const LidarScan& scan) {
-  std::vector<std::size_t> bounds(static_cast<std::size_t>(scan.rows()) + 1, 0);
-  for (const LidarReturn& r : scan.returns) ++bounds[static_cast<std::size_t>(r.laser) + 1];
-  for (std::size_t l = 1; l < bounds.size(); ++l) bounds[l] += bounds[l - 1];
+  std::vector<std::size_t> bounds;
+  for (int l = 0; l <= scan.rows(); ++l) {
+    const auto first = std::partition_point(scan.returns.begin(), scan.returns.end(),
+                                            [l](const LidarReturn& r) { return r.laser < l; });
+    bounds.push_back(static_cast<std::size_t>(first - scan.returns.begin()));
+  }
   return bounds;
 }
 
@@ -243,9 +279,9 @@ std::vector<PointVotes> collect_votes(const LidarScan& scan, const LocalPoints& 
                                       const VotingParameters& parameters) {
   const int recent = recent_gap(asked);
   std::vector<Witness> witnesses;
-  for (const AskedScan& a : asked) {
-    witnesses.push_back(
-        {FreespaceProbe(*a.image, points.origin_0, parameters), a.gap, std::abs(a.gap) <= recent});
+  for (const AskedScan& a : in_order(asked)) {
+    witnesses.push_back({FreespaceProbe(*a.image, points.origin_0, parameters), surface_votes(a.gap),
+                         a.gap < 0, std::abs(a.gap) <= recent});
   }
   const FreespaceProbe own_probe(own, points.origin_0, parameters);
   std::vector<PointVotes> votes(points.points.size());

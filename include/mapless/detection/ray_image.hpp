@@ -82,6 +82,7 @@ class FreespaceProbe {
   struct Answer {
     FreespaceVerdict verdict = FreespaceVerdict::unobserved;
     int laser = -1, column = -1;
+    float short_by_m = 0;  ///< how far before the point that firing ended; NaN where it is not known
   };
   /// `q`: a point minus origin_0 [m]. `column` is a guess of where the scan looks that way, and holds the
   /// column found afterwards; any number will do, a good one is faster.
