@@ -25,18 +25,19 @@ class LinkedNeighbours {
   }
 
   /// Calls `visit(j)` for every return j of the window of 2 half_rows + 1 lasers and 2 half_columns + 1
-  /// columns around return i that is linked to it, row by row; not for i.
-  template <class Visit>
-  void for_each(std::int32_t i, int half_rows, int half_columns, Visit&& visit) const {
+  /// columns around return i that is `wanted(j)` and linked to it, row by row; not for i.
+  template <class Wanted, class Visit>
+  void for_each(std::int32_t i, int half_rows, int half_columns, Wanted&& wanted, Visit&& visit) const {
     const LidarReturn& r = scan_.returns[static_cast<std::size_t>(i)];
     const Eigen::Vector3f& p = points_[static_cast<std::size_t>(i)];
     const float link = reach_m(r);
-    const int centre = image_.aligned_column(r.laser, r.column);
+    const int left = image_.aligned_column(r.laser, r.column) - half_columns;
     const int last_row = std::min(r.laser + half_rows, scan_.rows() - 1);
     for (int row = std::max(r.laser - half_rows, 0); row <= last_row; ++row) {
-      for (int across = -half_columns; across <= half_columns; ++across) {
-        const std::int32_t j = scan_.cell(row, image_.scan_column(row, centre + across));
-        if (j < 0 || j == i) continue;
+      int column = image_.scan_column(row, left);
+      for (int k = 0; k <= 2 * half_columns; ++k, column = column + 1 < scan_.columns ? column + 1 : 0) {
+        const std::int32_t j = scan_.cell(row, column);
+        if (j < 0 || j == i || !wanted(j)) continue;
         const float distance2 = (points_[static_cast<std::size_t>(j)] - p).squaredNorm();
         if (distance2 > link * link) continue;
         const float other = reach_m(scan_.returns[static_cast<std::size_t>(j)]);

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include <mapless/detection/ray_image.hpp>
@@ -17,6 +18,8 @@ constexpr float kBankHeight_m = 0.03F;
 constexpr int kStepsPerLaser = 8;  // of a bank's table
 constexpr int kMaxColumnSteps = 12;
 constexpr float kFarAside = 2;  // a firing that many columns off does not speak for a point
+constexpr float kHub_m = 0.5F;  // all lasers are within
+constexpr float kBeyond_m = 1e6F;
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
 // atan2(y, x); mostly the guess is good and the angle small, where a few terms of the series are exact to
@@ -53,18 +56,36 @@ float range_of_cell(const LidarScan& scan, std::int32_t cell) {
 
 RayImage::RayImage(const CompensatedScan& scan) : model_(scan.scan->model) {
   column_T_h0_.reserve(scan.column_states.size());
+  drifts_.reserve(scan.column_states.size());
+  const double period_s = scan.scan->column_period.seconds();
   for (std::size_t c = 0; c < scan.column_states.size(); ++c) {
     const SE3 T_hv(rotation_z(-model_->hub_angle(static_cast<double>(c))), Vector3d::Zero());
     column_T_h0_.push_back(T_hv * scan.column_states[c].T_v0);
+    const Vector6d& varpi = scan.column_states[c].varpi;
+    drifts_.push_back({(T_hv.rotation() * varpi.head<3>() * period_s).cast<float>(),
+                       (T_hv.rotation() * varpi.tail<3>() * period_s).cast<float>()});
   }
   ranges_m_.reserve(scan.scan->cells.size());
   for (const std::int32_t cell : scan.scan->cells) ranges_m_.push_back(range_of_cell(*scan.scan, cell));
 }
 
+void RayImage::mark_dynamic(const LidarScan& scan, const std::vector<std::uint16_t>& object) {
+  dynamic_.assign(ranges_m_.size(), false);
+  for (std::size_t i = 0; i < object.size(); ++i) {
+    const LidarReturn& r = scan.returns[i];
+    if (object[i] == 0) continue;
+    dynamic_[static_cast<std::size_t>(r.laser) * column_T_h0_.size() + static_cast<std::size_t>(r.column)] =
+        true;
+  }
+}
+
 FreespaceProbe::FreespaceProbe(const RayImage& image, const Vector3d& origin_0,
                                const VotingParameters& parameters)
     : image_(image),
-      parameters_(parameters),
+      tolerance_m_(static_cast<float>(parameters.tolerance_m)),
+      half_window_(parameters.window_columns / 2),
+      reach_at_0_m_(static_cast<float>(parameters.max_ray_distance_m)),
+      reach_spacings_(static_cast<float>(parameters.max_ray_distance_spacings)),
       columns_per_rad_(
           static_cast<float>(image.model().sign() * image.model().columns / (2 * std::numbers::pi))) {
   make_poses(origin_0);
@@ -76,33 +97,38 @@ void FreespaceProbe::make_poses(const Vector3d& origin_0) {
   poses_.reserve(static_cast<std::size_t>(image_.columns()));
   for (int c = 0; c < image_.columns(); ++c) {
     const SE3& T_h0 = image_.column_T_h0(c);
-    poses_.push_back({T_h0.rotation().cast<float>(), (T_h0 * origin_0).cast<float>()});
+    Pose& pose = poses_.emplace_back();
+    pose.T_h0.setZero();
+    pose.T_h0.topLeftCorner<3, 3>() = T_h0.rotation().cast<float>();
+    pose.T_h0.topRightCorner<3, 1>() = (T_h0 * origin_0).cast<float>();
+    pose.linear << image_.drift(c).linear, 0;
+    pose.angular << image_.drift(c).angular, 0;
   }
 }
 
 void FreespaceProbe::make_beams() {
-  const auto& lasers = image_.model().lasers;
-  for (std::size_t l = 0; l < lasers.size(); ++l) {
-    const double azimuth = lasers[l].azimuth_offset_rad;
-    const Vector3d origin_l = rotation_z(-azimuth) * lasers[l].origin_h_m;
-    beams_.push_back({{static_cast<float>(std::cos(azimuth)), static_cast<float>(std::sin(azimuth))},
-                      {static_cast<float>(std::cos(lasers[l].elevation_rad)),
-                       static_cast<float>(std::sin(lasers[l].elevation_rad))},
-                      origin_l.cast<float>(),
-                      static_cast<float>(-azimuth) * columns_per_rad_,
-                      static_cast<float>(image_.model().elevation_step(static_cast<int>(l)))});
+  for (int l = 0; l < image_.rows(); ++l) {
+    const Laser& laser = image_.model().lasers[static_cast<std::size_t>(l)];
+    const double azimuth = laser.azimuth_offset_rad;
+    const Vector3f origin_l = (rotation_z(-azimuth) * laser.origin_h_m).cast<float>();
+    beams_.push_back({static_cast<float>(std::cos(laser.elevation_rad)),
+                      static_cast<float>(std::sin(laser.elevation_rad)), origin_l.x(), origin_l.y(),
+                      origin_l.z(), static_cast<float>(-azimuth) * columns_per_rad_,
+                      static_cast<float>(image_.model().elevation_step(l)), l,
+                      static_cast<float>(std::cos(azimuth)), static_cast<float>(std::sin(azimuth))});
   }
 }
 
 void FreespaceProbe::make_banks() {
-  const auto& lasers = image_.model().lasers;
-  for (std::size_t l = 0; l < lasers.size(); ++l) {
-    const auto height = static_cast<float>(lasers[l].origin_h_m.z());
+  const auto no_beam = [](float height) { return Beam{1, 0, 0, 0, height, 0, 0, -1, 1, 0}; };
+  for (const Beam& beam : beams_) {
     auto bank = std::find_if(banks_.begin(), banks_.end(),
-                             [&](const Bank& b) { return std::abs(b.height_m - height) < kBankHeight_m; });
-    if (bank == banks_.end()) bank = banks_.insert(bank, Bank{height, {}, {}, {}, 0});
-    bank->lasers.push_back(static_cast<int>(l));
-    bank->slopes.push_back(static_cast<float>(std::tan(lasers[l].elevation_rad)));
+                             [&](const Bank& b) { return std::abs(b.height_m - beam.up_m) < kBankHeight_m; });
+    if (bank == banks_.end()) {
+      bank = banks_.insert(bank, Bank{beam.up_m, 0, 0, {no_beam(-kBeyond_m)}, {}, {}, 0});
+    }
+    bank->beams.push_back(beam);
+    bank->slopes.push_back(beam.sine / beam.cosine);
   }
   for (Bank& bank : banks_) {
     const std::size_t steps = kStepsPerLaser * bank.slopes.size();
@@ -113,15 +139,34 @@ void FreespaceProbe::make_banks() {
       const auto first = std::lower_bound(bank.slopes.begin(), bank.slopes.end(), slope);
       bank.at_least.push_back(static_cast<int>(first - bank.slopes.begin()));
     }
+    bank.centre();
+    bank.beams.push_back(no_beam(kBeyond_m));
+    bank.slopes.push_back(std::numeric_limits<float>::infinity());
   }
 }
 
+// Every beam is a line z = rise + slope x. Least squares of rise = z_c - slope x_c.
+void FreespaceProbe::Bank::centre() {
+  const auto rise = [&](std::size_t k) { return beams[k + 1].up_m - beams[k + 1].ahead_m * slopes[k]; };
+  const auto size = static_cast<float>(slopes.size());
+  float mean_slope = 0, mean_rise = 0, variance = 0, covariance = 0;
+  for (std::size_t k = 0; k < slopes.size(); ++k) {
+    mean_slope += slopes[k] / size;
+    mean_rise += rise(k) / size;
+  }
+  for (std::size_t k = 0; k < slopes.size(); ++k) {
+    variance += (slopes[k] - mean_slope) * (slopes[k] - mean_slope);
+    covariance += (slopes[k] - mean_slope) * (rise(k) - mean_rise);
+  }
+  centre_x_m = variance > 0 ? std::clamp(-covariance / variance, -kHub_m, kHub_m) : 0;
+  centre_z_m = mean_rise + centre_x_m * mean_slope;
+}
+
 int FreespaceProbe::Bank::below(float slope) const {
-  const float step = (slope - slopes.front()) * steps_per_slope;
-  if (!(step > 0)) return 0;
   const auto last = static_cast<float>(at_least.size() - 1);
-  int count = at_least[static_cast<std::size_t>(std::min(step, last))];
-  while (count < static_cast<int>(slopes.size()) && slopes[static_cast<std::size_t>(count)] < slope) ++count;
+  const float step = std::clamp((slope - slopes.front()) * steps_per_slope, 0.0F, last);
+  int count = at_least[static_cast<std::size_t>(step)];
+  while (slopes[static_cast<std::size_t>(count)] < slope) ++count;
   return count;
 }
 
@@ -163,18 +208,16 @@ bool FreespaceProbe::find_column(const Vector3f& q, float& column, Vector3f& q_h
 // q in the frame of a laser at the instant of a column: beam along x.
 Vector3f FreespaceProbe::in_laser(const Vector3f& q, const Beam& beam, int column) const {
   const Vector3f q_h = poses_[static_cast<std::size_t>(column)] * q;
-  const float ahead = beam.azimuth.x() * q_h.x() + beam.azimuth.y() * q_h.y() - beam.origin.x();
-  const float left = beam.azimuth.x() * q_h.y() - beam.azimuth.y() * q_h.x() - beam.origin.y();
-  const float up = q_h.z() - beam.origin.z();
-  return {beam.elevation.x() * ahead + beam.elevation.y() * up, left,
-          beam.elevation.x() * up - beam.elevation.y() * ahead};
+  const float ahead = beam.azimuth_cosine * q_h.x() + beam.azimuth_sine * q_h.y() - beam.ahead_m;
+  const float left = beam.azimuth_cosine * q_h.y() - beam.azimuth_sine * q_h.x() - beam.left_m;
+  const float up = q_h.z() - beam.up_m;
+  return {beam.cosine * ahead + beam.sine * up, left, beam.cosine * up - beam.sine * ahead};
 }
 
-FreespaceProbe::Sighting FreespaceProbe::sight(const Vector3f& q, int laser, float column,
+FreespaceProbe::Sighting FreespaceProbe::sight(const Vector3f& q, const Beam& beam, float column,
                                                float columns_per_m) const {
-  const Beam& beam = beams_[static_cast<std::size_t>(laser)];
   const int columns = image_.columns();
-  float pointing = column + beam.offset_columns - beam.origin.y() * columns_per_m;
+  float pointing = column + beam.offset_columns - beam.left_m * columns_per_m;
   if (pointing < -0.5F) pointing += static_cast<float>(columns);
   int at = rounded(pointing);
   if (at >= columns) at -= columns;
@@ -187,7 +230,7 @@ FreespaceProbe::Sighting FreespaceProbe::sight(const Vector3f& q, int laser, flo
   }
   // Near the seam a laser's own firing may lie beyond the scan's end.
   if (q_l.x() <= 0 || std::abs(q_l.y() * columns_per_m) > kFarAside) return {};
-  return {laser, at, q_l.x(), q_l.z()};
+  return {&beam, at, q_l.x(), q_l.z()};
 }
 
 FreespaceProbe::Bracket FreespaceProbe::bracket(const Vector3f& q, float column, const Vector3f& q_h) const {
@@ -195,10 +238,10 @@ FreespaceProbe::Bracket FreespaceProbe::bracket(const Vector3f& q, float column,
   const float columns_per_m = columns_per_rad_ / horizontal;
   Bracket bracket;
   for (const Bank& bank : banks_) {
-    const int size = static_cast<int>(bank.lasers.size());
-    const int first = bank.below((q_h.z() - bank.height_m) / horizontal);
+    const int size = static_cast<int>(bank.beams.size()) - 2;
+    const int first = bank.below((q_h.z() - bank.centre_z_m) / std::max(horizontal - bank.centre_x_m, 0.1F));
     const auto passes_above = [&](int k) {
-      const Sighting s = sight(q, bank.lasers[static_cast<std::size_t>(k)], column, columns_per_m);
+      const Sighting s = sight(q, bank.beams[static_cast<std::size_t>(k + 1)], column, columns_per_m);
       bracket.take(s);
       return s.found() && s.height_m < 0;
     };
@@ -212,26 +255,21 @@ FreespaceProbe::Bracket FreespaceProbe::bracket(const Vector3f& q, float column,
 }
 
 // How far the nearest beam may pass from a point and still speak for it.
-float FreespaceProbe::reach_m(const Bracket& bracket) const {
-  const Sighting& s = bracket.nearest();
-  const float spacing = beams_[static_cast<std::size_t>(s.laser)].spacing_rad;
-  return static_cast<float>(parameters_.max_ray_distance_m) +
-         static_cast<float>(parameters_.max_ray_distance_spacings) * spacing * s.range_m;
+float FreespaceProbe::reach_m(const Sighting& nearest) const {
+  return reach_at_0_m_ + reach_spacings_ * nearest.beam->spacing_rad * nearest.range_m;
 }
 
 void FreespaceProbe::look_around(const Sighting& s, bool is_nearest, Window& window) const {
-  const auto tolerance = static_cast<float>(parameters_.tolerance_m);
-  const int half = parameters_.window_columns / 2;
-  const int last = std::min(s.column + half, image_.columns() - 1);
-  for (int c = std::max(s.column - half, 0); c <= last; ++c) {
-    const float range = image_.range_m(s.laser, c);  // NaN is neither
-    if (range < s.range_m - tolerance) {
+  const int last = std::min(s.column + half_window_, image_.columns() - 1);
+  for (int c = std::max(s.column - half_window_, 0); c <= last; ++c) {
+    const float range = image_.range_m(s.beam->laser, c);  // NaN is neither
+    if (range < s.range_m - tolerance_m_) {
       window.hides = true;
-    } else if (range <= s.range_m + tolerance) {
+    } else if (range <= s.range_m + tolerance_m_) {
       window.border = true;
     }
   }
-  if (is_nearest) window.nearest_range_m = image_.range_m(s.laser, s.column);
+  if (is_nearest) window.nearest_range_m = image_.range_m(s.beam->laser, s.column);
 }
 
 FreespaceProbe::Answer FreespaceProbe::look(const Vector3f& q, float& column) const {
@@ -239,17 +277,23 @@ FreespaceProbe::Answer FreespaceProbe::look(const Vector3f& q, float& column) co
   if (!find_column(q, column, q_h)) return {};
   const Bracket rays = bracket(q, column, q_h);
   const Sighting& nearest = rays.nearest();
-  if (!nearest.found() || std::abs(nearest.height_m) > reach_m(rays)) return {};
+  if (!nearest.found() || std::abs(nearest.height_m) > reach_m(nearest)) return {};
   Window window;
   if (rays.above.found()) look_around(rays.above, &nearest == &rays.above, window);
   if (rays.below.found()) look_around(rays.below, &nearest == &rays.below, window);
   const auto answer = [&](FreespaceVerdict verdict) {
-    return Answer{verdict, nearest.laser, nearest.column};
+    return Answer{verdict, nearest.beam->laser, nearest.column, nearest.range_m - window.nearest_range_m};
   };
   if (window.border) return answer(FreespaceVerdict::border);
   if (std::isnan(window.nearest_range_m)) return answer(FreespaceVerdict::unobserved);
   if (window.nearest_range_m < nearest.range_m) return answer(FreespaceVerdict::outside);
-  return answer(window.hides ? FreespaceVerdict::border : FreespaceVerdict::inside);
+  if (window.hides) return answer(FreespaceVerdict::border);
+  const bool between = rays.below.found() && rays.above.found();
+  const float edge_m = kEdgeSpacings * nearest.beam->spacing_rad * nearest.range_m;
+  if (!between && beams_.size() > 1 && std::abs(nearest.height_m) > edge_m) {
+    return answer(FreespaceVerdict::unobserved);
+  }
+  return answer(FreespaceVerdict::inside);
 }
 
 bool FreespaceProbe::ended(const Answer& answer) const {
@@ -260,11 +304,11 @@ Vector3f FreespaceProbe::endpoint(int laser, int column) const {
   const Beam& beam = beams_[static_cast<std::size_t>(laser)];
   const Pose& pose = poses_[static_cast<std::size_t>(column)];
   const float range = image_.range_m(laser, column);
-  const float ahead = beam.origin.x() + beam.elevation.x() * range;
-  const Vector3f p_h(beam.azimuth.x() * ahead - beam.azimuth.y() * beam.origin.y(),
-                     beam.azimuth.y() * ahead + beam.azimuth.x() * beam.origin.y(),
-                     beam.origin.z() + beam.elevation.y() * range);
-  return pose.rotation.transpose() * (p_h - pose.translation);
+  const float ahead = beam.ahead_m + beam.cosine * range;
+  const Vector3f p_h(beam.azimuth_cosine * ahead - beam.azimuth_sine * beam.left_m,
+                     beam.azimuth_sine * ahead + beam.azimuth_cosine * beam.left_m,
+                     beam.up_m + beam.sine * range);
+  return pose.T_h0.topLeftCorner<3, 3>().transpose() * (p_h - pose.T_h0.topRightCorner<3, 1>());
 }
 
 }  // namespace mapless

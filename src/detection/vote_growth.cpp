@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/parallel_for.h>
@@ -15,15 +16,18 @@ namespace {
 constexpr int kSupportRows = 1, kSupportColumns = 2;
 constexpr int kLinkRows = 2, kLinkColumns = 4;
 
-// Holes are filled where more than a third of the support window is dynamic, twice, but for points against
-// which there are more votes than two scans that see through would make good.
-constexpr int kFillNeighbours = 5, kFillRounds = 2, kFirmlyStatic = -2 * kSeenThroughVotes;
+// Holes are filled where more than a third of the support window is dynamic, twice.
+constexpr int kFillNeighbours = 5, kFillRounds = 2;
+
+// Neither fill nor growth reaches points against which there are more votes than three scans that see through
+// would make good.
+constexpr int kFirmlyStatic = -3 * kSeenThroughVotes;
 
 class VoteGrowth {
  public:
-  VoteGrowth(const LinkedNeighbours& neighbours, const std::vector<PointVotes>& votes,
-             const VotingParameters& parameters)
-      : neighbours_(neighbours), votes_(votes), parameters_(parameters) {
+  VoteGrowth(const LinkedNeighbours& neighbours, const LocalPoints& points,
+             const std::vector<PointVotes>& votes, const VotingParameters& parameters)
+      : neighbours_(neighbours), points_(points), votes_(votes), parameters_(parameters) {
     result_.verdict.assign(votes.size(), GrowthVerdict::not_reached);
     result_.object.assign(votes.size(), 0);
   }
@@ -47,7 +51,7 @@ class VoteGrowth {
   // What was uncovered beside a thing that moved looks as if that had left it too: alone that is not enough.
   [[nodiscard]] bool may_move(std::int32_t i) const {
     const PointVotes& v = votes_[static_cast<std::size_t>(i)];
-    return v.seen_through || v.total() > 0;
+    return v.total() > 0 || (v.seen_through && v.total() >= kFirmlyStatic);
   }
 
   // Everything that `belongs` and is linked to `first`, in front_; `claim` must make it belong no more.
@@ -56,8 +60,7 @@ class VoteGrowth {
     front_.assign(1, first);
     claim(first);
     for (std::size_t next = 0; next < front_.size(); ++next) {
-      neighbours_.for_each(front_[next], kLinkRows, kLinkColumns, [&](std::int32_t j) {
-        if (!belongs(j)) return;
+      neighbours_.for_each(front_[next], kLinkRows, kLinkColumns, belongs, [&](std::int32_t j) {
         claim(j);
         front_.push_back(j);
       });
@@ -78,6 +81,7 @@ class VoteGrowth {
   }
 
   void spread() {
+    const auto may_join = [&](std::int32_t j) { return !dynamic(j) && may_move(j); };
     front_.clear();
     for (std::int32_t i = 0; i < static_cast<std::int32_t>(votes_.size()); ++i) {
       if (verdict(i) == GrowthVerdict::seed) front_.push_back(i);
@@ -85,8 +89,7 @@ class VoteGrowth {
     while (!front_.empty()) {
       const std::int32_t i = front_.back();
       front_.pop_back();
-      neighbours_.for_each(i, kLinkRows, kLinkColumns, [&](std::int32_t j) {
-        if (dynamic(j) || !may_move(j)) return;
+      neighbours_.for_each(i, kLinkRows, kLinkColumns, may_join, [&](std::int32_t j) {
         verdict(j) = GrowthVerdict::grown;
         front_.push_back(j);
       });
@@ -96,11 +99,13 @@ class VoteGrowth {
   // Holes and rims: what no scan could look at, or few saw a surface at, moves with what surrounds it.
   void fill() {
     std::vector<std::int8_t> dynamic_neighbours(votes_.size(), 0);
+    const auto may_fill = [&](std::int32_t j) {
+      return !dynamic(j) && votes_[static_cast<std::size_t>(j)].total() >= kFirmlyStatic;
+    };
     front_.clear();
     for (std::int32_t i = 0; i < static_cast<std::int32_t>(votes_.size()); ++i) {
       if (!dynamic(i)) continue;
-      neighbours_.for_each(i, kSupportRows, kSupportColumns, [&](std::int32_t j) {
-        if (dynamic(j) || votes_[static_cast<std::size_t>(j)].total() < kFirmlyStatic) return;
+      neighbours_.for_each(i, kSupportRows, kSupportColumns, may_fill, [&](std::int32_t j) {
         if (++dynamic_neighbours[static_cast<std::size_t>(j)] == kFillNeighbours) front_.push_back(j);
       });
     }
@@ -114,10 +119,7 @@ class VoteGrowth {
     for (std::int32_t i = 0; i < static_cast<std::int32_t>(votes_.size()); ++i) {
       if (!open(i)) continue;
       collect(i, open, [&](std::int32_t j) { done[static_cast<std::size_t>(j)] = 1; });
-      const auto recent = std::count_if(front_.begin(), front_.end(), [&](std::int32_t j) {
-        return votes_[static_cast<std::size_t>(j)].recently;
-      });
-      if (static_cast<double>(recent) < parameters_.min_recent_share * static_cast<double>(front_.size())) {
+      if (advance_m() < parameters_.min_advance_m) {
         for (const std::int32_t j : front_) verdict(j) = GrowthVerdict::stopped;
         continue;
       }
@@ -126,7 +128,26 @@ class VoteGrowth {
     }
   }
 
+  // About how far the thing in front_ went since the scans of a moment ago: what goes on by a part of its
+  // length uncovers such a part of its points.
+  [[nodiscard]] double advance_m() const {
+    Eigen::Vector3f centre = Eigen::Vector3f::Zero();
+    std::size_t recent = 0;
+    for (const std::int32_t j : front_) {
+      centre += points_.points[static_cast<std::size_t>(j)];
+      recent += votes_[static_cast<std::size_t>(j)].recently ? 1 : 0;
+    }
+    const auto count = static_cast<float>(front_.size());
+    centre /= count;
+    float radius2 = 0;
+    for (const std::int32_t j : front_) {
+      radius2 = std::max(radius2, (points_.points[static_cast<std::size_t>(j)] - centre).squaredNorm());
+    }
+    return 2 * std::sqrt(radius2) * static_cast<float>(recent) / count;
+  }
+
   const LinkedNeighbours& neighbours_;
+  const LocalPoints& points_;
   const std::vector<PointVotes>& votes_;
   const VotingParameters& parameters_;
   RegionGrowthResult result_;
@@ -144,8 +165,9 @@ std::vector<BoxVerdict> filter_votes(const LidarScan& scan, const LocalPoints& p
     for (std::size_t i = chunk.begin(); i != chunk.end(); ++i) {
       int score = votes[i].total();
       if (score <= 0) continue;
-      neighbours.for_each(static_cast<std::int32_t>(i), kSupportRows, kSupportColumns,
-                          [&](std::int32_t j) { score += votes[static_cast<std::size_t>(j)].total(); });
+      neighbours.for_each(
+          static_cast<std::int32_t>(i), kSupportRows, kSupportColumns, [](std::int32_t) { return true; },
+          [&](std::int32_t j) { score += votes[static_cast<std::size_t>(j)].total(); });
       verdicts[i] = score >= parameters.seed_score ? BoxVerdict::kept : BoxVerdict::removed;
     }
   });
@@ -155,7 +177,7 @@ std::vector<BoxVerdict> filter_votes(const LidarScan& scan, const LocalPoints& p
 RegionGrowthResult grow_votes(const LidarScan& scan, const LocalPoints& points,
                               const std::vector<PointVotes>& votes, const std::vector<BoxVerdict>& seeds,
                               const VotingParameters& parameters) {
-  return VoteGrowth(LinkedNeighbours(scan, points, parameters), votes, parameters).grow(seeds);
+  return VoteGrowth(LinkedNeighbours(scan, points, parameters), points, votes, parameters).grow(seeds);
 }
 
 }  // namespace mapless

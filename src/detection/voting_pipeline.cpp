@@ -27,11 +27,19 @@ void record_votes(std::vector<StageTrace>& trace, const std::vector<PointVotes>&
   }
 }
 
+// 1, 2, 3, 4, 6, 8, 12, 16, ...: two to an octave, so that as many scans tell of a moment ago as of seconds
+// ago.
+int gap_steps(int k) {
+  if (k == 0) return 1;
+  return (k % 2 == 1 ? 2 : 3) << ((k - 1) / 2);
+}
+
 class VotingPipeline final : public DetectionPipeline {
  public:
   explicit VotingPipeline(const DetectorParameters& parameters) : parameters_(parameters.voting) {
-    int gap = parameters_.first_gap;
-    for (int k = 0; k < parameters_.references; ++k, gap *= 2) gaps_.push_back(static_cast<std::size_t>(gap));
+    for (int k = 0; k < parameters_.references; ++k) {
+      gaps_.push_back(static_cast<std::size_t>(parameters_.first_gap * gap_steps(k)));
+    }
   }
 
   void add(std::shared_ptr<const LidarScan> scan, const Trajectory& trajectory) override;
@@ -82,6 +90,7 @@ Detection VotingPipeline::detect(std::size_t number, std::optional<std::size_t> 
   PendingScan query = std::move(pending_.front());
   pending_.pop_front();
   Detection detection = judge(std::move(query), scans_to_ask(number, later), image(number));
+  images_.at(number - first_image_).mark_dynamic(*detection.scan, detection.object);
   while (first_image_ + gaps_.back() < number + 1) {  // the oldest the next detection can ask for
     images_.pop_front();
     ++first_image_;

@@ -79,13 +79,14 @@ TEST(Detector, AStandingBoxNeverMoves) {
   }
 }
 
-// The box stops as scan kStop starts. m scans later, those of the earlier scans (2, 4, 8 and 16 back; 32 is
-// not there yet) that are at most m back see it stand, with 1, 2, 3 and 4 votes against, and the others its
-// place free, 4 votes for; the next scan sees it stand, 1 vote. Hence with 2, 4 and 8 back
-//   m = 0, 1: 4 + 4 + 4 - 1 = 11, moving;
-//   m = 2, 3: -1 + 4 + 4 - 1 = 6, moving, by the scan 4 back;
-//   m = 4 to 6: -1 - 2 + 4 + 4 - 1 = 4: seeds, but of scans that are not recent: stopped;
-//   m = 8, 9: -1 - 2 - 3 + 4 - 1 = -3: none says so any longer.
+// The box stops as scan kStop starts. m scans later, those of the earlier scans (1, 2, 3, 4, 6, 8, 12 and 16
+// back; 24 is not there yet) that are at most m back see it stand, and the others its place free, 4 votes for
+// each. Those that see it stand have 1, 1, 1, 2, 2 and 3 votes against, but for the first four 1 vote for
+// where it still was found moving, as it was until m = 3; the next scan has 1 vote against.
+//   m = 0 to 3: all for but the last, and seen through 4 back: moving;
+//   m = 4: 1 + 1 + 1 + 1 + 4 + 4 + 4 + 4 - 1: seeds, but not seen through lately: stopped;
+//   m = 5: -1 + 1 + 1 + 1 + 4 + 4 + 4 + 4 - 1, m = 6: -1 - 1 + 1 + 1 - 2 + 4 + 4 + 4 - 1: stopped too;
+//   m = 8: -1 - 1 - 1 - 2 - 2 - 3 + 4 + 4 - 1 = -3: none says so any longer.
 // Scan 11 sees it half its length before where it stops; it is 8 back for m = 7.
 TEST(Detector, WhatStopsIsStaticFourScansLater) {
   constexpr int kStop = 12;
@@ -231,7 +232,7 @@ TEST(Detector, FindsAWallThatSlidesOnceItHasLeftItsOwnLength) {
   scene.world.push_back(lorry);
   const auto scans = test::cast_scans(scene, 0, 36);
   const auto detections = test::detect_all(test::scans_of(scans), *scene.trajectory, {});
-  // 3 m at 2.5 m/s: 1.2 s. Of scans 16 and 32 back it has left its place, of those 2, 4 and 8 back only in
+  // 3 m at 2.5 m/s: 1.2 s. Of scans 16 and more back it has left its place, of those 8 and less back only in
   // part; its front, which all say is new, makes seeds, and growth goes over what any scan saw through.
   for (std::size_t k = 17; k + 1 < scans.size(); ++k) {
     const Found f = found(detections[k], scans[k]);

@@ -93,9 +93,31 @@ bool is_right(const FreespaceProbeOracle& oracle, const Vector3d& q_0, Freespace
          oracle.ask(q_0, columns / 2, columns) == verdict;
 }
 
-class ProbeAgreement : public testing::TestWithParam<Case> {};
+enum class Asked { alone, by_fours };
 
-TEST_P(ProbeAgreement, WithBruteForceOverAllRays) {
+struct ProbeAgreement : testing::TestWithParam<Case> {
+  void expect_agreement(Asked asked) const;
+};
+
+/// The first guesses are bad, those of every other four good.
+std::vector<FreespaceVerdict> ask_by_fours(const FreespaceProbe& probe, const Vector3d& origin_0,
+                                           const std::vector<Vector3d>& queries) {
+  std::vector<FreespaceVerdict> verdicts(queries.size());
+  for (std::size_t i = 0; i < queries.size(); i += 4) {
+    std::array<Eigen::Vector3f, 4> q;
+    std::array<float, 4> columns{};
+    for (std::size_t k = 0; k < 4; ++k) {
+      q[k] = (queries[i + k] - origin_0).cast<float>();
+      columns[k] = static_cast<float>((i + k) % 900);
+      if (i % 8 == 0) (void)probe.look(q[k], columns[k]);
+    }
+    const auto answers = probe.look(q, columns);
+    for (std::size_t k = 0; k < 4; ++k) verdicts[i + k] = answers[k].verdict;
+  }
+  return verdicts;
+}
+
+void ProbeAgreement::expect_agreement(Asked asked) const {
   const Case& c = GetParam();
   std::mt19937_64 random(17);
   const test::ToyScene scene = scene_of(c);
@@ -113,9 +135,10 @@ TEST_P(ProbeAgreement, WithBruteForceOverAllRays) {
   const double turned = std::abs(c.yaw_rate_deg) / 10 * kDegree;
   const double seam = turned > 0 || c.speed > 0 ? turned + 20 * kDegree : 0;
   std::vector<FreespaceVerdict> verdicts(queries.size());
+  if (asked == Asked::by_fours) verdicts = ask_by_fours(probe, origin_0, queries);
   std::vector<char> right(queries.size());
   tbb::parallel_for(std::size_t{0}, queries.size(), [&](std::size_t i) {
-    verdicts[i] = ask(probe, origin_0, queries[i], static_cast<float>(i % 900));
+    if (asked == Asked::alone) verdicts[i] = ask(probe, origin_0, queries[i], static_cast<float>(i % 900));
     right[i] = is_right(oracle, queries[i], verdicts[i], seam, scan->columns) ? 1 : 0;
   });
   std::array<int, kVerdicts> seen{};
@@ -139,6 +162,10 @@ TEST_P(ProbeAgreement, WithBruteForceOverAllRays) {
                                    FreespaceVerdict::outside, FreespaceVerdict::unobserved})
     EXPECT_GT(seen[static_cast<std::size_t>(v)], 10) << "hardly tests verdict " << static_cast<int>(v);
 }
+
+TEST_P(ProbeAgreement, WithBruteForceOverAllRays) { expect_agreement(Asked::alone); }
+
+TEST_P(ProbeAgreement, OfFourAtOnceWithBruteForceOverAllRays) { expect_agreement(Asked::by_fours); }
 
 INSTANTIATE_TEST_SUITE_P(Sensors, ProbeAgreement,
                          testing::Values(Case{"HDL-64E-S2", 0, 0, false}, Case{"HDL-64E-S2", 10, 0, true},
@@ -266,6 +293,20 @@ TEST(FreespaceProbe, BesideAThinPole) {
     // Farther off, some of the rays around end at the pole and some go on: no free space is proven.
     EXPECT_EQ(pole.at(Vector3d(14, side * 1.4 * 0.09, 0.24)), FreespaceVerdict::border);
   }
+}
+
+// A quarter of a laser's spacing below the lowest beam, at -15 degrees, what it ran into says nothing of where a
+// slanting surface goes on; a wall where it ended is a wall there too.
+TEST(FreespaceProbe, BeyondTheOutermostBeamNothingIsInside) {
+  const Seen wall("VLP-16", {wall_at(10)});
+  const double beam_m = 10 / std::cos(15 * kDegree);
+  EXPECT_EQ(wall.at(-15, beam_m), FreespaceVerdict::border);
+  EXPECT_EQ(wall.at(-15, 5), FreespaceVerdict::inside);
+  EXPECT_EQ(wall.at(-14.7, 5), FreespaceVerdict::inside);
+  EXPECT_EQ(wall.at(-15.1, 5), FreespaceVerdict::inside);  // a twentieth of 2 degrees below
+  EXPECT_EQ(wall.at(-15.5, 5), FreespaceVerdict::unobserved);
+  EXPECT_EQ(wall.at(15.5, 5), FreespaceVerdict::unobserved);
+  EXPECT_EQ(wall.at(-15.5, beam_m), FreespaceVerdict::border);
 }
 
 TEST(FreespaceProbe, OutOfSightNothingIsObserved) {

@@ -173,9 +173,9 @@ TEST_F(VoteImage, FillsHolesAndRims) {
   EXPECT_EQ(grow().verdict[at(2, 7)], GrowthVerdict::not_reached);  // (2, 5), (2, 6), (3, 5), (3, 6)
   set(3, 4, 3);
   set(3, 7, 3);
-  set(2, 5, -8);
+  set(2, 5, -12);
   EXPECT_EQ(grow().verdict[at(2, 5)], GrowthVerdict::grown);
-  set(2, 5, -9);
+  set(2, 5, -13);
   EXPECT_EQ(grow().verdict[at(2, 5)], GrowthVerdict::not_reached);
   set(2, 5, 3);
   // (2, 7) has (2, 5), (2, 6), (3, 5), (3, 6), (3, 7); (2, 8) has but (2, 6), (3, 6), (3, 7) and (2, 7).
@@ -186,39 +186,50 @@ TEST_F(VoteImage, FillsHolesAndRims) {
   EXPECT_EQ(grow().verdict[at(2, 7)], GrowthVerdict::not_reached);
 }
 
-// A tenth of an object's points is enough, less is not: of ten points one, of eleven two.
-TEST_F(VoteImage, WhatNobodySawThroughLatelyHasStopped) {
+// Of two points d apart one was seen through lately: they went on by about d / 2.
+TEST_F(VoteImage, WhatHardlyAdvancedLatelyHasStopped) {
   parameters_.grow = false;  // which would fill its rims
-  for (int c = 4; c < 14; ++c) {
-    set(1, c, 3);
-    if (c > 4) make_old(1, c);
-  }
+  parameters_.min_seeds = 2;
+  set(1, 4, 3);
+  set(1, 5, 3);
+  make_old(1, 5);
+  const double d = (points_.points[at(1, 4)] - points_.points[at(1, 5)]).norm();
+  parameters_.min_advance_m = 0.499 * d;
   EXPECT_EQ(grow().objects, 1);
-  set(1, 14, 3);
-  make_old(1, 14);
+  parameters_.min_advance_m = 0.501 * d;
   const RegionGrowthResult result = grow();
   EXPECT_EQ(result.objects, 0);
-  for (int c = 4; c < 15; ++c) {
+  for (int c : {4, 5}) {
     EXPECT_EQ(result.verdict[at(1, c)], GrowthVerdict::stopped);
     EXPECT_EQ(result.object[at(1, c)], 0);
   }
-  votes_[at(1, 14)].recently = true;
+  votes_[at(1, 5)].recently = true;
   EXPECT_EQ(grow().objects, 1);
 }
 
-TEST_F(VoteImage, ShareOfRecentPointsFromNoneToAll) {
+// A long thing and a short one, a tenth of each seen through: the long one went farther.
+TEST_F(VoteImage, ALongThingNeedsASmallerShare) {
+  parameters_.grow = false;
+  for (int c = 2; c < 12; ++c) {
+    set(0, c, 3);
+    if (c > 2) make_old(0, c);
+  }
+  for (std::size_t i = 0; i < points_.points.size(); ++i) points_.points[i] *= 0.1F;
+  parameters_.min_advance_m = 0.2;
+  EXPECT_EQ(grow().objects, 0);  // its points lie on a circle of 0.5 m: at most 1 m x 0.1
+  for (std::size_t i = 0; i < points_.points.size(); ++i) points_.points[i] *= 10;
+  EXPECT_EQ(grow().objects, 1);  // over 135 degrees of a circle of 5 m: more than 5 m x 0.1
+}
+
+TEST_F(VoteImage, AdvanceFromNothingOn) {
   for (int c = 4; c < 8; ++c) {
     set(1, c, 3);
     make_old(1, c);
   }
-  parameters_.min_recent_share = 0;
+  parameters_.min_advance_m = 0;
   EXPECT_EQ(grow().objects, 1);
-  parameters_.min_recent_share = 1;
-  for (int c = 4; c < 8; ++c) {
-    EXPECT_EQ(grow().objects, 0);
-    votes_[at(1, c)].recently = true;
-  }
-  EXPECT_EQ(grow().objects, 1);
+  parameters_.min_advance_m = 0.001;
+  EXPECT_EQ(grow().objects, 0);
 }
 
 // Growth and filled holes count with the rest of their object; others keep their numbers in order.
@@ -293,7 +304,7 @@ TEST(VoteGrowth, AgreesWithAllPairs) {
     parameters.seed_score = 6 + 3 * static_cast<int>(seed % 7);
     parameters.min_seeds = 1 + static_cast<int>(seed % 4);
     parameters.grow = seed % 9 != 0;
-    parameters.min_recent_share = 0.1 * static_cast<double>(seed % 6);
+    parameters.min_advance_m = 0.3 * static_cast<double>(seed % 6);
     const test::VoteGrowthOracle oracle(image.scan, image.points, parameters);
     const auto seeds = filter_votes(image.scan, image.points, image.votes, parameters);
     ASSERT_EQ(seeds, oracle.filter(image.votes));

@@ -73,7 +73,7 @@ void VoteGrowthOracle::fill(const std::vector<PointVotes>& votes, std::vector<ch
     int neighbours = 0;
     for (std::size_t j = 0; j < votes.size(); ++j)
       if (j != i && before[j] && linked(i, j, 1, 2)) ++neighbours;
-    if (before[i] || votes[i].total() < -8 || neighbours < 5) continue;
+    if (before[i] || votes[i].total() < -12 || neighbours < 5) continue;
     dynamic[i] = 1;
     result.verdict[i] = GrowthVerdict::grown;
   }
@@ -96,8 +96,9 @@ RegionGrowthResult VoteGrowthOracle::grow(const std::vector<PointVotes>& votes,
     result.verdict[i] = large ? GrowthVerdict::seed : GrowthVerdict::too_small;
   }
   for (std::size_t i = 0; i < size; ++i)
-    usable[i] = result.verdict[i] == GrowthVerdict::seed ||
-                (parameters_.grow && (votes[i].seen_through || votes[i].total() > 0));
+    usable[i] =
+        result.verdict[i] == GrowthVerdict::seed ||
+        (parameters_.grow && (votes[i].total() > 0 || (votes[i].seen_through && votes[i].total() >= -12)));
   const std::vector<std::size_t> regions = sets(usable);
   std::map<std::size_t, bool> has_seed;
   for (std::size_t i = 0; i < size; ++i)
@@ -112,20 +113,33 @@ RegionGrowthResult VoteGrowthOracle::grow(const std::vector<PointVotes>& votes,
   return result;
 }
 
+double VoteGrowthOracle::advance_m(const std::vector<PointVotes>& votes,
+                                   const std::vector<std::size_t>& object) const {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  double recent = 0, radius = 0;
+  for (const std::size_t i : object) {
+    sum += points_[i].cast<double>();
+    recent += votes[i].recently ? 1 : 0;
+  }
+  const auto count = static_cast<double>(object.size());
+  for (const std::size_t i : object) {
+    radius = std::max(radius, (points_[i].cast<double>() - sum / count).norm());
+  }
+  return 2 * radius * recent / count;
+}
+
 void VoteGrowthOracle::number(const std::vector<PointVotes>& votes, const std::vector<char>& dynamic,
                               RegionGrowthResult& result) const {
   const std::vector<std::size_t> objects = sets(dynamic);
-  std::map<std::size_t, int> points, recent;  // by an object's lowest point
+  std::map<std::size_t, std::vector<std::size_t>> members;  // by an object's lowest point
   for (std::size_t i = 0; i < votes.size(); ++i) {
-    if (!dynamic[i]) continue;
-    ++points[objects[i]];
-    recent[objects[i]] += votes[i].recently ? 1 : 0;
+    if (dynamic[i]) members[objects[i]].push_back(i);
   }
   std::map<std::size_t, std::uint16_t> numbers;
   for (std::size_t i = 0; i < votes.size(); ++i) {
     if (!dynamic[i]) continue;
     const std::size_t object = objects[i];
-    if (recent[object] < parameters_.min_recent_share * points[object]) {
+    if (advance_m(votes, members[object]) < parameters_.min_advance_m) {
       result.verdict[i] = GrowthVerdict::stopped;
       continue;
     }

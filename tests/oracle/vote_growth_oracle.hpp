@@ -25,6 +25,9 @@ class VoteGrowthOracle {
   /// Numbers the sets of `dynamic` points, and stops those of which too few were seen through lately.
   void number(const std::vector<PointVotes>& votes, const std::vector<char>& dynamic,
               RegionGrowthResult& result) const;
+  /// Diameter about the centroid, times the share of points seen through lately [m].
+  [[nodiscard]] double advance_m(const std::vector<PointVotes>& votes,
+                                 const std::vector<std::size_t>& object) const;
   [[nodiscard]] bool linked(std::size_t i, std::size_t j, int rows, int columns) const;
   [[nodiscard]] double link_m(const LidarReturn& r) const;
   [[nodiscard]] int image_column(const LidarReturn& r) const;

@@ -17,6 +17,7 @@
 #include "benchmark/page.hpp"
 #include "benchmark/plan.hpp"
 #include "benchmark/recording_store.hpp"
+#include "benchmark/speed.hpp"
 #include "benchmark/work_pool.hpp"
 #include "interrupt.hpp"
 #include "json_text.hpp"
@@ -37,6 +38,8 @@ struct BenchmarkOptions {
   std::string output;
   std::string recordings;
   std::optional<std::size_t> threads;
+  bool speed = false;
+  bool json = false;
 };
 
 std::size_t scans_of(const Job& job) {
@@ -120,7 +123,23 @@ int report_interrupt(std::size_t finished, std::size_t of) {
   return InterruptGuard::exit_code();
 }
 
+int benchmark_speed(const BenchmarkOptions& options) {
+  SpeedOptions speed;
+  if (!options.plan.sensors.empty()) speed.sensors = options.plan.sensors;
+  if (!options.plan.scenes.empty()) speed.scene = options.plan.scenes.front();
+  speed.duration_s = options.plan.duration_s.value_or(speed.duration_s);
+  if (!options.plan.seeds.empty()) speed.seed = options.plan.seeds.front();
+  speed.detector = options.plan.parameters.chosen();
+  speed.odometry = options.plan.parameters.odometry();
+  const InterruptGuard interrupt;
+  const Json measured = measure_speed(speed);
+  fmt::print("{}", options.json ? json_text(measured) : speed_text(measured));
+  return InterruptGuard::requested() ? kInterrupted : 0;
+}
+
 int benchmark(const BenchmarkOptions& options) {
+  if (options.speed) return benchmark_speed(options);
+  if (options.output.empty()) throw CLI::RequiredError("--output");
   const std::vector<Job> jobs = make_plan(options.plan);
   for (const Job& job : jobs) static_cast<void>(scans_of(job));  // throws for what is too short
   const std::size_t threads =
@@ -177,9 +196,13 @@ void add_benchmark(CLI::App& app, int& exit_code) {
       "benchmark", "Simulate a table of scenes, detect, evaluate, and write one page with every figure");
   const auto options = std::make_shared<BenchmarkOptions>();
   verb->add_option("-o,--output", options->output,
-                   "folder for page, plots and figures: new, or of an earlier benchmark, which is continued")
-      ->required();
+                   "folder for page, plots and figures: new, or of an earlier benchmark, which is continued");
   add_table_options(*verb, options->plan);
+  auto* speed =
+      verb->add_flag("--speed", options->speed,
+                     "instead: the time of every stage on one thread, against building and asking a "
+                     "k-d tree in the same run (with --scenes: the first; nothing is written)");
+  verb->add_flag("--json", options->json, "the figures of --speed as JSON")->needs(speed);
   add_parameter_options(*verb, options->plan.parameters);
   verb->add_option(
       "--recordings", options->recordings,

@@ -30,12 +30,14 @@ struct AskedScan {
 ///   effects.
 /// - It saw a surface there: 1 vote against for the nearest scans up to kMostSurfaceVotes for the farthest
 ///   (surface_votes). Slow things and surfaces that slide within themselves are where they were a moment ago,
-///   and not where they were seconds ago.
+///   and not where they were seconds ago. But where that surface was found moving then, by a scan within
+///   kRecentGap: kMovingVotes. A thing goes on, until no scan sees through its place any more (vote_growth).
 /// - Something hid the place that has left its own since, as the scan asked about shows, and that was no
 ///   farther off than VotingParameters::vacated_m: kVacatedVotes. It is the thing itself, moving away.
 /// - Else it could not see: none.
 inline constexpr int kSeenThroughVotes = 4;
 inline constexpr int kVacatedVotes = 2;
+inline constexpr int kMovingVotes = 1;
 inline constexpr int kMostSurfaceVotes = 4;
 [[nodiscard]] int surface_votes(int gap);
 /// A scan no farther off than this tells whether something moves now; where all are farther, the nearest
@@ -48,8 +50,9 @@ struct PointVotes {
   std::int16_t later = 0;     ///< of the later scan
   bool seen_through = false;  ///< some scan saw through
   bool surface_seen = false;  ///< some scan saw a surface
-  bool recently = false;      ///< a vote for it is by a scan that tells whether something moves now
+  bool recently = false;      ///< seen through, or vacated, by a scan that tells whether something moves now
   bool vacated = false;       ///< what hid it from some scan has left
+  bool moving_seen = false;   ///< a scan a moment ago saw a surface there and it was found moving
 
   [[nodiscard]] int total() const { return earlier + later; }
 };

@@ -135,8 +135,8 @@ constexpr std::span<const std::string_view> choice_names(DetectionMethod) { retu
 
 /// Method "voting": every point is put to several earlier scans and a later one.
 struct VotingParameters {
-  int references = 5;
-  int first_gap = 2;
+  int references = 10;
+  int first_gap = 1;
   double tolerance_m = 0.2;
   double max_ray_distance_m = 0.1;
   double max_ray_distance_spacings = 0.25;
@@ -148,15 +148,15 @@ struct VotingParameters {
   int seed_score = 48;
   int min_seeds = 3;
   bool grow = true;
-  double min_recent_share = 0.1;
+  double min_advance_m = 0.06;
 
   static constexpr auto declarations() {
     using P = VotingParameters;
     return std::tuple{
-        declare(&P::references, "references", "scans", 1, 10,
-                "how many earlier scans are asked; each lies twice as far back as the one before",
+        declare(&P::references, "references", "scans", 1, 14,
+                "how many earlier scans are asked: 1, 2, 3, 4, 6, 8, 12, ... times first_gap back",
                 "paper step 2, 3"),
-        declare(&P::first_gap, "first_gap", "scans", 1, 100, "how far back the first of them lies",
+        declare(&P::first_gap, "first_gap", "scans", 1, 10, "how far back the first of them lies",
                 "paper step 2"),
         declare(&P::tolerance_m, "tolerance_m", "m", 0.001, 10.0,
                 "a ray that ends this near a point's range ends on its surface", "paper step 3"),
@@ -189,10 +189,11 @@ struct VotingParameters {
                 "seeds grow over linked points that some scan saw through, whatever the others say, or whose "
                 "votes are above 0",
                 "paper step 5"),
-        declare(&P::min_recent_share, "min_recent_share", "", 0.0, 1.0,
-                "share of an object's points that one of the nearest scans must have seen through: what "
-                "has stopped is static",
-                "docs/method.md"),
+        declare(
+            &P::min_advance_m, "min_advance_m", "m", 0.0, 10.0,
+            "the share of an object's points that one of the nearest scans saw through, times its size, is "
+            "about how far it went since: with less it has stopped and is static",
+            "docs/method.md"),
     };
   }
 };

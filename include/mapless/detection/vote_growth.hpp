@@ -17,10 +17,11 @@ namespace mapless {
 
 /// The place of paper step 5: clusters of fewer than min_seeds `seeds` (kept by filter_votes) are dropped;
 /// the others grow over linked points that any scan saw through or whose votes are above 0, and fill holes:
-/// points that five or more of their linked neighbours in the 3 x 5 window surround, unless the votes against
-/// them are more than those of two scans that saw through. What is linked is one object, numbered in the
-/// order of its first point; one of which less than min_recent_share of the points were seen through
-/// `recently` has stopped, and has no number.
+/// points that five or more of their linked neighbours in the 3 x 5 window surround. Neither reaches points
+/// with more votes against them than those of three scans that saw through. What is linked is one object,
+/// numbered in the order of its first point. The share of its points that were seen through `recently`, times
+/// twice the distance of the farthest from their centroid, is about how far it went: one for which that is
+/// less than min_advance_m has stopped, and has no number.
 [[nodiscard]] RegionGrowthResult grow_votes(const LidarScan& scan, const LocalPoints& points,
                                             const std::vector<PointVotes>& votes,
                                             const std::vector<BoxVerdict>& seeds,

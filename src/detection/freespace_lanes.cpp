@@ -1,0 +1,230 @@
+#include <limits>
+
+#include "detection/four_lanes.hpp"
+#include <mapless/detection/ray_image.hpp>
+
+// FreespaceProbe::look for four points side by side. Far from the sensor and away from the seam all points
+// take the same steps, so that they can share each instruction; a point that needs others asks by itself.
+
+namespace mapless {
+namespace {
+
+constexpr int kPasses = 3;  // towards the column that looks at a point
+constexpr float kSmallAngle = 0.15F;
+// From here on a laser's place in the hub turns its beam by so little that its cosine is 1 within 2e-4.
+constexpr float kFar_m = 2;
+// A sensor that turns with 180 degrees per second does so by 0.5 degrees in the time of as many columns as
+// two lasers are apart: to first order that errs by 4e-5 rad.
+constexpr float kMostColumnsAside = 120;
+
+// atan(t) of a small angle.
+Floats small_angle(Floats t) {
+  const Floats t2 = t * t;
+  return t * (1 - t2 * (1 / 3.0F - t2 * (1 / 5.0F - t2 / 7.0F)));
+}
+
+}  // namespace
+
+struct FreespaceProbe::Lanes {
+  using Beams = std::array<const Beam*, 4>;
+
+  explicit Lanes(const FreespaceProbe& asked) : probe(asked) {}
+  const FreespaceProbe& probe;
+  Ints fine{};  // the lanes that can go on together
+  // The points as the hub has them at column `at`, when it looks their way; exactly so at `column`.
+  Ints at{};
+  Floats column{}, x{}, y{}, z{}, horizontal{}, columns_per_m{};
+  // How they drift from one column to the next [m, columns].
+  Floats drift_ahead{}, drift_up{}, drift_columns{};
+
+  struct Side {  // the nearest beams above the points, or below
+    Beams beams{};
+    Floats height{};  // of the points above them
+    Floats range{}, spacing{};
+    Ints found{}, column{};
+  };
+  struct Window {
+    Ints border{}, hides{};
+  };
+
+  [[gnu::always_inline]] inline void find_columns(const std::array<Eigen::Vector3f, 4>& q);
+  [[gnu::always_inline]] inline void follow();
+  [[gnu::always_inline]] inline void bracket(Side& below, Side& above);
+  [[gnu::always_inline]] inline Floats heights_over(const Beams& beams) const;
+  [[gnu::always_inline]] inline void sight(Side& side);
+  [[gnu::always_inline]] inline Floats look_around(const Side& side, Window& window) const;
+  [[gnu::always_inline]] inline std::array<Answer, 4> judge(const Side& below, const Side& above) const;
+};
+
+void FreespaceProbe::Lanes::find_columns(const std::array<Eigen::Vector3f, 4>& q) {
+  const auto last = static_cast<float>(probe.image_.columns() - 1);
+  for (int pass = 0; pass < kPasses; ++pass) {
+    at = truncated(clamped(column, 0, last) + 0.5F);
+    std::array<Eigen::Vector4f, 4> q_h;
+    for (std::size_t k = 0; k < 4; ++k) {
+      const Eigen::Matrix4f& T_h0 = probe.poses_[static_cast<std::size_t>(at[k])].T_h0;
+      q_h[k] = T_h0.col(0) * q[k].x() + T_h0.col(1) * q[k].y() + (T_h0.col(2) * q[k].z() + T_h0.col(3));
+    }
+    x = Floats{q_h[0].x(), q_h[1].x(), q_h[2].x(), q_h[3].x()};
+    y = Floats{q_h[0].y(), q_h[1].y(), q_h[2].y(), q_h[3].y()};
+    z = Floats{q_h[0].z(), q_h[1].z(), q_h[2].z(), q_h[3].z()};
+    const Floats off = small_angle(y / x) * probe.columns_per_rad_;
+    column = to_floats(at) + off;
+    fine = (x >= kFar_m) & (magnitude(y) < kSmallAngle * x) & (magnitude(off) < 0.75F) & (column >= -0.5F) &
+           (column < last + 0.5F);
+    if (all(fine)) return;
+  }
+}
+
+void FreespaceProbe::Lanes::follow() {
+  std::array<const Pose*, 4> poses{};
+  for (std::size_t k = 0; k < 4; ++k) poses[k] = &probe.poses_[static_cast<std::size_t>(at[k])];
+  const auto linear = members(poses, offsetof(Pose, linear));
+  const auto angular = members(poses, offsetof(Pose, angular));
+  const Floats t = y / x;
+  horizontal = x * (1 + t * t / 2);  // t is below 0.01
+  columns_per_m = probe.columns_per_rad_ / horizontal;
+  drift_ahead = linear[0] + angular[1] * z - angular[2] * y;
+  drift_columns = (linear[1] + angular[2] * x - angular[0] * z) * columns_per_m;
+  drift_up = linear[2] + angular[0] * y - angular[1] * x;
+}
+
+Floats FreespaceProbe::Lanes::heights_over(const Beams& beams) const {
+  const auto [cosine, sine, ahead_m, left_m] = members(beams, offsetof(Beam, cosine));
+  const auto [up_m, offset_columns, spacing, unused] = members(beams, offsetof(Beam, up_m));
+  const Floats passed = column - to_floats(at) + offset_columns - left_m * columns_per_m;
+  const Floats ahead = horizontal + passed * drift_ahead - ahead_m;
+  const Floats up = z + passed * drift_up - up_m;
+  return cosine * up - sine * ahead;
+}
+
+// In each bank the first beams above and below; where they are not on their sides after all, near the sensor,
+// the lane is not fine.
+void FreespaceProbe::Lanes::bracket(Side& below, Side& above) {
+  below.height += std::numeric_limits<float>::infinity();
+  above.height -= std::numeric_limits<float>::infinity();
+  for (const Bank& bank : probe.banks_) {
+    const Floats slope = (z - bank.centre_z_m) / (horizontal - bank.centre_x_m);
+    const Ints step = truncated(clamped((slope - bank.slopes.front()) * bank.steps_per_slope, 0,
+                                        static_cast<float>(bank.at_least.size() - 1)));
+    Beams lower{}, upper{};
+    for (std::size_t k = 0; k < 4; ++k) {
+      auto b = static_cast<std::size_t>(bank.at_least[static_cast<std::size_t>(step[k])]);
+      b += bank.slopes[b] < slope[k] ? 1 : 0;
+      lower[k] = &bank.beams[b];
+      upper[k] = &bank.beams[b + 1];
+    }
+    const Floats over = heights_over(lower);
+    const Floats under = heights_over(upper);
+    fine &= (over >= 0) & (under < 0);
+    const Ints nearer_below = over < below.height;
+    const Ints nearer_above = under > above.height;
+    below.height = smaller(over, below.height);
+    above.height = larger(under, above.height);
+    for (std::size_t k = 0; k < 4; ++k) {
+      below.beams[k] = nearer_below[k] != 0 || below.beams[k] == nullptr ? lower[k] : below.beams[k];
+      above.beams[k] = nearer_above[k] != 0 || above.beams[k] == nullptr ? upper[k] : above.beams[k];
+    }
+  }
+}
+
+void FreespaceProbe::Lanes::sight(Side& side) {
+  const auto [cosine, sine, ahead_m, left_m] = members(side.beams, offsetof(Beam, cosine));
+  const auto [up_m, offset_columns, spacing, unused] = members(side.beams, offsetof(Beam, up_m));
+  const Floats aside = offset_columns - left_m * columns_per_m;
+  const Floats pointing = column + aside + aside * drift_columns;
+  // The whole window is within the scan.
+  const auto half = static_cast<float>(probe.half_window_);
+  const auto end = static_cast<float>(probe.image_.columns()) - 1 - half;
+  fine &= (pointing >= half) & (pointing < end) & (magnitude(aside) <= kMostColumnsAside);
+  side.column = truncated(pointing + 0.5F);
+  const Floats passed = to_floats(side.column - at);
+  const Floats ahead = horizontal + passed * drift_ahead - ahead_m;
+  const Floats up = z + passed * drift_up - up_m;
+  side.range = cosine * ahead + sine * up;
+  side.height = cosine * up - sine * ahead;
+  side.spacing = spacing;
+  const Beams& b = side.beams;
+  side.found = Ints{b[0]->laser, b[1]->laser, b[2]->laser, b[3]->laser} >= 0;
+}
+
+// What the firings nearest to the points have as their ranges.
+Floats FreespaceProbe::Lanes::look_around(const Side& side, Window& window) const {
+  std::array<const float*, 4> cells{};
+  for (std::size_t k = 0; k < 4; ++k) {
+    const bool usable = fine[k] != 0 && side.found[k] != 0;
+    cells[k] = probe.image_.row_m(usable ? side.beams[k]->laser : 0) +
+               (usable ? side.column[k] : probe.half_window_);
+  }
+  Floats shortest = Floats{} + std::numeric_limits<float>::infinity();
+  Floats least_off = shortest;
+  for (int c = -probe.half_window_; c <= probe.half_window_; ++c) {  // NaN is never smaller
+    const Floats range = {cells[0][c], cells[1][c], cells[2][c], cells[3][c]};
+    shortest = smaller(range, shortest);
+    least_off = smaller(magnitude(range - side.range), least_off);
+  }
+  window.border |= side.found & (least_off <= probe.tolerance_m_);
+  window.hides |= side.found & (shortest < side.range - probe.tolerance_m_);
+  return Floats{cells[0][0], cells[1][0], cells[2][0], cells[3][0]};
+}
+
+std::array<FreespaceProbe::Answer, 4> FreespaceProbe::Lanes::judge(const Side& below,
+                                                                   const Side& above) const {
+  Window window;
+  const Floats range_below = look_around(below, window);
+  const Floats range_above = look_around(above, window);
+  const Ints is_above = above.found & (~below.found | (-above.height < below.height));
+  const Floats range = is_above ? range_above : range_below;
+  const Floats expected = is_above ? above.range : below.range;
+  const Floats height = is_above ? above.height : below.height;
+  const Floats spacing = is_above ? above.spacing : below.spacing;
+  const Ints column_there = is_above ? above.column : below.column;
+  const Ints reached =
+      (above.found | below.found) &
+      (magnitude(height) <= probe.reach_at_0_m_ + probe.reach_spacings_ * spacing * expected);
+  const auto all_lanes = [](FreespaceVerdict v) { return Ints{} + static_cast<int>(v); };
+  Ints verdict = all_lanes(FreespaceVerdict::inside);
+  if (probe.beams_.size() > 1) {
+    const Ints known =
+        (above.found & below.found) | (magnitude(height) <= kEdgeSpacings * spacing * expected);
+    verdict = known ? verdict : all_lanes(FreespaceVerdict::unobserved);
+  }
+  verdict = window.hides ? all_lanes(FreespaceVerdict::border) : verdict;
+  verdict = range < expected ? all_lanes(FreespaceVerdict::outside) : verdict;
+  verdict = range != range ? all_lanes(FreespaceVerdict::unobserved) : verdict;
+  verdict = window.border ? all_lanes(FreespaceVerdict::border) : verdict;
+  std::array<Answer, 4> answers;
+  for (std::size_t k = 0; k < 4; ++k) {
+    if (reached[k] == 0) continue;
+    const Beam& beam = is_above[k] != 0 ? *above.beams[k] : *below.beams[k];
+    answers[k] = {static_cast<FreespaceVerdict>(verdict[k]), beam.laser, column_there[k],
+                  expected[k] - range[k]};
+  }
+  return answers;
+}
+
+std::array<FreespaceProbe::Answer, 4> FreespaceProbe::look(const std::array<Eigen::Vector3f, 4>& q,
+                                                           std::array<float, 4>& columns) const {
+  if (image_.columns() <= 2 * half_window_) {
+    return {look(q[0], columns[0]), look(q[1], columns[1]), look(q[2], columns[2]), look(q[3], columns[3])};
+  }
+  Lanes lanes(*this);
+  lanes.column = Floats{columns[0], columns[1], columns[2], columns[3]};
+  lanes.find_columns(q);
+  lanes.follow();
+  Lanes::Side below, above;
+  lanes.bracket(below, above);
+  lanes.sight(below);
+  lanes.sight(above);
+  std::array<Answer, 4> answers = lanes.judge(below, above);
+  for (std::size_t k = 0; k < 4; ++k) {
+    if (lanes.fine[k] != 0) {
+      columns[k] = lanes.column[k];
+    } else {
+      answers[k] = look(q[k], columns[k]);
+    }
+  }
+  return answers;
+}
+
+}  // namespace mapless
