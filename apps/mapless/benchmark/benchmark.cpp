@@ -134,7 +134,7 @@ int benchmark_speed(const BenchmarkOptions& options) {
   const InterruptGuard interrupt;
   const Json measured = measure_speed(speed);
   fmt::print("{}", options.json ? json_text(measured) : speed_text(measured));
-  return InterruptGuard::requested() ? kInterrupted : 0;
+  return InterruptGuard::requested() ? InterruptGuard::exit_code() : 0;
 }
 
 int benchmark(const BenchmarkOptions& options) {
