@@ -295,8 +295,8 @@ TEST(FreespaceProbe, BesideAThinPole) {
   }
 }
 
-// A quarter of a laser's spacing below the lowest beam, at -15 degrees, what it ran into says nothing of where a
-// slanting surface goes on; a wall where it ended is a wall there too.
+// A quarter of a laser's spacing below the lowest beam, at -15 degrees, what it ran into says nothing of
+// where a slanting surface goes on; a wall where it ended is a wall there too.
 TEST(FreespaceProbe, BeyondTheOutermostBeamNothingIsInside) {
   const Seen wall("VLP-16", {wall_at(10)});
   const double beam_m = 10 / std::cos(15 * kDegree);
