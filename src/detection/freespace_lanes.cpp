@@ -137,7 +137,7 @@ void FreespaceProbe::Lanes::sight(Side& side) {
   const auto half = static_cast<float>(probe.half_window_);
   const auto end = static_cast<float>(probe.image_.columns()) - 1 - half;
   fine &= (pointing >= half) & (pointing < end) & (magnitude(aside) <= kMostColumnsAside);
-  side.column = truncated(pointing + 0.5F);
+  side.column = truncated(clamped(pointing, half, end) + 0.5F);
   const Floats passed = to_floats(side.column - at);
   const Floats ahead = horizontal + passed * drift_ahead - ahead_m;
   const Floats up = z + passed * drift_up - up_m;
