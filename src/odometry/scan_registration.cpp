@@ -19,6 +19,8 @@ bool is_small(const Vector12d& step) {
 
 }  // namespace
 
+bool are_small(const std::vector<Vector12d>& steps) { return std::all_of(steps.begin(), steps.end(), is_small); }
+
 bool improve(const KnotPrior& prior, const TimeBins& bins, const PlaneMap& map,
              const RegistrationSettings& settings, Registration& registration) {
   std::vector<TrajectoryKnot>& knots = registration.knots;
@@ -44,7 +46,7 @@ bool improve(const KnotPrior& prior, const TimeBins& bins, const PlaneMap& map,
     registration.matched += bin.matched;
     registration.agreement += bin.agreement;
   }
-  registration.converged = std::all_of(solution->step.begin(), solution->step.end(), is_small);
+  registration.converged = are_small(solution->step);
   ++registration.iterations;
   return true;
 }
