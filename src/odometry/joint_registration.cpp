@@ -8,8 +8,8 @@ namespace {
 
 constexpr int kSteps = 6;
 constexpr unsigned kLinesApart = 29;
-// Every pair of scans is seen from both sides, by points of the one on planes of the other and by points of the
-// other on planes of the one: what they tell counts half.
+// Every pair of scans is seen from both sides, by points of the one on planes of the other and by points of
+// the other on planes of the one: what they tell counts half.
 constexpr double kOfBothSides = 0.5;
 
 using WorldPoints = std::vector<std::vector<Eigen::Vector3d>>;  // of each scan
@@ -21,15 +21,15 @@ WorldPoints all_in_world(const std::vector<UsableScan>& scans, const std::vector
   return out;
 }
 
-PlaneMap map_of_others(const std::vector<UsableScan>& scans, const WorldPoints& points_0, std::size_t left_out,
-                       double sigma_m) {
+PlaneMap map_of_others(const std::vector<UsableScan>& scans, const WorldPoints& points_0,
+                       std::size_t left_out, double sigma_m) {
   PlaneMap map(sigma_m);
   for (std::size_t s = 0; s < scans.size(); ++s) {
     if (s == left_out) continue;
     for (std::size_t i = 0; i < points_0[s].size(); ++i) {
       const ScanPoint& p = scans[s].points[i];
-      (void)map.insert(points_0[s][i], kLinesApart * static_cast<unsigned>(s) + static_cast<unsigned>(p.laser),
-                       p.range_m);
+      (void)map.insert(points_0[s][i],
+                       kLinesApart * static_cast<unsigned>(s) + static_cast<unsigned>(p.laser), p.range_m);
     }
   }
   return map;

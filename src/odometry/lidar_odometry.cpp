@@ -15,6 +15,12 @@ namespace {
 constexpr std::size_t kFewestKeypoints = 50;
 constexpr int kDenserAtFirst = 3;  // points of the first scans, the only ones there are for each other
 constexpr int kLostBeforeRestart = 5;
+// A scan of which so much less matches than of the one before it is tried again (from one scan to the next
+// the share changes by 1 to 2 %), and one of which far less matches than usual is not believed to have
+// converged.
+constexpr double kOfLast = 0.95;
+constexpr double kFarBelowUsual = 0.6;
+constexpr double kUsualForgets = 0.05;  // a scan
 
 bool same_returns(const LidarScan& a, const LidarScan& b) {
   return !a.returns.empty() && std::equal(a.returns.begin(), a.returns.end(), b.returns.begin(),
@@ -57,6 +63,8 @@ struct LidarOdometry::State {
   Track track;                      // from then on
   std::shared_ptr<const LidarScan> last_scan;
   int lost_in_a_row = 0;
+  double last_share = 0;   // of matched points, in the scan before
+  double usual_share = 0;  // the same, in the scans before
 
   [[nodiscard]] const Track& known() const { return start_up ? start_up->best() : track; }
   void require_next(const LidarScan& scan) const;
@@ -64,6 +72,7 @@ struct LidarOdometry::State {
   Matrix12d carry_by_prior();
   [[nodiscard]] UsableScan usable(const LidarScan& scan) const;
   ScanOutcome start(UsableScan scan, OdometryUpdate& update);
+  [[nodiscard]] std::optional<Registration> registered(const UsableScan& scan) const;
   ScanOutcome follow(const UsableScan& scan, OdometryUpdate& update);
   ScanOutcome estimate(const LidarScan& scan, OdometryUpdate& update);
   OdometryUpdate process(const std::shared_ptr<const LidarScan>& scan);
@@ -104,7 +113,8 @@ UsableScan LidarOdometry::State::usable(const LidarScan& scan) const {
   const std::size_t interval = known().knots.size() - 2;
   std::vector<ScanPoint> points = thin(scan, used);
   TimeBins bins(select_keypoints(points, used), scan.start, known().knots[interval].time);
-  return {std::move(points), std::move(bins), std::make_shared<const SeenThrough>(scan), scan.start, interval};
+  return {std::move(points), std::move(bins), start_up ? std::make_shared<const SeenThrough>(scan) : nullptr,
+          scan.start, interval};
 }
 
 ScanOutcome LidarOdometry::State::start(UsableScan scan, OdometryUpdate& update) {
@@ -121,19 +131,29 @@ ScanOutcome LidarOdometry::State::start(UsableScan scan, OdometryUpdate& update)
   update.converged = found->converged;
   update.ambiguous = ambiguous;
   if (start_up->decided()) {
+    last_share = usual_share = update.matched_share;
     track = start_up->best();
     start_up.reset();
   }
   return ScanOutcome::registered;
 }
 
+std::optional<Registration> LidarOdometry::State::registered(const UsableScan& scan) const {
+  auto found = register_scan(track.window(), track.prior, scan.bins, track.map, settings);
+  if (found && found->converged && matched_share(*found, scan.bins) >= kOfLast * last_share) return found;
+  auto again = register_widely(track.window(), track.prior, scan.bins, track.map, settings);
+  return again && (!found || again->agreement > found->agreement) ? again : found;
+}
+
 // Where the registration is not to be believed, `update` still says what was seen of it.
 ScanOutcome LidarOdometry::State::follow(const UsableScan& scan, OdometryUpdate& update) {
-  const auto found = register_scan(track.window(), track.prior, scan.bins, track.map, settings);
+  const auto found = registered(scan);
   if (found) tell(*found, scan.bins, update);
   if (found && update.matched_share >= parameters.min_matched_share &&
       is_plausible(found->knots.back(), track.knots.back())) {
-    update.converged = found->converged;
+    update.converged = found->converged && update.matched_share >= kFarBelowUsual * usual_share;
+    last_share = update.matched_share;
+    usual_share += kUsualForgets * (update.matched_share - usual_share);
     update.covariance = found->last_information.inverse();
     lost_in_a_row = 0;
     track.accept(*found);

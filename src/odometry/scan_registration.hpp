@@ -41,4 +41,11 @@ struct Registration {
                                                         const PlaneMap& map,
                                                         const RegistrationSettings& settings);
 
+/// The same for a motion that changed more than the prior thinks likely: gates and loss begin wider, and the
+/// prior holds less.
+[[nodiscard]] std::optional<Registration> register_widely(std::vector<TrajectoryKnot> knots,
+                                                          const KnotPrior& prior, const TimeBins& bins,
+                                                          const PlaneMap& map,
+                                                          const RegistrationSettings& settings);
+
 }  // namespace mapless

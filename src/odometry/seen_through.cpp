@@ -33,7 +33,8 @@ SeenThrough::Direction SeenThrough::direction_of(const Eigen::Vector3d& p_v, dou
 
 SeenThrough::SeenThrough(const LidarScan& scan)
     : nearest_m_(kRows * kColumns, 0.F),
-      column_times_(kColumns, scan.start + Duration::from_nanoseconds((scan.end() - scan.start).nanoseconds() / 2)) {
+      column_times_(kColumns,
+                    scan.start + Duration::from_nanoseconds((scan.end() - scan.start).nanoseconds() / 2)) {
   const std::size_t stride = scan.returns.size() / kMostReturns + 1;
   for (std::size_t i = 0; i < scan.returns.size(); i += stride) {
     const LidarReturn& r = scan.returns[i];

@@ -19,7 +19,8 @@ class SeenThrough {
     int through = 0;  ///< of those, points it would have had to look through
   };
   /// `own`: of this scan's time. `bins` and `interval`: points of another scan, and of its time.
-  [[nodiscard]] Count count(const KnotInterval& own, const TimeBins& bins, const KnotInterval& interval) const;
+  [[nodiscard]] Count count(const KnotInterval& own, const TimeBins& bins,
+                            const KnotInterval& interval) const;
 
  private:
   struct Direction {

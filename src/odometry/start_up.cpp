@@ -1,7 +1,8 @@
 #include "odometry/start_up.hpp"
 
 #include <algorithm>
-#include <cmath>
+
+#include <tbb/parallel_for.h>
 
 #include "odometry/joint_registration.hpp"
 
@@ -11,8 +12,8 @@ namespace {
 // Another motion whose score comes so near to the best leaves the start uncertain. Every wrong start of our
 // simulated drives had one so near; so had right ones on motorways and in tunnels.
 constexpr double kAmbiguous = 0.75;
-// A point that others saw through speaks against a motion as so many that agree speak for it: walls and ground
-// agree with any motion along them, but nothing right sees through them, only what moves itself.
+// A point that others saw through speaks against a motion as so many that agree speak for it: walls and
+// ground agree with any motion along them, but nothing right sees through them, only what moves itself.
 constexpr double kThroughCounts = 10;
 // A map that a wrong motion has smeared has planes in more places, and a few more points agree with it.
 constexpr double kFarSpeed = 3;  // [m/s]
@@ -35,7 +36,9 @@ bool are_far(const Track& a, const Track& b) {
 }  // namespace
 
 StartUp::StartUp(const OdometryParameters& parameters, const RegistrationSettings& settings)
-    : map_radius_m_(parameters.map_radius_m), sigma_m_(parameters.residual_sigma_m), settings_(settings),
+    : map_radius_m_(parameters.map_radius_m),
+      sigma_m_(parameters.residual_sigma_m),
+      settings_(settings),
       unmoved_(sigma_m_) {
   candidates_.push_back({Track(sigma_m_), {}, 0});
 }
@@ -119,9 +122,12 @@ bool StartUp::follow(const UsableScan& scan, Candidate& candidate) const {
 }
 
 bool StartUp::follow_all() {
+  std::vector<char> has_place(candidates_.size());
+  tbb::parallel_for(std::size_t{0}, candidates_.size(),
+                    [&](std::size_t i) { has_place[i] = follow(scans_.back(), candidates_[i]) ? 1 : 0; });
   std::vector<Candidate> followed;
-  for (Candidate& candidate : candidates_) {
-    if (follow(scans_.back(), candidate)) followed.push_back(std::move(candidate));
+  for (std::size_t i = 0; i < candidates_.size(); ++i) {
+    if (has_place[i] != 0) followed.push_back(std::move(candidates_[i]));
   }
   if (followed.empty()) return false;
   candidates_ = std::move(followed);
@@ -179,7 +185,8 @@ void StartUp::keep_best() {
 
 bool StartUp::is_ambiguous() const {
   return std::any_of(candidates_.begin() + 1, candidates_.end(), [&](const Candidate& other) {
-    return other.score > kAmbiguous * candidates_.front().score && are_far(other.track, candidates_.front().track);
+    return other.score > kAmbiguous * candidates_.front().score &&
+           are_far(other.track, candidates_.front().track);
   });
 }
 

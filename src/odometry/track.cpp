@@ -17,8 +17,8 @@ constexpr unsigned kLinesApart = 29;       // numbers of the lines of two scans:
 // Scans whose points can still be taken out. A detector that looks one scan ahead, as ours does by default,
 // knows of a scan after the next; ten leaves room for larger forward gaps and costs 4 MB.
 constexpr std::size_t kRememberedScans = 10;
-constexpr double kWidestCube = 7;    // across its corners [m]
-constexpr double kForgetEvery = 10;  // metres travelled between two clearings of the map's edge
+constexpr double kWidestCube = 7;               // across its corners [m]
+constexpr double kForgetEvery = 10;             // metres travelled between two clearings of the map's edge
 constexpr double kFarthestCorrection = 10;      // [m]
 constexpr double kLargestTurnCorrection = 1.2;  // [rad]
 

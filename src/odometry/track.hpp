@@ -14,8 +14,8 @@ namespace mapless {
 /// What odometry uses of a scan.
 struct UsableScan {
   std::vector<ScanPoint> points;
-  TimeBins bins;  ///< of its keypoints
-  std::shared_ptr<const SeenThrough> seen;
+  TimeBins bins;                            ///< of its keypoints
+  std::shared_ptr<const SeenThrough> seen;  ///< null once the odometry has started
   Time start;
   std::size_t interval = 0;  ///< the knot at its start
 };

@@ -61,9 +61,10 @@ class LidarOdometry {
   LidarOdometry(LidarOdometry&&) noexcept;
   LidarOdometry& operator=(LidarOdometry&&) noexcept;
 
-  /// Extends the trajectory to the end of `scan`. The first five usable scans, until started(), may change all
-  /// knots before them: together they tell how fast the sensor was from the first on. Throws InputError for a scan that starts before the last
-  /// one or ends within it, or was compensated by somebody else; the odometry is then as before the call.
+  /// Extends the trajectory to the end of `scan`. The first five usable scans, until started(), may change
+  /// all knots before them: together they tell how fast the sensor was from the first on. Throws InputError
+  /// for a scan that starts before the last one or ends within it, or was compensated by somebody else; the
+  /// odometry is then as before the call.
   OdometryUpdate process(const std::shared_ptr<const LidarScan>& scan);
 
   /// Takes what the map has of moving things out of it again, as a detector finds them: `object` has one
@@ -71,8 +72,8 @@ class LidarOdometry {
   /// happens for a scan that is not among the last ten, or whose returns are not so many.
   void leave_out(const LidarScan& scan, const std::vector<std::uint16_t>& object);
 
-  /// False until the motion during the first scans is decided (see process). The knots are then the best known
-  /// so far.
+  /// False until the motion during the first scans is decided (see process). The knots are then the best
+  /// known so far.
   [[nodiscard]] bool started() const;
   /// All knots so far, by time.
   [[nodiscard]] const std::vector<TrajectoryKnot>& knots() const;
