@@ -28,7 +28,7 @@ double position_error_m(const LidarOdometry& odometry, const ToyScene& scene, Ti
   return (odometry.trajectory().at(t).T_v0.inverse().translation() - T_true.inverse().translation()).norm();
 }
 
-// Straight on at 3 m/s, then, within a scan, a turn at 37 deg/s: more than the prior thinks likely.
+// Straight on at 3 m/s, then, within a scan, a turn at 75 deg/s: more than the prior thinks likely.
 class SuddenTurn final : public Trajectory {
  public:
   [[nodiscard]] Time begin() const override { return before_->begin(); }
@@ -43,7 +43,7 @@ class SuddenTurn final : public Trajectory {
  private:
   static constexpr Time kTurn = Time::from_nanoseconds(860'000'000);
   std::shared_ptr<const Trajectory> before_ = test::drive(3, 0);
-  std::shared_ptr<const Trajectory> after_ = test::drive(3, 0.65);
+  std::shared_ptr<const Trajectory> after_ = test::drive(3, 1.3);
 };
 
 TEST(HardPlaces, ASuddenTurnIsFollowed) {
