@@ -13,7 +13,6 @@ namespace {
 constexpr double kOriginSigma = 1e-5;      // [m], [rad]
 constexpr double kFirstSpeedSigma = 30;    // [m/s]
 constexpr double kFirstTurnRateSigma = 5;  // [rad/s]
-constexpr unsigned kLinesApart = 29;       // numbers of the lines of two scans: odd, so that they fall apart
 // Scans whose points can still be taken out. A detector that looks one scan ahead, as ours does by default,
 // knows of a scan after the next; ten leaves room for larger forward gaps and costs 4 MB.
 constexpr std::size_t kRememberedScans = 10;

@@ -11,6 +11,9 @@
 
 namespace mapless {
 
+/// Numbers of the lines (PlaneGrid::insert) of two scans: odd, so that they fall apart.
+inline constexpr unsigned kLinesApart = 29;
+
 /// What odometry uses of a scan.
 struct UsableScan {
   std::vector<ScanPoint> points;
