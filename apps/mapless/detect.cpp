@@ -37,6 +37,7 @@ struct DetectOptions {
   std::size_t first = 0;
   std::optional<std::size_t> count;
   std::optional<std::size_t> threads;
+  bool odometry = false;
   bool overwrite = false;
   bool json = false;
 };
@@ -105,7 +106,7 @@ class DetectionRun {
     return std::make_shared<const LidarScan>(std::move(scan));
   }
 
-  // Scans whose motion is known now: one after another, but for the first two of an odometry.
+  // Scans whose motion is known now: one after another, but for the first ones of an odometry.
   bool detect(const std::vector<std::shared_ptr<const LidarScan>>& scans) {
     for (const auto& scan : scans) {
       if (InterruptGuard::requested()) return false;
@@ -205,7 +206,9 @@ int detect(const DetectOptions& options) {
   const auto dataset = options.recording.open();
   const std::size_t count = selected_count(options, *dataset);
   require_time_order(*dataset, options.first, count);
-  MotionSource motion(*dataset, options.trajectory, options.first, options.parameters.odometry());
+  MotionSource motion = options.odometry ? MotionSource::odometry(options.parameters.odometry())
+                                         : MotionSource(*dataset, options.trajectory, options.first,
+                                                        options.parameters.odometry());
   announce(*dataset, motion);
   if (!motion.estimated()) require_coverage(*dataset, motion.trajectory(), options.first, count);
 
@@ -236,6 +239,11 @@ void add_detect(CLI::App& app, int& exit_code) {
       ->required();
   verb->add_flag("--overwrite", options->overwrite, "replace an earlier result in that folder");
   add_trajectory_options(*verb, options->trajectory);
+  verb->add_flag("--odometry", options->odometry,
+                 "estimate the trajectory from the scans even where the recording brings one")
+      ->group("Trajectory")
+      ->excludes("--trajectory")
+      ->excludes("--stationary");
   add_parameter_options(*verb, options->parameters);
   verb->add_flag("--causal", options->parameters.causal,
                  "answer for each scan at once, without the forward check: forward_gap = 0");

@@ -53,6 +53,7 @@ void MotionSource::count(const LidarScan& scan, const OdometryUpdate& update) {
   report_.restarts += outcome == ScanOutcome::restarted ? 1 : 0;
   report_.degenerate += registered && update.degeneracy.held_by_prior > 0 ? 1 : 0;
   report_.not_converged += registered && !update.converged ? 1 : 0;
+  report_.ambiguous_start |= update.ambiguous;
   const double length_s = (scan.end() - scan.start).seconds();
   report_.gaps += report_.scans > 0 && (scan.start - last_end_).seconds() > length_s / 2 ? 1 : 0;
   last_end_ = scan.end();
@@ -86,6 +87,9 @@ std::string MotionSource::trouble() const {
     parts.push_back(
         fmt::format("in {} scans the points do not hold every direction of motion", r.degenerate));
   if (r.not_converged > 0) parts.push_back(fmt::format("{} scans did not converge", r.not_converged));
+  if (r.ambiguous_start)
+    parts.emplace_back(
+        "the speed at the start is uncertain: another motion explains the first scans as well");
   return parts.empty() ? "" : fmt::format("odometry: {}", fmt::join(parts, "; "));
 }
 

@@ -20,7 +20,8 @@ struct OdometryReport {
   std::size_t restarts = 0;       ///< the map was begun anew; these count as lost, too
   std::size_t gaps = 0;           ///< scans are missing before this one
   std::size_t degenerate = 0;     ///< the points do not hold every direction
-  std::size_t not_converged = 0;  ///< registered, but still moving at the last step
+  std::size_t not_converged = 0;  ///< registered, but still moving at the last step, or much less matched
+  bool ambiguous_start = false;   ///< another motion explains the first scans about as well
 };
 
 /// How the sensor moves: a trajectory given beforehand, or one estimated from the scans as they come.
@@ -40,7 +41,7 @@ class MotionSource {
   [[nodiscard]] const Trajectory& trajectory() const;
   [[nodiscard]] const TrajectorySource& source() const { return source_; }
 
-  /// The scans whose motion is known now, in order. Odometry keeps the first until it has the second.
+  /// The scans whose motion is known now, in order. Odometry keeps the first five until it has started.
   std::vector<std::shared_ptr<const LidarScan>> add(std::shared_ptr<const LidarScan> scan);
   /// The scans still kept.
   std::vector<std::shared_ptr<const LidarScan>> flush();

@@ -112,7 +112,8 @@ Json odometry_json(const OdometryReport& r) {
           {"restarts", r.restarts},
           {"gaps", r.gaps},
           {"degenerate", r.degenerate},
-          {"not_converged", r.not_converged}};
+          {"not_converged", r.not_converged},
+          {"ambiguous_start", r.ambiguous_start}};
 }
 
 }  // namespace

@@ -12,12 +12,19 @@ constexpr double kSmallTranslation = 1e-3;
 constexpr double kSmallRotation = 1e-4;
 // The loss begins as much wider and is halved every step: a bad prediction puts all points far off.
 constexpr double kFirstWidening = 8;
+// For a motion out of the ordinary: the gate begins as much wider, the density of the prior is larger.
+constexpr double kWideGate = 4;
+constexpr double kWideDensity = 30;
 
 bool is_small(const Vector12d& step) {
   return step.head<3>().norm() < kSmallTranslation && step.segment<3>(3).norm() < kSmallRotation;
 }
 
 }  // namespace
+
+bool are_small(const std::vector<Vector12d>& steps) {
+  return std::all_of(steps.begin(), steps.end(), is_small);
+}
 
 bool improve(const KnotPrior& prior, const TimeBins& bins, const PlaneMap& map,
              const RegistrationSettings& settings, Registration& registration) {
@@ -44,24 +51,48 @@ bool improve(const KnotPrior& prior, const TimeBins& bins, const PlaneMap& map,
     registration.matched += bin.matched;
     registration.agreement += bin.agreement;
   }
-  registration.converged = std::all_of(solution->step.begin(), solution->step.end(), is_small);
+  registration.converged = are_small(solution->step);
   ++registration.iterations;
   return true;
 }
 
-std::optional<Registration> register_scan(std::vector<TrajectoryKnot> knots, const KnotPrior& prior,
-                                          const TimeBins& bins, const PlaneMap& map,
-                                          const RegistrationSettings& settings) {
+namespace {
+
+// Gate and loss begin `widening` times as wide and are halved, each down to its own.
+std::optional<Registration> narrowing(std::vector<TrajectoryKnot> knots, const KnotPrior& prior,
+                                      const TimeBins& bins, const PlaneMap& map,
+                                      const RegistrationSettings& settings, double loss, double gate) {
   Registration out;
   out.knots = std::move(knots);
   RegistrationSettings level = settings;
-  double widening = kFirstWidening;
-  while (!(out.converged && widening <= 1) && out.iterations < settings.max_iterations) {
-    widening = std::max(1.0, widening / 2);
-    level.weights.robust_sigmas = widening * settings.weights.robust_sigmas;
+  while (!(out.converged && loss <= 1 && gate <= 1) && out.iterations < settings.max_iterations) {
+    loss = std::max(1.0, loss / 2);
+    level.weights.robust_sigmas = loss * settings.weights.robust_sigmas;
+    level.weights.gate_m = gate * settings.weights.gate_m;
     if (!improve(prior, bins, map, level, out)) return std::nullopt;
+    gate = std::max(1.0, gate / 2);
   }
   return out;
+}
+
+}  // namespace
+
+std::optional<Registration> register_scan(std::vector<TrajectoryKnot> knots, const KnotPrior& prior,
+                                          const TimeBins& bins, const PlaneMap& map,
+                                          const RegistrationSettings& settings) {
+  return narrowing(std::move(knots), prior, bins, map, settings, kFirstWidening, 1);
+}
+
+std::optional<Registration> register_widely(std::vector<TrajectoryKnot> knots, const KnotPrior& prior,
+                                            const TimeBins& bins, const PlaneMap& map,
+                                            const RegistrationSettings& settings) {
+  RegistrationSettings loose = settings;
+  loose.density.translation *= kWideDensity;
+  loose.density.rotation *= kWideDensity;
+  const auto found =
+      narrowing(std::move(knots), prior, bins, map, loose, kWideGate * kFirstWidening, kWideGate);
+  if (!found) return std::nullopt;
+  return narrowing(found->knots, prior, bins, map, settings, 1, 1);
 }
 
 }  // namespace mapless

@@ -27,6 +27,9 @@ struct Registration {
   bool converged = false;
 };
 
+/// Whether a step of all knots is so small that another one will not be felt.
+[[nodiscard]] bool are_small(const std::vector<Vector12d>& steps);
+
 /// One Gauss-Newton step with newly found planes. False where there is no solution; `registration` is then as
 /// before.
 [[nodiscard]] bool improve(const KnotPrior& prior, const TimeBins& bins, const PlaneMap& map,
@@ -37,5 +40,12 @@ struct Registration {
                                                         const KnotPrior& prior, const TimeBins& bins,
                                                         const PlaneMap& map,
                                                         const RegistrationSettings& settings);
+
+/// The same for a motion that changed more than the prior thinks likely: gates and loss begin wider, and the
+/// prior holds less.
+[[nodiscard]] std::optional<Registration> register_widely(std::vector<TrajectoryKnot> knots,
+                                                          const KnotPrior& prior, const TimeBins& bins,
+                                                          const PlaneMap& map,
+                                                          const RegistrationSettings& settings);
 
 }  // namespace mapless

@@ -1,23 +1,70 @@
 #pragma once
 
-#include "odometry/scan_registration.hpp"
+#include <optional>
+#include <vector>
+
+#include "odometry/pair_registration.hpp"
+#include <mapless/odometry/parameters.hpp>
 
 namespace mapless {
 
-/// What odometry uses of a scan.
-struct UsableScan {
-  std::vector<ScanPoint> points;
-  Time start;
-  std::size_t interval = 0;  ///< the knot at its start
-};
+/// Finds how a sensor moves that may be moving from its very first scan on. Two scans of few lasers often do
+/// not tell (on a motorway the ground agrees with any speed): every motion that may have been is followed for
+/// a few scans more, and the one that most points agree with is kept and its first scans registered anew, all
+/// of them together.
+class StartUp {
+ public:
+  /// Scans the motion is decided from.
+  static constexpr std::size_t kScans = 5;
 
-/// Finds the motion of a sensor that may have been moving, or turning, from the very first scan on: registers
-/// the scan in the last interval of `knots` to the first one, which is compensated anew with the motion found
-/// after every step. Tries velocities up to 40 m/s along the sensor's axes and turns up to 200 deg/s about
-/// its third, and keeps what most points agree with. None where there is no solution.
-[[nodiscard]] std::optional<Registration> start_up(const std::vector<TrajectoryKnot>& knots,
-                                                   const KnotPrior& prior, const UsableScan& first,
-                                                   const TimeBins& second,
-                                                   const RegistrationSettings& settings);
+  StartUp(const OdometryParameters& parameters, const RegistrationSettings& settings);
+
+  void append_knots(const LidarScan& scan);
+  /// For a scan that cannot be used; returns the covariance.
+  Matrix12d carry_by_prior();
+
+  /// The first usable scan, or one to begin anew with.
+  void begin_with(UsableScan scan);
+  [[nodiscard]] bool has_first() const { return !scans_.empty(); }
+
+  struct Result {
+    std::optional<Registration> registration;  ///< of the best motion so far; none: begun anew with this scan
+    bool ambiguous = false;                    ///< another motion explains the scans about as well
+  };
+  /// A scan after the first.
+  Result add(UsableScan scan);
+
+  [[nodiscard]] bool decided() const { return decided_; }
+  /// With the best motion so far; once decided, with the only one.
+  [[nodiscard]] const Track& best() const { return candidates_.front().track; }
+
+ private:
+  struct Candidate {
+    Track track;
+    Registration registration;  // of the newest scan
+    // Of the scans from the third on: agreeing points, less those that other scans saw through, less what the
+    // motion costs by the prior.
+    double score = 0;
+  };
+
+  [[nodiscard]] PairOfScans pair() const;
+  [[nodiscard]] Candidate candidate_of(Registration registration) const;
+  bool follow_pair();
+  bool follow_all();
+  bool follow(const UsableScan& scan, Candidate& candidate) const;
+  void follow_again();
+  [[nodiscard]] double seen_through(const Track& track, const UsableScan& scan) const;
+  void keep_best();
+  [[nodiscard]] bool is_ambiguous() const;
+  std::optional<Registration> registered_jointly();
+  Result begin_anew();
+
+  double map_radius_m_, sigma_m_;
+  RegistrationSettings settings_;
+  Track unmoved_;                      // before anything was known
+  std::vector<Candidate> candidates_;  // best first, one at least
+  std::vector<UsableScan> scans_;
+  bool decided_ = false;
+};
 
 }  // namespace mapless

@@ -52,8 +52,10 @@ Errors errors_of(const Drive& drive, const ToyScene& scene, const Scans& scans, 
   const Trajectory& truth = *scene.trajectory;
   const SE3 T_first = truth.at(scans[0]->start).T_v0;
   for (std::size_t k = from; k < scans.size(); ++k) {
-    const TrajectoryKnot& knot = drive.updates[k].knots.back();
-    const TrajectoryState expected = truth.at(knot.time);
+    // As known in the end: the knots of the first scans change until the odometry has started.
+    const Time end = drive.updates[k].knots.back().time;
+    const TrajectoryState knot = drive.odometry.trajectory().at(end);
+    const TrajectoryState expected = truth.at(end);
     const SE3 T_0v = knot.T_v0.inverse();
     const SE3 T_0v_true = (expected.T_v0 * T_first.inverse()).inverse();
     out.position_m.push_back((T_0v.translation() - T_0v_true.translation()).norm());
@@ -126,9 +128,10 @@ TEST(LidarOdometry, StandsStill) {
   Drive drive;
   drive.process(scans);
   const Errors errors = errors_of(drive, scene, scans);
-  for (const double error : errors.position_m) EXPECT_LT(error, 0.10);
-  // From the sixth scan on: two scans of sixteen lasers hardly see floor or ceiling of this room.
-  EXPECT_LT(root_mean_square(errors_of(drive, scene, scans, 5).speed), 0.1);
+  // Sixteen rays a column hardly see floor or ceiling, and standing still the same lines of them in every
+  // scan: the height during the first scan is what is known worst.
+  for (const double error : errors.position_m) EXPECT_LT(error, 0.03);
+  EXPECT_LT(root_mean_square(errors.speed), 0.1);
 }
 
 TEST(LidarOdometry, FollowsAFastTurnOfTheHand) {
@@ -263,18 +266,19 @@ TEST(LidarOdometry, FollowsSensorsOfAnyRateAndAnyNumberOfLasers) {
 // Told that every return was of something that moves, nothing is left in the map for the next scan to find.
 TEST(LidarOdometry, ForgetsWhatItIsToldMoves) {
   const ToyScene scene = room(0, 0);
-  const Scans scans = cast(scene, 0, 5);
+  const Scans scans = cast(scene, 0, 7);
   LidarOdometry told, untold;
   for (std::size_t k = 0; k < scans.size(); ++k) {
     (void)untold.process(scans[k]);
+    const bool started = told.started();
     const OdometryUpdate update = told.process(scans[k]);
-    if (k >= 2) {
-      EXPECT_LT(update.matched_share, 0.01) << k;
-      EXPECT_EQ(update.outcome, ScanOutcome::lost) << k;
-    }
-    if (k >= 1) told.leave_out(*scans[k], std::vector<std::uint16_t>(scans[k]->returns.size(), 1));
-    if (k == 1) told.leave_out(*scans[0], std::vector<std::uint16_t>(scans[0]->returns.size(), 1));
+    EXPECT_EQ(update.outcome == ScanOutcome::lost, started) << k;
+    EXPECT_TRUE(!started || update.matched_share < 0.01) << k;
+    if (!told.started()) continue;
+    for (std::size_t i = 0; i <= k; ++i)
+      told.leave_out(*scans[i], std::vector<std::uint16_t>(scans[i]->returns.size(), 1));
   }
+  ASSERT_TRUE(told.started());
   const auto before = untold.knots().back();
   untold.leave_out(*scans[3], std::vector<std::uint16_t>(scans[3]->returns.size(), 0));
   untold.leave_out(*scans[3], {1, 1, 1});
@@ -296,7 +300,9 @@ TEST(LidarOdometry, AFeaturelessTunnelIsReportedAndHeldByThePrior) {
   tunnel.world.push_back(test::toy_box({-6, 3, 0}, {0.5, 0.5, 3}));
   const Scans scans = cast(tunnel, 0, 45);
   OdometryParameters parameters;
-  parameters.map_radius_m = 20;  // the pillars are soon out of it
+  // Pillars half a metre wide are seen from 60 m, and hold the speed: the map is to lose them before the
+  // scans here end, 45 m on.
+  parameters.map_radius_m = 20;
   Drive drive = {LidarOdometry(parameters), {}};
   drive.process(scans);
   const Vector3d p_30 = drive.updates[30].knots.back().T_v0.inverse().translation();

@@ -44,6 +44,9 @@ struct OdometryUpdate {
   double matched_share = 0;  ///< of the keypoints
   Degeneracy degeneracy;
   bool converged = false;
+  /// The motion of the first scans is decided with this one, but another one explains them about as well: the
+  /// speed may be wrong, and with it all that follows.
+  bool ambiguous = false;
 };
 
 /// Continuous-time odometry from the lidar alone: a Gaussian process with white noise on acceleration, one
@@ -58,9 +61,10 @@ class LidarOdometry {
   LidarOdometry(LidarOdometry&&) noexcept;
   LidarOdometry& operator=(LidarOdometry&&) noexcept;
 
-  /// Extends the trajectory to the end of `scan`. Only the second usable scan changes knots before the one at
-  /// its own start: it tells how fast the first was. Throws InputError for a scan that starts before the last
-  /// one or ends within it, or was compensated by somebody else; the odometry is then as before the call.
+  /// Extends the trajectory to the end of `scan`. The first five usable scans, until started(), may change
+  /// all knots before them: together they tell how fast the sensor was from the first on. Throws InputError
+  /// for a scan that starts before the last one or ends within it, or was compensated by somebody else; the
+  /// odometry is then as before the call.
   OdometryUpdate process(const std::shared_ptr<const LidarScan>& scan);
 
   /// Takes what the map has of moving things out of it again, as a detector finds them: `object` has one
@@ -68,7 +72,8 @@ class LidarOdometry {
   /// happens for a scan that is not among the last ten, or whose returns are not so many.
   void leave_out(const LidarScan& scan, const std::vector<std::uint16_t>& object);
 
-  /// False until the motion during the first scan is known (see process).
+  /// False until the motion during the first scans is decided (see process). The knots are then the best
+  /// known so far.
   [[nodiscard]] bool started() const;
   /// All knots so far, by time.
   [[nodiscard]] const std::vector<TrajectoryKnot>& knots() const;

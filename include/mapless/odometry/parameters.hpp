@@ -19,7 +19,7 @@ struct OdometryParameters {
   double acceleration_density_translation = 0.03;
   double acceleration_density_rotation = 0.01;
   int max_iterations = 15;
-  double min_matched_share = 0.05;
+  double min_matched_share = 0.2;
   double min_direction_share = 0.0001;
 
   static constexpr auto declarations() {

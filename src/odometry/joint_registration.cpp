@@ -1,0 +1,86 @@
+#include "odometry/joint_registration.hpp"
+
+#include "odometry/degeneracy.hpp"
+#include "odometry/points_in_world.hpp"
+
+namespace mapless {
+namespace {
+
+constexpr int kSteps = 6;
+// Every pair of scans is seen from both sides, by points of the one on planes of the other and by points of
+// the other on planes of the one: what they tell counts half.
+constexpr double kOfBothSides = 0.5;
+
+using WorldPoints = std::vector<std::vector<Eigen::Vector3d>>;  // of each scan
+
+WorldPoints all_in_world(const std::vector<UsableScan>& scans, const std::vector<TrajectoryKnot>& knots) {
+  WorldPoints out;
+  for (const UsableScan& scan : scans)
+    out.push_back(points_in_world(scan.points, scan.start, knots[scan.interval], knots[scan.interval + 1]));
+  return out;
+}
+
+PlaneMap map_of_others(const std::vector<UsableScan>& scans, const WorldPoints& points_0,
+                       std::size_t left_out, double sigma_m) {
+  PlaneMap map(sigma_m);
+  for (std::size_t s = 0; s < scans.size(); ++s) {
+    if (s == left_out) continue;
+    for (std::size_t i = 0; i < points_0[s].size(); ++i) {
+      const ScanPoint& p = scans[s].points[i];
+      (void)map.insert(points_0[s][i],
+                       kLinesApart * static_cast<unsigned>(s) + static_cast<unsigned>(p.laser), p.range_m);
+    }
+  }
+  return map;
+}
+
+void add_scan(const UsableScan& scan, const PlaneMap& others, const RegistrationSettings& settings,
+              Registration& registration, WindowSystem& system) {
+  const TrajectoryKnot& end = registration.knots[scan.interval + 1];
+  auto sums = sum_residuals(scan.bins, KnotInterval(registration.knots[scan.interval], end), others,
+                            settings.weights);
+  registration.degeneracy = find_degeneracy(sums, end.T_v0, settings.min_direction_share);
+  leave_to_prior(registration.degeneracy, end.T_v0, sums);
+  registration.matched = 0;
+  registration.agreement = 0;
+  for (BinSums& bin : sums) {
+    registration.matched += bin.matched;
+    registration.agreement += bin.agreement;
+    bin.information *= kOfBothSides;
+    bin.gradient *= kOfBothSides;
+  }
+  add_points(sums, scan.interval, system);
+}
+
+bool improve_jointly(const KnotPrior& prior, const std::vector<UsableScan>& scans,
+                     const RegistrationSettings& settings, Registration& registration) {
+  std::vector<TrajectoryKnot>& knots = registration.knots;
+  WindowSystem system(knots.size());
+  add_knot_prior(prior, knots, 0, system);
+  for (std::size_t k = 0; k + 1 < knots.size(); ++k) add_motion_prior(knots, k, settings.density, system);
+  const WorldPoints points_0 = all_in_world(scans, knots);
+  for (std::size_t s = 0; s < scans.size(); ++s)
+    add_scan(scans[s], map_of_others(scans, points_0, s, settings.sigma_m), settings, registration, system);
+  const auto solution = solve(system);
+  if (!solution) return false;
+  for (std::size_t k = 0; k < knots.size(); ++k) knots[k] = perturbed(knots[k], solution->step[k]);
+  registration.last_information = solution->last_information;
+  registration.converged = are_small(solution->step);
+  ++registration.iterations;
+  return true;
+}
+
+}  // namespace
+
+std::optional<Registration> register_jointly(std::vector<TrajectoryKnot> knots, const KnotPrior& prior,
+                                             const std::vector<UsableScan>& scans,
+                                             const RegistrationSettings& settings) {
+  Registration out;
+  out.knots = std::move(knots);
+  while (out.iterations < kSteps && !out.converged) {
+    if (!improve_jointly(prior, scans, settings, out)) return std::nullopt;
+  }
+  return out;
+}
+
+}  // namespace mapless

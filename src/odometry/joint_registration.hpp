@@ -1,0 +1,19 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "odometry/track.hpp"
+
+namespace mapless {
+
+/// Registers a few consecutive scans at once, each to the map of all the others: what a sparse sensor's first
+/// two scans do not tell of each other, the scans after them do. `knots` and `prior` are of the whole time,
+/// UsableScan::interval counts in `knots`. The figures of the result are the last scan's. None where there is
+/// no solution.
+[[nodiscard]] std::optional<Registration> register_jointly(std::vector<TrajectoryKnot> knots,
+                                                           const KnotPrior& prior,
+                                                           const std::vector<UsableScan>& scans,
+                                                           const RegistrationSettings& settings);
+
+}  // namespace mapless

@@ -1,0 +1,118 @@
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "odometry/seen_through.hpp"
+#include "odometry/track.hpp"
+#include "support/toy_scene.hpp"
+#include <mapless/odometry/lidar_odometry.hpp>
+
+// Places and moments in which odometry has little to go by, and must say so rather than go wrong.
+namespace mapless {
+namespace {
+
+using Eigen::Vector3d;
+using test::ToyScene;
+using Scans = std::vector<std::shared_ptr<const LidarScan>>;
+
+Scans cast(const ToyScene& scene, int count) {
+  Scans scans;
+  for (int k = 0; k < count; ++k) scans.push_back(cast_scan(scene, k).scan);
+  return scans;
+}
+
+double position_error_m(const LidarOdometry& odometry, const ToyScene& scene, Time t) {
+  const SE3 T_true = scene.trajectory->at(t).T_v0 * scene.trajectory->at(Time()).T_v0.inverse();
+  return (odometry.trajectory().at(t).T_v0.inverse().translation() - T_true.inverse().translation()).norm();
+}
+
+// Straight on at 3 m/s, then, within a scan, a turn at 75 deg/s: more than the prior thinks likely.
+class SuddenTurn final : public Trajectory {
+ public:
+  [[nodiscard]] Time begin() const override { return before_->begin(); }
+  [[nodiscard]] Time end() const override { return before_->end(); }
+  [[nodiscard]] TrajectoryState at(Time t) const override {
+    if (t < kTurn) return before_->at(t);
+    TrajectoryState out = after_->at(Time() + (t - kTurn));
+    out.T_v0 = out.T_v0 * before_->at(kTurn).T_v0;
+    return out;
+  }
+
+ private:
+  static constexpr Time kTurn = Time::from_nanoseconds(860'000'000);
+  std::shared_ptr<const Trajectory> before_ = test::drive(3, 0);
+  std::shared_ptr<const Trajectory> after_ = test::drive(3, 1.3);
+};
+
+TEST(HardPlaces, ASuddenTurnIsFollowed) {
+  ToyScene street = test::toy_street("VLP-16");
+  street.trajectory = std::make_shared<SuddenTurn>();
+  LidarOdometry odometry;
+  for (const auto& scan : cast(street, 15)) {
+    const OdometryUpdate update = odometry.process(scan);
+    if (!odometry.started()) continue;
+    EXPECT_LT(position_error_m(odometry, street, update.knots.back().time), 0.1);
+  }
+}
+
+// Boxes at the beginning give the speed; then there is nothing but the ground.
+TEST(HardPlaces, AnOpenFieldIsReportedAndHeldByThePrior) {
+  ToyScene field = test::toy_room("VLP-16", test::drive(10, 0));
+  field.world = {test::toy_ground(-1.8)};
+  for (const double x : {-6., 4., 9., 14.})
+    for (const double y : {-5., 6.}) field.world.push_back(test::toy_box({x, y, 0}, {1, 0.7, 1.8}, 0.3 * x));
+  const Scans scans = cast(field, 45);
+  OdometryParameters parameters;
+  parameters.map_radius_m = 20;  // so that the boxes are soon out of the map
+  LidarOdometry odometry(parameters);
+  for (std::size_t k = 0; k < scans.size(); ++k) {
+    const OdometryUpdate update = odometry.process(scans[k]);
+    if (k < 38) continue;
+    SCOPED_TRACE(k);
+    EXPECT_EQ(update.outcome, ScanOutcome::registered);
+    EXPECT_EQ(update.degeneracy.held_by_prior, 2) << "along the ground";
+    EXPECT_LT(std::abs(update.degeneracy.directions_v.leftCols<2>().row(2).norm()), 0.1);
+    const auto& knot = update.knots.back();
+    EXPECT_NEAR(knot.varpi.head<3>().norm(), 10, 1.5) << "the speed it had";
+    EXPECT_NEAR(knot.T_v0.inverse().translation().z(), 0, 0.05) << "the ground holds the height";
+  }
+}
+
+TEST(HardPlaces, AScanOfFewReturnsIsCarriedByThePrior) {
+  const ToyScene street = test::toy_street("VLP-16");
+  Scans scans = cast(street, 11);
+  LidarScan few = *scans[8];
+  few.returns.resize(40);
+  for (auto& cell : few.cells) cell = cell >= 40 ? empty_cell(ReturnCode::faulty) : cell;
+  scans[8] = std::make_shared<const LidarScan>(few);
+  LidarOdometry odometry;
+  for (std::size_t k = 0; k < scans.size(); ++k) {
+    const OdometryUpdate update = odometry.process(scans[k]);
+    EXPECT_EQ(update.outcome == ScanOutcome::few_points, k == 8) << k;
+    if (!odometry.started()) continue;
+    EXPECT_LT(position_error_m(odometry, street, update.knots.back().time), 0.15) << k;
+  }
+}
+
+// A room seen from its own place holds everything; from 3 m aside, points of one wall lie before the other.
+TEST(HardPlaces, OnlyAWrongMotionSeesThroughWalls) {
+  const ToyScene room = test::toy_room("VLP-16", test::drive(0, 0));
+  const auto scan = cast_scan(room, 0).scan;
+  const std::vector<ScanPoint> points = thin(*scan, {});
+  const TimeBins bins(select_keypoints(points, {}), scan->start, scan->start);
+  const SeenThrough seen(*scan);
+  const auto interval = [&](const Vector3d& place) {
+    const SE3 T_v0 = SE3(Eigen::Matrix3d::Identity(), place).inverse();
+    return KnotInterval({scan->start, T_v0, Vector6d::Zero()}, {scan->end(), T_v0, Vector6d::Zero()});
+  };
+  const auto right = seen.count(interval({0, 0, 0}), bins, interval({0, 0, 0}));
+  EXPECT_GT(right.judged, 500);
+  EXPECT_EQ(right.through, 0);
+  const auto wrong = seen.count(interval({0, 0, 0}), bins, interval({3, 0, 0}));
+  EXPECT_GT(wrong.through, wrong.judged / 10);
+}
+
+}  // namespace
+}  // namespace mapless
