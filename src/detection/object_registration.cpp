@@ -39,6 +39,9 @@ constexpr double kFloor_m = 0.015;  // no displacement is better known
 // The shift of the mean point: what is seen of an object changes by about so much.
 constexpr double kAnyDistance_m = 1e3;  // the mean is never an outlier
 constexpr double kMeanStd_m = 0.1, kMeanStdPerSize = 0.3;
+// The more so where most of its outline is no edge: what hides it, or the fan of the rays, cuts it anywhere.
+constexpr double kMostlyEdges = 0.6;
+constexpr double kCutFactor = 2.5;
 
 // Of the misfit: shares of distances between points, and of edges, each cut off.
 constexpr double kPointShare = 0.2, kPointCutoff_m = 0.5;
@@ -194,10 +197,12 @@ class Registration {
 
   void add_mean(const Motion& motion, NormalEquations& out) const {
     const Vector3d left = now_.mean_0 - before_.mean_0 - interval_s_ * motion.velocity_0;
+    const bool whole = std::min(now_.edge_share, before_.edge_share) > kMostlyEdges;
+    const double per_size = kMeanStdPerSize * (whole ? 1 : kCutFactor);
     NormalEquations middle;
     for (int axis = 0; axis < 3; ++axis)
       middle.add(Vector3d::Unit(axis), Vector3d::Zero(), interval_s_, left[axis],
-                 kMeanStd_m + kMeanStdPerSize * before_.seen_box.sizes()[axis], kAnyDistance_m);
+                 kMeanStd_m + per_size * before_.seen_box.sizes()[axis], kAnyDistance_m);
     out.H += kCorrelation * middle.H;
     out.g += kCorrelation * middle.g;
   }

@@ -119,14 +119,27 @@ class ViewBuilder {
 
   void add_edges(const std::vector<std::int32_t>& members, ObjectView& out) {
     std::vector<EdgeSample> all;
+    std::size_t outline = 0;
     for (std::size_t m = 0; m < members.size(); ++m) {
       for (const Side& side : kSides) {
+        outline += ends(members[m], side) ? 1 : 0;
         if (goes_on_behind(members[m], side)) all.push_back(edge(members[m], side, out, m));
       }
     }
+    if (outline > 0) out.edge_share = static_cast<double>(all.size()) / static_cast<double>(outline);
     const std::size_t stride = stride_for(all.size(), kMostEdgeSamples);
     for (std::size_t i = 0; i < all.size(); i += std::max<std::size_t>(stride, 1))
       out.edges.push_back(all[i]);
+  }
+
+  // The next ray that side is not the object's.
+  [[nodiscard]] bool ends(std::int32_t i, const Side& side) const {
+    const int row = at(i).laser + side.rows;
+    if (row < 0 || row >= scan_.rows()) return true;
+    const int aligned = image_.aligned_column(at(i).laser, at(i).column);
+    const std::int32_t cell = scan_.cell(row, image_.scan_column(row, aligned + side.columns));
+    return cell < 0 || detection_.object[static_cast<std::size_t>(cell)] !=
+                           detection_.object[static_cast<std::size_t>(i)];
   }
 
   // The next ray that side, and the one after, pass by and go on well behind.

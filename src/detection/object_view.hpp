@@ -42,6 +42,7 @@ struct ObjectView {
   Eigen::AlignedBox3d seen_box;        ///< about points_0
   std::vector<SurfaceSample> surface;  ///< at most kMostSurfaceSamples
   std::vector<EdgeSample> edges;       ///< at most kMostEdgeSamples
+  double edge_share = 0;               ///< of its outline in the image
   double patch_m = 0;                  ///< radius of the neighbourhoods
   std::optional<SightLines> sight;     ///< of its scan, about `time`
 
