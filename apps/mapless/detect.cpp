@@ -1,3 +1,4 @@
+#include <chrono>
 #include <cmath>
 #include <functional>
 #include <optional>
@@ -19,10 +20,12 @@
 #include "verbs.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/detection/detector.hpp>
+#include <mapless/detection/object_tracker.hpp>
 #include <mapless/geometry/compensated_scan.hpp>
 #include <mapless/io/atomic_file.hpp>
 #include <mapless/io/detection_labels.hpp>
 #include <mapless/io/labels.hpp>
+#include <mapless/io/object_table.hpp>
 #include <mapless/io/result_folder.hpp>
 #include <mapless/io/time_order.hpp>
 
@@ -89,7 +92,7 @@ class DetectionRun {
   /// Poses and summary of the scans finished so far; nothing where not one was.
   void write_outcome() {
     progress_.clear();
-    if (!has_folder_) return;
+    if (!objects_) return;
     write_kitti_poses(result_.kitti_poses(), poses_);
     std::vector<TimedPose> rows = rows_;
     append_last_pose(rows, motion_.trajectory(), last_end_);
@@ -117,12 +120,18 @@ class DetectionRun {
 
   void finish_scan(const Detection& detection) {
     motion_.leave_out(detection);
-    if (!has_folder_) make_folder_();
-    has_folder_ = true;
+    if (!objects_) {
+      make_folder_();
+      objects_.emplace(result_.objects());
+    }
+    const auto start = std::chrono::steady_clock::now();
+    const std::vector<TrackedObject> objects = tracker_.process(detection, motion_.trajectory());
+    const std::chrono::duration<double> tracking = std::chrono::steady_clock::now() - start;
     const std::size_t k = first_ + detection.sequence_number;
+    objects_->add(object_rows(k, objects));
     write_stage_file(result_.stage_file(k), stage_masks_of(detection));
-    write_label_file(result_.label_file(k), labels_of(detection));
-    summary_.add(detection);
+    write_label_file(result_.label_file(k), labels_of(detection, objects));
+    summary_.add(detection, objects, tracking.count());
     poses_.push_back({detection.scan->start, motion_.trajectory().at(detection.scan->start).T_v0});
     last_end_ = detection.scan->end();
     append_scan_poses(rows_, motion_.trajectory(), detection.scan->start, last_end_, kPosesPerScan);
@@ -133,10 +142,11 @@ class DetectionRun {
   MotionSource& motion_;
   const ResultFolder& result_;
   Detector detector_;
+  ObjectTracker tracker_;
+  std::optional<ObjectTableWriter> objects_;  // where the folder is made
   RunSummary& summary_;
   std::size_t first_, count_;
   std::function<void()> make_folder_;
-  bool has_folder_ = false;
   Progress progress_;
   std::vector<TimedPose> poses_, rows_;  // at the start of each scan, and within it
   Time last_end_;
@@ -231,7 +241,10 @@ int detect(const DetectOptions& options) {
 }  // namespace
 
 void add_detect(CLI::App& app, int& exit_code) {
-  auto* verb = app.add_subcommand("detect", "Label every point of a recording as dynamic or static");
+  auto* verb =
+      app.add_subcommand("detect",
+                         "Label every point of a recording as dynamic or static, and follow what moves: "
+                         "its place and velocity scan by scan (objects.csv)");
   const auto options = std::make_shared<DetectOptions>();
   add_recording_options(*verb, options->recording);
   verb->add_option("-o,--output", options->output,

@@ -76,7 +76,8 @@ Json result_json(const ResultEvaluation& e, const std::optional<double>& max_ran
           {"max_range_m", max_range_m ? Json(*max_range_m) : Json(nullptr)},
           {"stages", stages},
           {"final", named_json("final labels", e.report.points)},
-          {"report", to_json(e.report)}};
+          {"report", to_json(e.report)},
+          {"velocity", e.velocity ? to_json(*e.velocity) : Json(nullptr)}};
 }
 
 // The tables of objects belong to the true labels.
@@ -128,6 +129,7 @@ int evaluate(const EvaluateOptions& options) {
   }
   if (!options.json.empty()) write_file_atomically(options.json, json_text(figures));
   if (labels) fmt::print("{}{}", table(*labels, options.max_range_m), report_tables(labels->report));
+  if (labels && labels->velocity) fmt::print("{}", velocity_lines(*labels->velocity));
   if (trajectory) fmt::print("{}", trajectory_tables(*trajectory));
   return 0;
 }
@@ -138,7 +140,8 @@ void add_evaluate(CLI::App& app, int& exit_code) {
   auto* verb = app.add_subcommand(
       "evaluate",
       "Compare a result with the true labels: precision, recall, F1 and IoU after each "
-      "stage; by range, class, speed and visible points; objects found. And its trajectory with the "
+      "stage; by range, class, speed and visible points; objects found, and the velocity of those followed "
+      "over time. And its trajectory with the "
       "true one, where there are both: drift (KITTI), absolute and relative errors (as evo's), "
       "displacement of static points");
   const auto options = std::make_shared<EvaluateOptions>();

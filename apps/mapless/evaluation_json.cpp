@@ -92,4 +92,18 @@ Json to_json(const EvaluationReport& r) {
           {"false_objects", to_json(r.false_objects)}};
 }
 
+Json to_json(const VelocityReport& r) {
+  return {{"judged", r.judged},
+          {"first_seen", r.first_seen},
+          {"mixed", r.mixed},
+          {"rms_mps", rate_json(r.rms_mps)},
+          {"median_mps", rate_json(r.median_mps)},
+          {"close_share", rate_json(r.close_share)},
+          {"normalised_rms", rate_json(r.normalised_rms)},
+          {"sure", r.sure},
+          {"sure_rms_mps", rate_json(r.sure_rms_mps)},
+          {"movers", r.movers},
+          {"id_changes", r.id_changes}};
+}
+
 }  // namespace mapless::app

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include <mapless/evaluation/evaluation_report.hpp>
+#include <mapless/evaluation/velocity_evaluator.hpp>
 
 namespace mapless::app {
 
@@ -13,5 +14,6 @@ namespace mapless::app {
 [[nodiscard]] nlohmann::ordered_json to_json(const Found& found);
 /// All of it, under the names of the struct's members. What the recording has no truth for is null.
 [[nodiscard]] nlohmann::ordered_json to_json(const EvaluationReport& report);
+[[nodiscard]] nlohmann::ordered_json to_json(const VelocityReport& report);
 
 }  // namespace mapless::app

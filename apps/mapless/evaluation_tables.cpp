@@ -87,4 +87,20 @@ std::string report_tables(const EvaluationReport& report) {
          recall_table("visible points", report.by_visible_points, true) + objects_text(report);
 }
 
+std::string velocity_lines(const VelocityReport& r) {
+  std::string out = fmt::format(
+      "\nvelocity of found movers (above {} m/s): RMS error {} m/s, median {}, share below {} m/s {}\n"
+      "  of {} movers in scans; {} seen for the first time and {} mixed with others not judged\n",
+      kMovingSpeed, rate_text(r.rms_mps), rate_text(r.median_mps), kCloseVelocity, rate_text(r.close_share),
+      r.judged, r.first_seen, r.mixed);
+  out += fmt::format(
+      "  of the {} with standard deviations below {} m/s: RMS error {} m/s; error over standard deviation {} "
+      "(RMS of all)\n",
+      r.sure, kSureVelocity, rate_text(r.sure_rms_mps), rate_text(r.normalised_rms));
+  const double changes =
+      r.movers == 0 ? 0 : static_cast<double>(r.id_changes) / static_cast<double>(r.movers);
+  out += fmt::format("changes of id: {} of {} movers found, {:.2f} each\n", r.id_changes, r.movers, changes);
+  return out;
+}
+
 }  // namespace mapless::app

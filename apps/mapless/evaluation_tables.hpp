@@ -4,6 +4,7 @@
 #include <string>
 
 #include <mapless/evaluation/evaluation_report.hpp>
+#include <mapless/evaluation/velocity_evaluator.hpp>
 
 namespace mapless::app {
 
@@ -13,5 +14,8 @@ namespace mapless::app {
 /// The report as tables to be read, but for its `points`: what the recording has the truth for, without rows
 /// of nothing. Begins with an empty line.
 [[nodiscard]] std::string report_tables(const EvaluationReport& report);
+
+/// The same of the velocities. Begins with an empty line.
+[[nodiscard]] std::string velocity_lines(const VelocityReport& report);
 
 }  // namespace mapless::app

@@ -41,6 +41,12 @@ std::vector<double> milliseconds(const std::vector<StageSeconds>& scans, const T
 
 Json number_or_null(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
 
+Json quantiles_json(const std::vector<double>& ms) {
+  return {{"median_ms", number_or_null(quantile(ms, 0.5))},
+          {"p95_ms", number_or_null(quantile(ms, 0.95))},
+          {"p99_ms", number_or_null(quantile(ms, 0.99))}};
+}
+
 double peak_memory_mb() {
   rusage usage = {};
   getrusage(RUSAGE_SELF, &usage);
@@ -81,22 +87,22 @@ void RunSummary::add_input(const LidarScan& scan) {
       scan.compensated_to ? "of the recording, undone before detection" : "none in the recording";
 }
 
-void RunSummary::add(const Detection& detection) {
+void RunSummary::add(const Detection& detection, const std::vector<TrackedObject>& objects,
+                     double tracking_s) {
   records_ += detection.scan->input_size;
   points_ += detection.object.size();
   dynamic_points_ += static_cast<std::size_t>(std::count_if(
       detection.object.begin(), detection.object.end(), [](std::uint16_t object) { return object != 0; }));
   objects_ += static_cast<std::size_t>(detection.objects);
+  for (const TrackedObject& object : objects) newest_id_ = std::max(newest_id_, object.id);
   seconds_.push_back(detection.seconds);
+  tracking_ms_.push_back(tracking_s * 1e3);
 }
 
 Json timing_json(const std::vector<StageSeconds>& scans) {
   Json rows = Json::object();
   for (const TimingRow& row : kTimingRows) {
-    const std::vector<double> ms = milliseconds(scans, row);
-    rows[std::string(row.name)] = {{"median_ms", number_or_null(quantile(ms, 0.5))},
-                                   {"p95_ms", number_or_null(quantile(ms, 0.95))},
-                                   {"p99_ms", number_or_null(quantile(ms, 0.99))}};
+    rows[std::string(row.name)] = quantiles_json(milliseconds(scans, row));
   }
   return rows;
 }
@@ -134,6 +140,7 @@ Json RunSummary::json() const {
               {"points", points_},
               {"dynamic_points", dynamic_points_},
               {"objects", objects_},
+              {"objects_over_time", newest_id_},
               {"profile", profile_},
               {"times", times_},
               {"rings", rings_},
@@ -141,6 +148,7 @@ Json RunSummary::json() const {
               {"trajectory", trajectory},
               {"notes", notes_},
               {"timing", timing_json(seconds_)},
+              {"tracking", quantiles_json(tracking_ms_)},
               {"peak_memory_mb", peak_memory_mb()}};
   if (odometry_) out["odometry"] = odometry_json(*odometry_);
   if (!stopped_.empty()) out["stopped"] = stopped_;
@@ -150,9 +158,9 @@ Json RunSummary::json() const {
 std::string RunSummary::lines() const {
   const std::vector<double> ms = milliseconds(seconds_, kTimingRows.back());
   return fmt::format(
-      "{} scans, {} points, {} of them dynamic, {} objects (counted scan by scan)\n"
+      "{} scans, {} points, {} of them dynamic, {} objects (counted scan by scan; {} over time)\n"
       "{:.1f} ms a scan (median), {:.1f} ms (95 %), peak memory {:.0f} MB\n",
-      seconds_.size(), points_, dynamic_points_, objects_, quantile(ms, 0.5).value_or(0),
+      seconds_.size(), points_, dynamic_points_, objects_, newest_id_, quantile(ms, 0.5).value_or(0),
       quantile(ms, 0.95).value_or(0), peak_memory_mb());
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <utility>
@@ -11,6 +12,7 @@
 #include "json_text.hpp"
 #include "motion_source.hpp"
 #include <mapless/detection/detector.hpp>
+#include <mapless/detection/object_tracker.hpp>
 #include <mapless/io/dataset.hpp>
 #include <mapless/io/trajectory_source.hpp>
 
@@ -25,7 +27,8 @@ class RunSummary {
   /// Where the times and rings of the scans come from, and whether motion compensation was undone; `scan` as
   /// it was read.
   void add_input(const LidarScan& scan);
-  void add(const Detection& detection);
+  /// A scan's detection, its objects, and how long it took to follow them.
+  void add(const Detection& detection, const std::vector<TrackedObject>& objects, double tracking_s);
   void set_odometry(const OdometryReport& report) { odometry_ = report; }
   void set_complete() { complete_ = true; }
   void set_stopped(std::string reason) { stopped_ = std::move(reason); }
@@ -44,7 +47,9 @@ class RunSummary {
   std::size_t first_scan_, selected_scans_;
   std::string times_, rings_, motion_compensation_;
   std::size_t records_ = 0, points_ = 0, dynamic_points_ = 0, objects_ = 0;
+  std::uint32_t newest_id_ = 0;  // of an object: as many there were over time
   std::vector<StageSeconds> seconds_;
+  std::vector<double> tracking_ms_;
   std::optional<OdometryReport> odometry_;
   bool complete_ = false;
   std::string stopped_;

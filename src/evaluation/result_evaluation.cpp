@@ -1,4 +1,6 @@
 #include <filesystem>
+#include <memory>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -7,6 +9,8 @@
 #include <mapless/evaluation/evaluator.hpp>
 #include <mapless/evaluation/result_evaluation.hpp>
 #include <mapless/io/labels.hpp>
+#include <mapless/io/object_table.hpp>
+#include <mapless/io/trajectory_file.hpp>
 
 namespace mapless {
 namespace {
@@ -43,12 +47,46 @@ void require_states_of(const Dataset& dataset, const ObjectTruth& objects,
   }
 }
 
+// Who judges the velocities, and how the world of the result is turned against that of the truth.
+class VelocityJudge {
+ public:
+  VelocityJudge(const Dataset& dataset, const ResultFolder& result, const ObjectTruth& truth,
+                const std::optional<double>& max_range_m) {
+    // Folders of labels alone, and recordings, which have another objects.csv, are no results of ours.
+    if (!truth.has_states || !std::filesystem::exists(result.summary())) return;
+    evaluator_.emplace(truth, read_object_table(result.objects()), result.objects().string(), max_range_m);
+    if (!std::filesystem::exists(result.trajectory())) return;
+    true_trajectory_ = dataset.trajectory();
+    trajectory_.emplace(read_trajectory_file(result.trajectory(), {}));
+  }
+
+  void add(const JudgedScan& scan, Time start) {
+    if (evaluator_) evaluator_->add(scan, C_rt(start));
+  }
+  [[nodiscard]] std::optional<VelocityReport> report() const {
+    if (!evaluator_) return std::nullopt;
+    return evaluator_->report();
+  }
+
+ private:
+  // Both say how the sensor lay.
+  [[nodiscard]] Eigen::Matrix3d C_rt(Time time) const {
+    if (!trajectory_ || !true_trajectory_) return Eigen::Matrix3d::Identity();
+    return trajectory_->at(time).T_v0.rotation().transpose() * true_trajectory_->at(time).T_v0.rotation();
+  }
+
+  std::optional<VelocityEvaluator> evaluator_;
+  std::optional<SampledTrajectory> trajectory_;
+  std::shared_ptr<const Trajectory> true_trajectory_;
+};
+
 void evaluate_scan(const Dataset& dataset, const ResultFolder& result, std::size_t scan,
                    const std::vector<std::uint32_t>& truth, const EvaluationOptions& options,
-                   Evaluator& evaluator, ResultEvaluation& out) {
+                   Evaluator& evaluator, VelocityJudge& velocity, ResultEvaluation& out) {
   const std::vector<float> ranges = ranges_of(dataset.read(scan));
   const auto labels = read_label_file(result.label_file(scan), truth.size());
   evaluator.add({scan, truth, labels, ranges});
+  velocity.add({scan, truth, labels, ranges}, dataset.scan_start(scan));
   if (!std::filesystem::exists(result.stage_file(scan))) return;
   const Mask masks = read_stage_file(result.stage_file(scan), truth.size());
   const Mask counted = range_mask(ranges, options.max_range_m);
@@ -68,6 +106,7 @@ ResultEvaluation evaluate_result(const Dataset& dataset, const ResultFolder& res
   ObjectTruth objects;
   if (!options.objects.empty()) objects = read_object_truth(options.objects);
   require_states_of(dataset, objects, options.objects);
+  VelocityJudge velocity(dataset, result, objects, options.max_range_m);
   Evaluator evaluator(std::move(objects), options.max_range_m);
   for (std::size_t i = 0; i < scans.size(); ++i) {
     if (scans[i] >= dataset.size()) {
@@ -77,7 +116,7 @@ ResultEvaluation evaluate_result(const Dataset& dataset, const ResultFolder& res
     }
     if (const auto truth = dataset.read_labels(scans[i])) {
       out.scans.push_back(scans[i]);
-      evaluate_scan(dataset, result, scans[i], *truth, options, evaluator, out);
+      evaluate_scan(dataset, result, scans[i], *truth, options, evaluator, velocity, out);
     } else {
       ++out.scans_without_truth;
     }
@@ -89,6 +128,7 @@ ResultEvaluation evaluate_result(const Dataset& dataset, const ResultFolder& res
                       "give the folder of true labels with --labels"});
   }
   out.report = evaluator.report();
+  out.velocity = velocity.report();
   return out;
 }
 

@@ -85,6 +85,24 @@ void write_file_atomically(const fs::path& file, std::string_view bytes) {
   refuse(reason);
 }
 
+void append_to_file(const fs::path& file, std::string_view bytes) {
+  const auto refuse = [&file] {
+    throw OutputError(
+        {file.string(), "", "", "cannot be written: " + system_reason(), "check the folder and the disk"});
+  };
+  FileDescriptor out(file, O_WRONLY | O_APPEND);
+  struct stat before = {};
+  if (!out.valid() || fstat(out.get(), &before) != 0) refuse();
+  if (write_all(out.get(), bytes)) {
+    if (!out.close_checked()) refuse();
+    return;
+  }
+  const int reason = errno;
+  if (ftruncate(out.get(), before.st_size) != 0) errno = reason;
+  errno = reason;
+  refuse();
+}
+
 std::string read_whole_file(const fs::path& file) {
   const auto refuse = [&file](const std::string& reason) {
     throw InputError(

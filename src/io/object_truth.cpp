@@ -1,18 +1,12 @@
-#include <cerrno>
-#include <cmath>
-#include <cstring>
-#include <fstream>
 #include <limits>
-#include <optional>
 #include <string_view>
-#include <system_error>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "io/csv.hpp"
 #include "io/text.hpp"
-#include <mapless/core/errors.hpp>
 #include <mapless/io/atomic_file.hpp>
 #include <mapless/io/object_truth.hpp>
 
@@ -24,50 +18,18 @@ namespace fs = std::filesystem;
 constexpr std::string_view kObjectsHead = "object_id,class,kind";
 constexpr std::string_view kStatesHead = "scan,object_id,time_s,x_m,y_m,z_m,vx_mps,vy_mps,vz_mps,speed_mps";
 
-// One line of a table and where it stands, for messages.
-struct Line {
-  std::string where;
-  std::vector<std::string_view> cells;
-
-  [[noreturn]] void refuse(std::string field, std::string_view value, std::string problem) const {
-    throw InputError({where, std::move(field), std::string(value), std::move(problem),
-                      "restore the table of the original recording"});
-  }
+// One line of a table of truth.
+struct Line : CsvLine {
   [[nodiscard]] std::uint32_t object_id(std::size_t cell) const {
-    const auto id = parse_integer(cells[cell]);
-    if (!id || *id < 1 || *id > std::numeric_limits<std::uint16_t>::max())
-      refuse("object_id", cells[cell], "not a number from 1 to 65535");
-    return static_cast<std::uint32_t>(*id);
-  }
-  [[nodiscard]] double number(std::size_t cell) const {
-    const auto number = parse_double(cells[cell]);
-    if (!number || !std::isfinite(*number)) refuse("number", cells[cell], "not a finite number");
-    return *number;
+    return static_cast<std::uint32_t>(
+        integer(cell, "object_id", 1, std::numeric_limits<std::uint16_t>::max()));
   }
 };
 
-std::vector<std::string_view> split_cells(std::string_view line) {
-  std::vector<std::string_view> cells;
-  for (;;) {
-    const std::size_t comma = line.find(',');
-    cells.push_back(line.substr(0, comma));
-    if (comma == std::string_view::npos) return cells;
-    line.remove_prefix(comma + 1);
-  }
-}
-
-// The lines below the head. They refer to `text`.
 std::vector<Line> lines_of(const fs::path& file, std::string_view text, std::string_view head) {
-  const std::vector<std::string_view> lines = split_lines(text);
-  const std::size_t width = split_cells(head).size();
   std::vector<Line> out;
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    Line line{fmt::format("{}:{}", file.string(), i + 1), split_cells(lines[i])};
-    if (i == 0 && lines[i] != head) line.refuse("head", lines[i], fmt::format("not {}", head));
-    if (line.cells.size() != width) line.refuse("line", lines[i], fmt::format("not {} values", width));
-    if (i > 0) out.push_back(std::move(line));
-  }
-  if (lines.empty()) throw InputError({file.string(), "head", "", "the file is empty", "restore it"});
+  for (CsvLine& line : csv_lines(file, text, head, "restore the table of the original recording"))
+    out.push_back({std::move(line)});
   return out;
 }
 
@@ -83,16 +45,13 @@ void read_descriptions(const fs::path& file, ObjectTruth& truth) {
 void read_states(const fs::path& file, ObjectTruth& truth) {
   const std::string text = read_whole_file(file);
   for (const Line& line : lines_of(file, text, kStatesHead)) {
-    const auto scan = parse_integer(line.cells[0]);
-    if (!scan || *scan < 0) line.refuse("scan", line.cells[0], "not a number from 0");
-    const auto time = parse_decimal_seconds(line.cells[2]);
-    if (!time) line.refuse("time_s", line.cells[2], "not decimal seconds");
-    const ObjectState state{*time,
+    const auto scan = static_cast<std::size_t>(line.integer(0, "scan", 0));
+    const ObjectState state{line.time(2, "time_s"),
                             {line.number(3), line.number(4), line.number(5)},
                             {line.number(6), line.number(7), line.number(8)},
                             line.number(9)};
     if (state.speed_mps < 0) line.refuse("speed_mps", line.cells[9], "below 0");
-    if (!truth.states.emplace(std::pair(static_cast<std::size_t>(*scan), line.object_id(1)), state).second)
+    if (!truth.states.emplace(std::pair(scan, line.object_id(1)), state).second)
       line.refuse("object_id", line.cells[1], "given twice for one scan");
   }
 }
@@ -122,17 +81,7 @@ ObjectStatesWriter::ObjectStatesWriter(fs::path file) : file_(std::move(file)) {
 void ObjectStatesWriter::add(std::size_t scan, const std::map<std::uint32_t, ObjectState>& states) {
   std::string rows;
   for (const auto& [id, state] : states) rows += row(scan, id, state);
-  std::error_code error;
-  const std::uintmax_t size = fs::file_size(file_, error);
-  std::ofstream out(file_, std::ios::app | std::ios::binary);
-  errno = 0;
-  out.write(rows.data(), static_cast<std::streamsize>(rows.size()));
-  out.close();
-  if (out && !error) return;
-  const std::string reason = std::strerror(errno);
-  if (!error) fs::resize_file(file_, size, error);
-  throw OutputError(
-      {file_.string(), "", "", "cannot be written: " + reason, "check the folder and the disk"});
+  append_to_file(file_, rows);
 }
 
 }  // namespace mapless

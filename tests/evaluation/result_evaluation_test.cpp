@@ -1,4 +1,7 @@
 #include <filesystem>
+#include <memory>
+#include <numbers>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -8,7 +11,9 @@
 #include <mapless/evaluation/result_evaluation.hpp>
 #include <mapless/io/atomic_file.hpp>
 #include <mapless/io/labels.hpp>
+#include <mapless/io/object_table.hpp>
 #include <mapless/io/object_truth.hpp>
+#include <mapless/io/trajectory_file.hpp>
 
 namespace mapless {
 namespace {
@@ -97,6 +102,64 @@ TEST_F(ResultEvaluationTest, TakesClassesAndSpeedsFromTheTables) {
   state.time = Time::from_seconds(0.25);
   states.add(0, {{5, state}});
   EXPECT_THROW((void)evaluate_result(dataset, result, options), InputError);
+}
+
+// Scan 1: object 5 moves with 3 m/s along y. The result's world is turned by 90 degrees against the true one.
+class ResultVelocityTest : public ResultEvaluationTest {
+ protected:
+  ResultVelocityTest() {
+    add_scan(1);
+    dataset.labels[1] = {kMoving | 5u << 16, kMoving | 5u << 16, kStill, 0};
+    options.objects = folder / "tables";
+    std::filesystem::create_directories(options.objects);
+    ObjectStatesWriter(options.objects / "object_states.csv")
+        .add(1, {{5, {Time::from_seconds(0.15), {0, 0, 0}, {0, 3, 0}, 3}}});
+    write_file_atomically(result.summary(), "{}");
+  }
+  void write_rows(std::uint32_t id, const Eigen::Vector3d& velocity) const {
+    ObjectRow row{1, Time::from_seconds(0.15), id, 2, {0, 0, 0}, {1, 1, 1}, velocity, {0.5, 0.5, 0.5}, 2};
+    ObjectTableWriter(result.objects()).add({row});
+  }
+  [[nodiscard]] std::string message() const {
+    try {
+      (void)evaluate_result(dataset, result, options);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+};
+
+TEST_F(ResultVelocityTest, JudgesTheVelocityInTheWorldOfTheResult) {
+  write_rows(1, {0, 3, 0});
+  const auto same_world = evaluate_result(dataset, result, options).velocity;
+  ASSERT_TRUE(same_world);
+  EXPECT_EQ(same_world->judged, 1);
+  EXPECT_NEAR(same_world->rms_mps.value(), 0, 1e-9);
+  // The sensor lies along the true axes, and turned by -90 degrees about z in the result's world.
+  dataset.own_trajectory = std::make_shared<StationaryTrajectory>();
+  const SE3 T_v0(rotation_z(-std::numbers::pi / 2).transpose(), {1, 2, 3});
+  write_tum_trajectory(result.trajectory(), {{Time::from_seconds(0), T_v0}, {Time::from_seconds(1), T_v0}});
+  write_rows(1, {3, 0, 0});
+  EXPECT_NEAR(evaluate_result(dataset, result, options).velocity->rms_mps.value(), 0, 1e-6);
+}
+
+TEST_F(ResultVelocityTest, IsAbsentWithoutTruthOrForFoldersOfLabelsAlone) {
+  write_rows(1, {0, 3, 0});
+  std::filesystem::remove(result.summary());
+  EXPECT_FALSE(evaluate_result(dataset, result, options).velocity);
+  write_file_atomically(result.summary(), "{}");
+  options.objects.clear();
+  EXPECT_FALSE(evaluate_result(dataset, result, options).velocity);
+}
+
+TEST_F(ResultVelocityTest, NamesATableThatIsMissingBrokenOrOfAnotherRun) {
+  EXPECT_NE(message().find("objects.csv"), std::string::npos) << message();
+  write_file_atomically(result.objects(), "object_id,class,kind\n");
+  EXPECT_NE(message().find("objects.csv:1: head"), std::string::npos) << message();
+  write_rows(2, {0, 3, 0});  // the labels have object 1
+  EXPECT_NE(message().find("scan 1, object 1 of its labels"), std::string::npos) << message();
+  EXPECT_EQ(message().find('\n'), std::string::npos);
 }
 
 TEST_F(ResultEvaluationTest, RefusesResultsOfAnotherRecording) {

@@ -62,6 +62,18 @@ TEST(AtomicFile, FailureNamesTheFileAndLeavesNothing) {
               HasSubstr("/dev/full/x"));
 }
 
+TEST(AtomicFile, AppendsToWhatIsThere) {
+  const test::TemporaryFolder folder;
+  write_file_atomically(folder / "f", "a\n");
+  append_to_file(folder / "f", "b\n");
+  append_to_file(folder / "f", "");
+  EXPECT_EQ(read_whole_file(folder / "f"), "a\nb\n");
+  EXPECT_THAT(message_of<OutputError>([&] { append_to_file(folder / "g", "x"); }),
+              AllOf(HasSubstr("/g"), HasSubstr("No such file")));
+  EXPECT_EQ(entries(folder.path()), 1u);
+  EXPECT_THAT(message_of<OutputError>([&] { append_to_file("/dev/full", "x"); }), HasSubstr("No space left"));
+}
+
 TEST(AtomicFile, WritesThroughALink) {
   const test::TemporaryFolder folder;
   write_file_atomically(folder / "target", "old");

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <mapless/io/detection_labels.hpp>
+#include <mapless/io/labels.hpp>
 
 namespace mapless {
 namespace {
@@ -26,6 +27,31 @@ Detection detection_of_three_returns() {
 TEST(LabelsOf, HasOneLabelPerRecordInInputOrder) {
   EXPECT_EQ(labels_of(detection_of_three_returns()),
             (std::vector<std::uint32_t>{0, 9, 9, 0, 251u | 7u << 16}));
+}
+
+TEST(LabelsOf, NumbersObjectsByTheirIds) {
+  TrackedObject object;
+  object.number = 7;
+  object.id = 12;
+  EXPECT_EQ(labels_of(detection_of_three_returns(), {object}),
+            (std::vector<std::uint32_t>{0, 9, 9, 0, 251u | 12u << 16}));
+  EXPECT_EQ(label_number(65535), 65535);
+  EXPECT_EQ(label_number(65536), 1) << "0 is no object";
+}
+
+TEST(ObjectRows, ComeById) {
+  TrackedObject object;
+  object.number = 1;
+  object.id = 12;
+  object.velocity_covariance_0 = Eigen::Vector3d(4, 9, 16).asDiagonal();
+  TrackedObject other = object;
+  other.number = 2;
+  other.id = 5;
+  const auto rows = object_rows(3, {object, other});
+  ASSERT_EQ(rows.size(), 2u);
+  EXPECT_EQ(rows[0].id, 5u);
+  EXPECT_EQ(rows[1].scan, 3u);
+  EXPECT_EQ(rows[1].velocity_std_0, Eigen::Vector3d(2, 3, 4));
 }
 
 TEST(StageMasksOf, SetsABitPerStageAfterWhichThePointIsDynamic) {

@@ -51,8 +51,8 @@ struct OfKind {
   Counts points;
 };
 
-/// Objects of the result: the numbers in the high 16 bits of its dynamic labels, which count anew in every
-/// scan.
+/// Objects of the result: the numbers in the high 16 bits of its dynamic labels, each counted in every scan
+/// it is in.
 struct FalseObjects {
   std::int64_t scans = 0;
   std::int64_t objects = 0;     ///< with at least one point of known truth

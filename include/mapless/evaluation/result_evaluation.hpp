@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <mapless/evaluation/evaluation_report.hpp>
+#include <mapless/evaluation/velocity_evaluator.hpp>
 #include <mapless/io/dataset.hpp>
 #include <mapless/io/result_folder.hpp>
 
@@ -19,6 +20,9 @@ struct ResultEvaluation {
   std::vector<std::size_t> scans;            ///< those that count: label and truth are both there
   std::vector<PrecisionRecall> after_stage;  ///< by stage; over the scans of `scans` that have a stage file
   EvaluationReport report;                   ///< of the final labels
+  /// Of the objects followed over time; absent where the recording has no object_states.csv, or the folder is
+  /// no result of mapless detect (it has no summary.json).
+  std::optional<VelocityReport> velocity;
 };
 
 struct EvaluationOptions {

@@ -11,6 +11,10 @@ namespace mapless {
 /// is refused. Throws OutputError (with the system's reason) and leaves nothing behind where that fails.
 void write_file_atomically(const std::filesystem::path& file, std::string_view bytes);
 
+/// Appends to a file that is there. Throws OutputError (with the system's reason) and leaves the file as it
+/// was where that fails.
+void append_to_file(const std::filesystem::path& file, std::string_view bytes);
+
 /// The whole file. Throws InputError with the system's reason.
 [[nodiscard]] std::string read_whole_file(const std::filesystem::path& file);
 

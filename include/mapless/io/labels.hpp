@@ -11,6 +11,12 @@ inline constexpr std::uint32_t kLabelUnknown = 0;
 inline constexpr std::uint32_t kLabelStatic = 9;
 inline constexpr std::uint32_t kLabelDynamic = 251;
 
+/// The number of an object in a label, of which 16 bits hold fewer than there are ids: 1 to 65535, again and
+/// again.
+[[nodiscard]] constexpr std::uint16_t label_number(std::uint32_t id) {
+  return static_cast<std::uint16_t>((id - 1) % 65535u + 1);
+}
+
 /// SemanticKITTI counts 251 to 259 (any moving class) as moving; 0 and 1 (outlier) as unlabelled.
 enum class MotionTruth { unknown, still, moving };
 [[nodiscard]] constexpr MotionTruth motion_of_label(std::uint32_t label) {

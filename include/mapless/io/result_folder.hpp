@@ -12,9 +12,11 @@ namespace mapless {
 /// The folder a run of the detector writes. Scan numbers are those of the recording, from 0, six digits:
 ///
 ///     labels/NNNNNN.label   one uint32 per input record, in input order (io/labels.hpp): 251 and the
-///     object's number
+///     object's number, label_number of its id,
 ///                           in the high 16 bits where dynamic, 9 where static, 0 for a record without a
 ///                           return
+///     objects.csv           one row per object and scan: where it is and how fast, with an id kept over time
+///     (io/object_table.hpp)
 ///     stages/NNNNNN.stages  one uint8 per input record: bit s is 1 where the point counted as dynamic after
 ///     stage s
 ///                           (0 pointcloud comparison, 1 freespace backward, 2 freespace forward, 3 box
@@ -27,7 +29,8 @@ namespace mapless {
 ///     summary.json          what was read, used and found; "complete" is false until the last scan is
 ///     labelled
 ///
-/// Every file is written beside and renamed, so that whatever stops a run, the files there are whole.
+/// Every file is written beside and renamed, but for objects.csv, which grows by all rows of a scan at once,
+/// before the scan's labels are there: whatever stops a run, the files there are whole.
 class ResultFolder {
  public:
   explicit ResultFolder(std::filesystem::path path) : path_(std::move(path)) {}
@@ -37,6 +40,7 @@ class ResultFolder {
   [[nodiscard]] std::filesystem::path stages() const { return path_ / "stages"; }
   [[nodiscard]] std::filesystem::path label_file(std::size_t scan) const;
   [[nodiscard]] std::filesystem::path stage_file(std::size_t scan) const;
+  [[nodiscard]] std::filesystem::path objects() const { return path_ / "objects.csv"; }
   [[nodiscard]] std::filesystem::path kitti_poses() const { return path_ / "poses_kitti.txt"; }
   [[nodiscard]] std::filesystem::path trajectory() const { return path_ / "trajectory.txt"; }
   [[nodiscard]] std::filesystem::path config() const { return path_ / "config.yaml"; }

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include <mapless/core/time.hpp>
+#include <mapless/detection/detector.hpp>
+#include <mapless/trajectory/trajectory.hpp>
+
+namespace mapless {
+
+/// A thing that moves, as it is in one scan: where, and how fast, in the world frame 0. Its points are those
+/// of Detection::object with its `number`; where they are at another instant t, velocity_0 (t - their own
+/// instant) tells.
+struct TrackedObject {
+  std::uint32_t id = 0;      ///< 1, 2, ...: kept over scans, given once in a tracker's life
+  std::uint16_t number = 0;  ///< of Detection::object, in this scan alone
+  Time time;                 ///< mean instant of its points: centre, extent and velocity are of then
+  int points = 0;
+  /// Of the box about its points, each moved by the velocity to `time`; sides along the axes of the world
+  /// [m].
+  Eigen::Vector3d centre_0 = Eigen::Vector3d::Zero();
+  Eigen::Vector3d extent_0 = Eigen::Vector3d::Zero();               ///< lengths of the sides of that box [m]
+  Eigen::Vector3d velocity_0 = Eigen::Vector3d::Zero();             ///< [m/s]
+  Eigen::Matrix3d velocity_covariance_0 = Eigen::Matrix3d::Zero();  ///< [m^2/s^2]
+  int age = 1;  ///< scans from its first to this one, both counted
+
+  [[nodiscard]] Eigen::Vector3d velocity_std_0() const {
+    return velocity_covariance_0.diagonal().cwiseSqrt();
+  }
+};
+
+struct TrackerParameters {
+  double acceleration_density = 0.25;  ///< white noise on acceleration, per axis [m^2/s^3]
+  double unknown_speed_mps = 15;       ///< standard deviation per axis of a velocity nothing is known about
+  double longest_absence_s = 1;        ///< an object not seen for longer is another one when it comes back
+};
+
+/// Keeps the objects of consecutive detections apart over time and estimates their velocity.
+///
+/// An object is looked for where its velocity says; whose points it overlaps most keeps its id, one id for
+/// one object of the scan. The velocity comes from registering the object's points to those of earlier scans,
+/// every point at its own instant: distances to local planes, and places of the edges behind which a ray went
+/// on. A Kalman filter (white noise on acceleration) holds velocity and the displacements since these scans.
+/// What does not show in the points, as the motion of a wall along itself, has a large standard deviation.
+/// There is no up, no ground and no class in it.
+class ObjectTracker {
+ public:
+  explicit ObjectTracker(const TrackerParameters& parameters = {});
+  ~ObjectTracker();
+  ObjectTracker(ObjectTracker&&) noexcept;
+  ObjectTracker& operator=(ObjectTracker&&) noexcept;
+
+  /// Every object of the next detection, by its number there. The trajectory is asked for the instants of
+  /// its dynamic points. Throws InputError for a scan that starts before the last one or was compensated by
+  /// somebody else, TrajectoryDomainError; the tracker is then as it was before the call.
+  std::vector<TrackedObject> process(const Detection& detection, const Trajectory& trajectory);
+
+ private:
+  class Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace mapless

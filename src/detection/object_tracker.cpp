@@ -1,0 +1,240 @@
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include <Eigen/Eigenvalues>
+#include <tbb/parallel_for.h>
+
+#include "detection/object_association.hpp"
+#include "detection/object_motion.hpp"
+#include "detection/object_registration.hpp"
+#include "detection/object_view.hpp"
+#include <mapless/core/errors.hpp>
+#include <mapless/detection/object_tracker.hpp>
+
+namespace mapless {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+constexpr std::size_t kViews = 5;             // earlier scans an object keeps
+constexpr double kLongestInterval_s = 0.45;   // between scans that are registered: things turn and accelerate
+constexpr double kShortestInterval_s = 0.01;  // an object cut by the seam may be there twice in a moment
+constexpr std::size_t kYoung = 2;             // views of an object whose velocity is not well known yet
+constexpr double kMisfit = 0.3;               // of a motion that others are tried against
+constexpr double kBetter = 0.1;               // in misfit: then the one expected is wrong
+constexpr double kWrongStd_mps = 10;          // of an expected velocity that is wrong
+constexpr double kSplitStd_mps = 1;           // what comes off an object moves much as that does
+
+struct Track {
+  std::uint32_t id;
+  std::size_t first_scan;
+  ObjectMotion motion;
+  std::deque<ObjectView> views;  // newest first, as the motion remembers them
+  Time last_scan;                // start of that of the newest view
+  double diagonal_m = 0;         // of the largest box seen
+
+  [[nodiscard]] double newest_diagonal_m() const { return views.front().seen_box.diagonal().norm(); }
+};
+
+void require_usable(const Detection& detection, const std::optional<Time>& newest_start) {
+  const std::string scan = "scan " + std::to_string(detection.sequence_number);
+  if (detection.scan->compensated_to) {
+    throw InputError({scan, "scan", "already compensated for motion", "its points have lost their instants",
+                      "take it back to the measured rays first (restore_measured_rays)"});
+  }
+  if (newest_start && detection.scan->start <= *newest_start) {
+    throw InputError({scan, "start", std::to_string(detection.scan->start.nanoseconds()) + " ns",
+                      "not after the scan before it", "give detections by increasing time"});
+  }
+}
+
+// The direction in which the points are spread most.
+Vector3d longest_direction(const ObjectView& view) {
+  Matrix3d squares = Matrix3d::Zero();
+  for (const SurfaceSample& s : view.surface)
+    squares += (s.p_0 - view.mean_0) * (s.p_0 - view.mean_0).transpose();
+  Eigen::SelfAdjointEigenSolver<Matrix3d> solver;
+  solver.computeDirect(squares);
+  return solver.eigenvectors().col(2);
+}
+
+// The place along `direction` that a fraction `q` of the points do not reach.
+double place_along(const ObjectView& view, const Vector3d& direction, double q) {
+  std::vector<double> places;
+  for (const Vector3d& p : view.points_0) places.push_back(direction.dot(p));
+  const auto at = places.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(places.size() - 1));
+  std::nth_element(places.begin(), at, places.end());
+  return *at;
+}
+
+// Where to look for the velocity where nothing good is known: the shift of the mean, of the middle, of the
+// foremost and of the hindmost end. What is seen of an object may grow at one end and stay at the other.
+std::vector<Vector3d> starts(const ObjectView& now, const ObjectView& before) {
+  const double dt = (now.time - before.time).seconds();
+  const Vector3d shift = now.mean_0 - before.mean_0;
+  std::vector<Vector3d> out = {shift / dt, (now.seen_box.center() - before.seen_box.center()) / dt};
+  const Vector3d along = longest_direction(now);
+  for (const double end : {0.02, 0.98}) {
+    const double moved = place_along(now, along, end) - place_along(before, along, end);
+    out.emplace_back((shift + (moved - along.dot(shift)) * along) / dt);
+  }
+  return out;
+}
+
+// Since the object was last seen. It is looked for anew where little is known of it yet, or where what was
+// expected does not explain what is seen.
+RegisteredMotion newest_motion(Track& track, const ObjectView& now) {
+  const ObjectView& before = track.views.front();
+  RegisteredMotion best = register_views(now, before, track.motion.velocity());
+  const bool young = track.views.size() <= kYoung;
+  if (!young && best.misfit < kMisfit) return best;
+  const double expected = best.misfit;
+  for (const Vector3d& start : starts(now, before)) {
+    const RegisteredMotion found = register_views(now, before, start);
+    if (found.misfit < best.misfit) best = found;
+  }
+  if (best.misfit < expected - kBetter) track.motion.loosen(kWrongStd_mps);
+  return best;
+}
+
+// A long time between two scans tells the velocity best, 0 where there is the newest alone.
+std::size_t oldest_to_register(const Track& track, Time now) {
+  std::size_t oldest = 0;
+  for (std::size_t i = 1; i < track.views.size(); ++i) {
+    if ((now - track.views[i].time).seconds() <= kLongestInterval_s) oldest = i;
+  }
+  return oldest;
+}
+
+void observe(Track& track, const ObjectView& now) {
+  const auto seconds_since = [&](std::size_t past) { return (now.time - track.views[past].time).seconds(); };
+  if (seconds_since(0) < kShortestInterval_s) return;
+  const RegisteredMotion newest = newest_motion(track, now);
+  track.motion.predict(now.time);
+  const auto observe_motion = [&](std::size_t past, const RegisteredMotion& moved) {
+    const double dt = seconds_since(past);
+    track.motion.observe(past, moved.velocity_0 * dt, moved.covariance * dt * dt);
+  };
+  observe_motion(0, newest);
+  if (const std::size_t oldest = oldest_to_register(track, now.time); oldest > 0)
+    observe_motion(oldest, register_views(now, track.views[oldest], track.motion.velocity()));
+}
+
+TrackedObject described(const Track& track, const ObjectView& view, int age) {
+  TrackedObject out;
+  out.id = track.id;
+  out.number = view.number;
+  out.time = view.time;
+  out.points = static_cast<int>(view.points_0.size());
+  out.velocity_0 = track.motion.velocity();
+  out.velocity_covariance_0 = track.motion.velocity_covariance();
+  const Eigen::AlignedBox3d box = view.box(out.velocity_0);
+  out.centre_0 = box.center();
+  out.extent_0 = box.sizes();
+  out.age = age;
+  return out;
+}
+
+}  // namespace
+
+class ObjectTracker::Implementation {
+ public:
+  explicit Implementation(const TrackerParameters& parameters) : parameters_(parameters) {}
+
+  std::vector<TrackedObject> process(const Detection& detection, const Trajectory& trajectory) {
+    const Time start = detection.scan->start;
+    require_usable(detection, scans_ == 0 ? std::nullopt : std::optional(newest_start_));
+    std::vector<ObjectView> views = object_views(detection, trajectory);
+    newest_start_ = start;
+    forget_absent(start);
+    const std::vector<Track*> tracks = tracks_of(views, start);
+    std::vector<TrackedObject> out(views.size());
+    // Every object is a track of its own.
+    tbb::parallel_for(std::size_t{0}, views.size(), [&](std::size_t s) {
+      Track& track = *tracks[s];
+      out[s] = updated(track, views[s]);
+      track.motion.remember(kViews);
+      if (!track.views.empty()) track.views.front().sight.reset();  // the scan is not kept longer than needed
+      track.views.push_front(std::move(views[s]));
+      if (track.views.size() > kViews) track.views.pop_back();
+      track.last_scan = start;
+      track.diagonal_m = std::max(track.diagonal_m, track.newest_diagonal_m());
+    });
+    ++scans_;
+    return out;
+  }
+
+ private:
+  void forget_absent(Time now) {
+    const auto gone = [&](const Track& track) {
+      return (now - track.last_scan).seconds() > parameters_.longest_absence_s;
+    };
+    tracks_.erase(std::remove_if(tracks_.begin(), tracks_.end(), gone), tracks_.end());
+  }
+
+  // Known ones or new ones. All of them before any is updated: a part that comes off begins as the whole was.
+  [[nodiscard]] std::vector<Track*> tracks_of(const std::vector<ObjectView>& views, Time scan_start) {
+    std::vector<ExpectedObject> known, seen;
+    for (const Track& track : tracks_) {
+      const double dt = (scan_start - track.last_scan).seconds();
+      const double std_mps = std::sqrt(track.motion.velocity_covariance().diagonal().maxCoeff());
+      known.push_back(expected_object(track.views.front(), dt * track.motion.velocity(), dt * std_mps));
+      known.back().hidden_m = (track.diagonal_m - track.newest_diagonal_m()) / 2;
+    }
+    for (const ObjectView& view : views) seen.push_back(expected_object(view, Vector3d::Zero(), 0));
+    const Association association = associate(known, seen);
+    std::vector<Track*> out;
+    for (std::size_t s = 0; s < views.size(); ++s) {
+      const auto& which = association.known[s];
+      out.push_back(which ? &tracks_[*which] : &begun(views[s], association.parent[s]));
+    }
+    return out;
+  }
+
+  Track& begun(const ObjectView& view, const std::optional<std::size_t>& parent) {
+    Track track = parent ? tracks_[*parent] : fresh(view);
+    if (parent) track.motion.loosen(kSplitStd_mps);
+    track.id = next_id_++;
+    track.first_scan = scans_;
+    tracks_.push_back(std::move(track));
+    return tracks_.back();
+  }
+
+  [[nodiscard]] Track fresh(const ObjectView& view) const {
+    const double variance = parameters_.unknown_speed_mps * parameters_.unknown_speed_mps;
+    return {0,
+            0,
+            ObjectMotion(view.time, Vector3d::Zero(), variance * Matrix3d::Identity(),
+                         parameters_.acceleration_density),
+            {},
+            {}};
+  }
+
+  [[nodiscard]] TrackedObject updated(Track& track, const ObjectView& view) const {
+    if (!track.views.empty()) observe(track, view);
+    return described(track, view, static_cast<int>(scans_ - track.first_scan) + 1);
+  }
+
+  TrackerParameters parameters_;
+  std::deque<Track> tracks_;  // by increasing id; a deque's elements stay where they are when it grows
+  std::uint32_t next_id_ = 1;
+  std::size_t scans_ = 0;
+  Time newest_start_;
+};
+
+ObjectTracker::ObjectTracker(const TrackerParameters& parameters)
+    : implementation_(std::make_unique<Implementation>(parameters)) {}
+ObjectTracker::~ObjectTracker() = default;
+ObjectTracker::ObjectTracker(ObjectTracker&&) noexcept = default;
+ObjectTracker& ObjectTracker::operator=(ObjectTracker&&) noexcept = default;
+
+std::vector<TrackedObject> ObjectTracker::process(const Detection& detection, const Trajectory& trajectory) {
+  return implementation_->process(detection, trajectory);
+}
+
+}  // namespace mapless

@@ -1,0 +1,39 @@
+#include "detection/sorted_points.hpp"
+
+#include <random>
+
+#include <gtest/gtest.h>
+
+namespace mapless {
+namespace {
+
+using Eigen::Vector3d;
+
+TEST(SortedPoints, FindsTheNearestAsTryingAllDoes) {
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    SCOPED_TRACE(seed);
+    std::mt19937 random(seed);
+    std::uniform_int_distribution<int> place(-5, 5);  // a coarse grid: many as near as each other
+    const auto point = [&] { return Vector3d(place(random), 3 * place(random), place(random)); };
+    std::vector<Vector3d> points;
+    for (unsigned i = 0; i < 4 * seed; ++i) points.push_back(point());
+    const SortedPoints sorted(points);
+    for (int k = 0; k < 50; ++k) {
+      const Vector3d p = point() + Vector3d(0.5, 0, 0.25);
+      std::size_t best = 0;
+      for (std::size_t i = 1; i < points.size(); ++i) {
+        if ((points[i] - p).squaredNorm() < (points[best] - p).squaredNorm()) best = i;
+      }
+      const SortedPoints::Nearest found = sorted.nearest(p);
+      EXPECT_EQ(found.index, best);
+      EXPECT_EQ(found.square, (points[best] - p).squaredNorm());
+    }
+  }
+}
+
+TEST(SortedPoints, NothingIsNearToNoPoints) {
+  EXPECT_TRUE(std::isinf(SortedPoints({}).nearest({1, 2, 3}).square));
+}
+
+}  // namespace
+}  // namespace mapless
