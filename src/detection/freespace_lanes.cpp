@@ -10,7 +10,7 @@ namespace mapless {
 namespace {
 
 constexpr int kPasses = 3;  // towards the column that looks at a point
-constexpr float kSmallAngle = 0.15F;
+constexpr float kSteadyAngle = 0.15F;
 // From here on a laser's place in the hub turns its beam by so little that its cosine is 1 within 2e-4.
 constexpr float kFar_m = 2;
 // A sensor that turns with 180 degrees per second does so by 0.5 degrees in the time of as many columns as
@@ -70,7 +70,7 @@ void FreespaceProbe::Lanes::find_columns(const std::array<Eigen::Vector3f, 4>& q
     z = Floats{q_h[0].z(), q_h[1].z(), q_h[2].z(), q_h[3].z()};
     const Floats off = small_angle(y / x) * probe.columns_per_rad_;
     column = to_floats(at) + off;
-    fine = (x >= kFar_m) & (magnitude(y) < kSmallAngle * x) & (magnitude(off) < 0.75F) & (column >= -0.5F) &
+    fine = (x >= kFar_m) & (magnitude(y) < kSteadyAngle * x) & (magnitude(off) < 0.75F) & (column >= -0.5F) &
            (column < last + 0.5F);
     if (all(fine)) return;
   }

@@ -19,7 +19,7 @@ using Eigen::Vector3d;
 
 constexpr std::size_t kMostNeighboursAsked = 600;
 constexpr double kSamePass_s = 0.02;  // neighbours in space on both sides of the seam are of other instants
-constexpr double kBehind_m = 0.5;     // a ray that goes on behind an edge goes on by this much or more
+constexpr double kEdgeDepth_m = 0.5;  // a ray that goes on behind an edge goes on by this much or more
 constexpr double kWithinReach = 0.9;  // of the maximum range
 constexpr double kEdgeRoughness_m = 0.03;  // of silhouettes, beside the spacing of the rays
 constexpr double kThickness_m = 0.1;       // a plane with its noise and curvature
@@ -155,7 +155,7 @@ class ViewBuilder {
         if (code_of_cell(cell) != ReturnCode::nothing || !ends_before_reach(at(i))) return false;
       } else if (detection_.object[static_cast<std::size_t>(cell)] ==
                      detection_.object[static_cast<std::size_t>(i)] ||
-                 static_cast<double>(at(cell).range_m - at(i).range_m) < kBehind_m) {
+                 static_cast<double>(at(cell).range_m - at(i).range_m) < kEdgeDepth_m) {
         return false;
       }
     }

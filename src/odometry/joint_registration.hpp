@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "odometry/track.hpp"
+#include "odometry/mapped_trajectory.hpp"
 
 namespace mapless {
 

@@ -60,13 +60,13 @@ struct LidarOdometry::State {
   std::vector<TrajectoryKnot> knots;  // the track's, where nobody moves them
   KnotTrajectory trajectory;
   std::optional<StartUp> start_up;  // until the motion is known
-  Track track;                      // from then on
+  MappedTrajectory track;           // from then on
   std::shared_ptr<const LidarScan> last_scan;
   int lost_in_a_row = 0;
   double last_share = 0;   // of matched points, in the scan before
   double usual_share = 0;  // the same, in the scans before
 
-  [[nodiscard]] const Track& known() const { return start_up ? start_up->best() : track; }
+  [[nodiscard]] const MappedTrajectory& known() const { return start_up ? start_up->best() : track; }
   void require_next(const LidarScan& scan) const;
   void append_knots(const LidarScan& scan);
   Matrix12d carry_by_prior();

@@ -21,7 +21,8 @@ constexpr double kAboutAsGood = 0.9;
 
 // What the motion between the scan's two knots costs by the prior: half the squared error, as a logarithm of
 // probability.
-double motion_cost(const Track& track, const UsableScan& scan, const AccelerationDensity& density) {
+double motion_cost(const MappedTrajectory& track, const UsableScan& scan,
+                   const AccelerationDensity& density) {
   const TrajectoryKnot& k1 = track.knots[scan.interval];
   const TrajectoryKnot& k2 = track.knots[scan.interval + 1];
   const Vector12d e = motion_error(k1, k2);
@@ -29,7 +30,7 @@ double motion_cost(const Track& track, const UsableScan& scan, const Acceleratio
 }
 
 // Farther than one of them can be found from the other in the scans to come.
-bool are_far(const Track& a, const Track& b) {
+bool are_far(const MappedTrajectory& a, const MappedTrajectory& b) {
   return (a.knots.back().varpi - b.knots.back().varpi).head<3>().norm() > kFarSpeed;
 }
 
@@ -40,7 +41,7 @@ StartUp::StartUp(const OdometryParameters& parameters, const RegistrationSetting
       sigma_m_(parameters.residual_sigma_m),
       settings_(settings),
       unmoved_(sigma_m_) {
-  candidates_.push_back({Track(sigma_m_), {}, 0});
+  candidates_.push_back({MappedTrajectory(sigma_m_), {}, 0});
 }
 
 void StartUp::append_knots(const LidarScan& scan) {
@@ -73,7 +74,7 @@ StartUp::Result StartUp::add(UsableScan scan) {
 
 StartUp::Result StartUp::begin_anew() {
   candidates_.resize(1, candidates_.front());
-  Track& track = candidates_.front().track;
+  MappedTrajectory& track = candidates_.front().track;
   track.marginalises = false;
   (void)track.carry_by_prior(settings_);
   track.clear_map();
@@ -110,7 +111,7 @@ bool StartUp::follow_pair() {
 
 // False where the scan has no place in the candidate's map.
 bool StartUp::follow(const UsableScan& scan, Candidate& candidate) const {
-  Track& track = candidate.track;
+  MappedTrajectory& track = candidate.track;
   auto found = register_scan(track.window(), track.prior, scan.bins, track.map, settings_);
   if (!found || !is_plausible(found->knots.back(), track.knots.back())) return false;
   candidate.registration = std::move(*found);
@@ -138,7 +139,7 @@ bool StartUp::follow_all() {
 // The first two scans were registered to each other alone, and are known worst. Now that more is known of the
 // velocity, they are registered again with it, and those after them.
 void StartUp::follow_again() {
-  const Track& best = candidates_.front().track;
+  const MappedTrajectory& best = candidates_.front().track;
   Vector6d varpi = best.knots[scans_[2].interval].varpi;  // the turn rate nearest to them
   varpi.head<3>() = best.knots.back().varpi.head<3>();
   auto registration = pair().register_near(varpi);
@@ -155,7 +156,7 @@ void StartUp::follow_again() {
 }
 
 // Points of the scan that the scans before it saw through.
-double StartUp::seen_through(const Track& track, const UsableScan& scan) const {
+double StartUp::seen_through(const MappedTrajectory& track, const UsableScan& scan) const {
   const KnotInterval interval(track.knots[scan.interval], track.knots[scan.interval + 1]);
   double through = 0;
   int scans = 0;
@@ -191,8 +192,8 @@ bool StartUp::is_ambiguous() const {
 }
 
 std::optional<Registration> StartUp::registered_jointly() {
-  Track& track = candidates_.front().track;
-  Track joint(sigma_m_);
+  MappedTrajectory& track = candidates_.front().track;
+  MappedTrajectory joint(sigma_m_);
   joint.knots = track.knots;
   joint.begin_anew_at(scans_.front().interval);
   std::vector<UsableScan> scans = scans_;

@@ -36,11 +36,11 @@ class StartUp {
 
   [[nodiscard]] bool decided() const { return decided_; }
   /// With the best motion so far; once decided, with the only one.
-  [[nodiscard]] const Track& best() const { return candidates_.front().track; }
+  [[nodiscard]] const MappedTrajectory& best() const { return candidates_.front().track; }
 
  private:
   struct Candidate {
-    Track track;
+    MappedTrajectory track;
     Registration registration;  // of the newest scan
     // Of the scans from the third on: agreeing points, less those that other scans saw through, less what the
     // motion costs by the prior.
@@ -53,7 +53,7 @@ class StartUp {
   bool follow_all();
   bool follow(const UsableScan& scan, Candidate& candidate) const;
   void follow_again();
-  [[nodiscard]] double seen_through(const Track& track, const UsableScan& scan) const;
+  [[nodiscard]] double seen_through(const MappedTrajectory& track, const UsableScan& scan) const;
   void keep_best();
   [[nodiscard]] bool is_ambiguous() const;
   std::optional<Registration> registered_jointly();
@@ -61,7 +61,7 @@ class StartUp {
 
   double map_radius_m_, sigma_m_;
   RegistrationSettings settings_;
-  Track unmoved_;                      // before anything was known
+  MappedTrajectory unmoved_;           // before anything was known
   std::vector<Candidate> candidates_;  // best first, one at least
   std::vector<UsableScan> scans_;
   bool decided_ = false;

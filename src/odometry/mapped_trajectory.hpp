@@ -47,8 +47,8 @@ struct InsertedScan {
 [[nodiscard]] bool is_plausible(const TrajectoryKnot& found, const TrajectoryKnot& prediction);
 
 /// A trajectory as far as it is known, and the map that its scans made.
-struct Track {
-  explicit Track(double sigma_m) : map(sigma_m) {}
+struct MappedTrajectory {
+  explicit MappedTrajectory(double sigma_m) : map(sigma_m) {}
 
   std::vector<TrajectoryKnot> knots;
   std::size_t window_begin = 0;  ///< first knot that can still change

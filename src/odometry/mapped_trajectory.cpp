@@ -1,4 +1,4 @@
-#include "odometry/track.hpp"
+#include "odometry/mapped_trajectory.hpp"
 
 #include <algorithm>
 
@@ -54,7 +54,7 @@ bool is_plausible(const TrajectoryKnot& found, const TrajectoryKnot& prediction)
          correction.tail<3>().norm() < kLargestTurnCorrection;
 }
 
-void Track::append_knots(const LidarScan& scan) {
+void MappedTrajectory::append_knots(const LidarScan& scan) {
   const Time end = end_of(scan);
   if (knots.empty()) {
     knots.push_back({start_of(scan), SE3(), Vector6d::Zero()});
@@ -65,7 +65,7 @@ void Track::append_knots(const LidarScan& scan) {
   knots.push_back(predicted(knots.back(), end));
 }
 
-void Track::accept(const Registration& registration) {
+void MappedTrajectory::accept(const Registration& registration) {
   std::copy(registration.knots.begin(), registration.knots.end(),
             knots.begin() + static_cast<std::ptrdiff_t>(window_begin));
   if (!marginalises) return;
@@ -73,7 +73,7 @@ void Track::accept(const Registration& registration) {
   prior = {knots.back(), registration.last_information};
 }
 
-Matrix12d Track::carry_by_prior(const RegistrationSettings& settings) {
+Matrix12d MappedTrajectory::carry_by_prior(const RegistrationSettings& settings) {
   const auto carried = register_scan(window(), prior, TimeBins({}, Time(), Time()), map, settings);
   if (carried) {
     accept(*carried);
@@ -84,12 +84,12 @@ Matrix12d Track::carry_by_prior(const RegistrationSettings& settings) {
   return Matrix12d::Zero();
 }
 
-void Track::begin_anew_at(std::size_t interval) {
+void MappedTrajectory::begin_anew_at(std::size_t interval) {
   window_begin = interval;
   prior = prior_of_first(knots[interval]);
 }
 
-void Track::insert(const UsableScan& scan, double map_radius_m) {
+void MappedTrajectory::insert(const UsableScan& scan, double map_radius_m) {
   const auto points_0 =
       points_in_world(scan.points, scan.start, knots[scan.interval], knots[scan.interval + 1]);
   const unsigned first_line = kLinesApart * inserted_scans_++;
@@ -105,7 +105,7 @@ void Track::insert(const UsableScan& scan, double map_radius_m) {
   if ((centre_0 - map_cleared_at_0_).norm() >= kForgetEvery) forget_edge(centre_0, map_radius_m);
 }
 
-void Track::forget_edge(const Eigen::Vector3d& centre_0, double map_radius_m) {
+void MappedTrajectory::forget_edge(const Eigen::Vector3d& centre_0, double map_radius_m) {
   map_cleared_at_0_ = centre_0;
   map.keep_within(centre_0, map_radius_m);
   // A cube that is forgotten and begun anew no longer has the points it had.
@@ -115,7 +115,7 @@ void Track::forget_edge(const Eigen::Vector3d& centre_0, double map_radius_m) {
   }
 }
 
-void Track::leave_out(const LidarScan& scan, const std::vector<std::uint16_t>& object) {
+void MappedTrajectory::leave_out(const LidarScan& scan, const std::vector<std::uint16_t>& object) {
   const auto kept = std::find_if(inserted_.begin(), inserted_.end(),
                                  [&](const InsertedScan& one) { return one.start == scan.start; });
   if (kept == inserted_.end() || object.size() != scan.returns.size()) return;
@@ -126,7 +126,7 @@ void Track::leave_out(const LidarScan& scan, const std::vector<std::uint16_t>& o
   });
 }
 
-void Track::clear_map() {
+void MappedTrajectory::clear_map() {
   map.clear();
   inserted_.clear();
 }
