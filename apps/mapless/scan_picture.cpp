@@ -12,7 +12,7 @@
 namespace mapless::app {
 namespace {
 
-constexpr int kWidth = 1600, kMargin = 20, kInnerWidth = kWidth - 2 * kMargin;
+constexpr int kPictureWidth = 1600, kMargin = 20, kInnerWidth = kPictureWidth - 2 * kMargin;
 constexpr int kBirdViewHeight = 780, kTitleHeight = 34, kTextScale = 2, kTextHeight = 7 * kTextScale;
 constexpr int kRangeImageHeight = 256;
 constexpr Color kBackground{13, 16, 22}, kPanel{20, 25, 33}, kText{205, 212, 222}, kFaint{96, 108, 124};
@@ -218,7 +218,7 @@ Canvas draw_scan(const LidarScan& scan, const std::vector<std::uint32_t>& labels
   const int row_height = std::max(2, kRangeImageHeight / scan.rows());
   const int range_height = options.range_image ? row_height * scan.rows() + kMargin : 0;
   const int bird_height = options.bird_view ? kBirdViewHeight + kMargin : 0;
-  Canvas canvas(kWidth, kMargin + kTitleHeight + range_height + bird_height + kTextHeight + kMargin,
+  Canvas canvas(kPictureWidth, kMargin + kTitleHeight + range_height + bird_height + kTextHeight + kMargin,
                 kBackground);
   canvas.text(kMargin, kMargin, options.title, kTextScale, kText);
   int y = kMargin + kTitleHeight;

@@ -22,7 +22,7 @@ constexpr double kPlaneStd_m = 0.035;     // range noise of both scans, and plan
 constexpr double kTurnRateStd_rps = 0.1;  // about any axis
 constexpr double kStartStd_mps = 3;       // keeps what the points do not tell near the start
 constexpr double kUnknownStd_mps = 50;    // of what they do not tell, in the result
-constexpr std::size_t kFewestSteps = 3;
+constexpr std::size_t kFewestIterations = 3;
 constexpr double kRobustScale = 2.4;     // standard deviations, of the Cauchy weight
 constexpr double kFirstScale_m = 0.3;    // of the weights, halved with every step
 constexpr double kSmallStep_m = 0.005;   // a step by less is the last
@@ -99,7 +99,7 @@ class Registration {
       const Vector6d step = solve(equations, motion, start);
       motion.velocity_0 += step.head<3>();
       motion.turn_rate_0 += step.tail<3>();
-      if (i + 1 > kFewestSteps && step.head<3>().norm() * interval_s_ < kSmallStep_m) break;
+      if (i + 1 > kFewestIterations && step.head<3>().norm() * interval_s_ < kSmallStep_m) break;
     }
     const NormalEquations equations = linearise(motion, kGates_m.back(), 0);
     const double unexplained = misfit(motion);

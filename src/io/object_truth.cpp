@@ -19,15 +19,15 @@ constexpr std::string_view kObjectsHead = "object_id,class,kind";
 constexpr std::string_view kStatesHead = "scan,object_id,time_s,x_m,y_m,z_m,vx_mps,vy_mps,vz_mps,speed_mps";
 
 // One line of a table of truth.
-struct Line : CsvLine {
+struct TruthLine : CsvLine {
   [[nodiscard]] std::uint32_t object_id(std::size_t cell) const {
     return static_cast<std::uint32_t>(
         integer(cell, "object_id", 1, std::numeric_limits<std::uint16_t>::max()));
   }
 };
 
-std::vector<Line> lines_of(const fs::path& file, std::string_view text, std::string_view head) {
-  std::vector<Line> out;
+std::vector<TruthLine> lines_of(const fs::path& file, std::string_view text, std::string_view head) {
+  std::vector<TruthLine> out;
   for (CsvLine& line : csv_lines(file, text, head, "restore the table of the original recording"))
     out.push_back({std::move(line)});
   return out;
@@ -35,7 +35,7 @@ std::vector<Line> lines_of(const fs::path& file, std::string_view text, std::str
 
 void read_descriptions(const fs::path& file, ObjectTruth& truth) {
   const std::string text = read_whole_file(file);
-  for (const Line& line : lines_of(file, text, kObjectsHead)) {
+  for (const TruthLine& line : lines_of(file, text, kObjectsHead)) {
     const ObjectDescription description{std::string(line.cells[1]), std::string(line.cells[2])};
     if (!truth.descriptions.emplace(line.object_id(0), description).second)
       line.refuse("object_id", line.cells[0], "given twice");
@@ -44,7 +44,7 @@ void read_descriptions(const fs::path& file, ObjectTruth& truth) {
 
 void read_states(const fs::path& file, ObjectTruth& truth) {
   const std::string text = read_whole_file(file);
-  for (const Line& line : lines_of(file, text, kStatesHead)) {
+  for (const TruthLine& line : lines_of(file, text, kStatesHead)) {
     const auto scan = static_cast<std::size_t>(line.integer(0, "scan", 0));
     const ObjectState state{line.time(2, "time_s"),
                             {line.number(3), line.number(4), line.number(5)},

@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kScansForEstimate = 8;
+constexpr std::size_t kScansForSensor = 8;
 constexpr std::size_t kFewestRings = 4;
 constexpr std::size_t kMostRings = 256;
 constexpr double kSlowest_hz = 1;
@@ -38,7 +38,7 @@ constexpr double kLargestMisfit = 0.15;
 std::vector<PcdPoints> scans_for_estimate(const std::vector<fs::path>& files) {
   std::set<std::size_t> chosen;
   const std::size_t last = files.size() - 1;
-  for (std::size_t i = 0; i < kScansForEstimate; ++i) chosen.insert(i * last / (kScansForEstimate - 1));
+  for (std::size_t i = 0; i < kScansForSensor; ++i) chosen.insert(i * last / (kScansForSensor - 1));
   std::vector<PcdPoints> scans;
   for (const std::size_t k : chosen) {
     try {

@@ -12,7 +12,7 @@
 namespace mapless {
 namespace {
 
-constexpr double kTwoPi = 2 * std::numbers::pi;
+constexpr double kTurn_rad = 2 * std::numbers::pi;
 // Long enough that horizontal origins and an encoder's rounding count little.
 constexpr double kShortestStep_rad = 0.1;
 constexpr double kLongestStep_rad = 0.5;
@@ -35,11 +35,12 @@ void add_rates(const TimedCloud& cloud, std::vector<double>& rates) {
     if (ring >= from.size()) from.resize(ring + 1);
     if (!from[ring]) from[ring] = i;
     const double step =
-        std::remainder(azimuth_of(cloud.points[i]) - azimuth_of(cloud.points[*from[ring]]), kTwoPi);
+        std::remainder(azimuth_of(cloud.points[i]) - azimuth_of(cloud.points[*from[ring]]), kTurn_rad);
     if (std::abs(step) < kShortestStep_rad) continue;
     const auto time_ns = static_cast<double>(cloud.times_ns[i] - cloud.times_ns[*from[ring]]);
     from[ring] = i;
-    if (std::abs(step) < kLongestStep_rad && time_ns > 0) rates.push_back(step / kTwoPi / (1e-9 * time_ns));
+    if (std::abs(step) < kLongestStep_rad && time_ns > 0)
+      rates.push_back(step / kTurn_rad / (1e-9 * time_ns));
   }
 }
 
@@ -60,7 +61,7 @@ std::vector<double> offsets_of_points(const TimedCloud& cloud, const std::vector
     const double across = across_of(model.lasers[static_cast<std::size_t>(row)]) / rho_m;
     const double turns = 1e-9 * static_cast<double>(cloud.times_ns[i] - first_ns) * model.rotation_rate_hz;
     offsets[i] = azimuth_of(cloud.points[i]) - std::asin(std::clamp(across, -1.0, 1.0)) -
-                 model.sign() * kTwoPi * turns;
+                 model.sign() * kTurn_rad * turns;
   }
   return offsets;
 }
@@ -82,7 +83,7 @@ void add_differences(const TimedCloud& cloud, const std::vector<int>& row_of_rin
     if (cloud.rings[i] != reference) continue;
     if (!around) around = offsets[i];
     of_reference[bin_of(cloud.times_ns[i] - first_ns, model)].push_back(
-        std::remainder(offsets[i] - *around, kTwoPi));
+        std::remainder(offsets[i] - *around, kTurn_rad));
   }
   if (!around) return;
   std::array<double, kBins> middle{};
@@ -93,7 +94,7 @@ void add_differences(const TimedCloud& cloud, const std::vector<int>& row_of_rin
     const std::size_t b = bin_of(cloud.times_ns[i] - first_ns, model);
     if (cloud.rings[i] < 0 || of_reference[b].empty()) continue;
     differences[static_cast<std::size_t>(cloud.rings[i])].push_back(
-        std::remainder(offsets[i] - middle[b], kTwoPi));
+        std::remainder(offsets[i] - middle[b], kTurn_rad));
   }
 }
 
@@ -135,7 +136,7 @@ bool find_whole_offsets(const std::vector<TimedCloud>& clouds, const std::vector
   }
   if (least > most) return false;
   const double centre = (least + most) / 2;
-  const double column = kTwoPi / model.columns;
+  const double column = kTurn_rad / model.columns;
   for (std::size_t ring = 0; ring < count; ++ring) {
     if (!offsets[ring]) continue;
     Laser& laser = model.lasers[static_cast<std::size_t>(row_of_ring[ring])];

@@ -10,7 +10,7 @@ namespace mapless {
 namespace {
 
 // So many that half of one, moved through to first order, errs by less than 0.1 mm at 200 deg/s and 30 m.
-constexpr std::int64_t kSteps = 256;
+constexpr std::int64_t kStepsPerScan = 256;
 
 struct Step {
   SE3 T_0v;
@@ -27,10 +27,10 @@ std::vector<Eigen::Vector3d> points_in_world(const std::vector<ScanPoint>& point
     first_ns = std::min<std::int64_t>(first_ns, p.time_ns);
     last_ns = std::max<std::int64_t>(last_ns, p.time_ns);
   }
-  const std::int64_t width_ns = (last_ns - first_ns) / kSteps + 1;
+  const std::int64_t width_ns = (last_ns - first_ns) / kStepsPerScan + 1;
   const auto middle_of = [&](std::int64_t s) { return first_ns + s * width_ns + width_ns / 2; };
-  std::vector<Step> steps(kSteps);
-  for (std::int64_t s = 0; s < kSteps; ++s) {
+  std::vector<Step> steps(kStepsPerScan);
+  for (std::int64_t s = 0; s < kStepsPerScan; ++s) {
     const Time t = scan_start + Duration::from_nanoseconds(middle_of(s));
     const TrajectoryState state = interpolate(k1, k2, t);
     steps[static_cast<std::size_t>(s)] = {state.T_v0.inverse(), state.varpi};

@@ -26,6 +26,7 @@ class VoteImage : public testing::Test {
   VoteImage() {
     parameters_.link_m = 100;
     parameters_.seed_score = 8;
+    parameters_.min_seeds = 3;
   }
   [[nodiscard]] std::size_t at(int laser, int column) const {
     return static_cast<std::size_t>(scan_.cell(laser, column));

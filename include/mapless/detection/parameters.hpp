@@ -145,8 +145,8 @@ struct VotingParameters {
   double link_per_m = 0.015;
   double link_spacings = 1.5;
   double vacated_m = 2.0;
-  int seed_score = 48;
-  int min_seeds = 3;
+  int seed_score = 40;
+  int min_seeds = 4;
   bool grow = true;
   double min_advance_m = 0.06;
 
