@@ -30,7 +30,7 @@ constexpr double kBetter = 0.1;               // in misfit: then the one expecte
 constexpr double kWrongStd_mps = 10;          // of an expected velocity that is wrong
 constexpr double kSplitStd_mps = 1;           // what comes off an object moves much as that does
 
-struct Track {
+struct FollowedObject {
   std::uint32_t id;
   std::size_t first_scan;
   ObjectMotion motion;
@@ -88,7 +88,7 @@ std::vector<Vector3d> starts(const ObjectView& now, const ObjectView& before) {
 
 // Since the object was last seen. It is looked for anew where little is known of it yet, or where what was
 // expected does not explain what is seen.
-RegisteredMotion newest_motion(Track& track, const ObjectView& now) {
+RegisteredMotion newest_motion(FollowedObject& track, const ObjectView& now) {
   const ObjectView& before = track.views.front();
   RegisteredMotion best = register_views(now, before, track.motion.velocity());
   const bool young = track.views.size() <= kYoung;
@@ -103,7 +103,7 @@ RegisteredMotion newest_motion(Track& track, const ObjectView& now) {
 }
 
 // A long time between two scans tells the velocity best, 0 where there is the newest alone.
-std::size_t oldest_to_register(const Track& track, Time now) {
+std::size_t oldest_to_register(const FollowedObject& track, Time now) {
   std::size_t oldest = 0;
   for (std::size_t i = 1; i < track.views.size(); ++i) {
     if ((now - track.views[i].time).seconds() <= kLongestInterval_s) oldest = i;
@@ -111,7 +111,7 @@ std::size_t oldest_to_register(const Track& track, Time now) {
   return oldest;
 }
 
-void observe(Track& track, const ObjectView& now) {
+void observe(FollowedObject& track, const ObjectView& now) {
   const auto seconds_since = [&](std::size_t past) { return (now.time - track.views[past].time).seconds(); };
   if (seconds_since(0) < kShortestInterval_s) return;
   const RegisteredMotion newest = newest_motion(track, now);
@@ -125,7 +125,7 @@ void observe(Track& track, const ObjectView& now) {
     observe_motion(oldest, register_views(now, track.views[oldest], track.motion.velocity()));
 }
 
-TrackedObject described(const Track& track, const ObjectView& view, int age) {
+TrackedObject described(const FollowedObject& track, const ObjectView& view, int age) {
   TrackedObject out;
   out.id = track.id;
   out.number = view.number;
@@ -152,11 +152,11 @@ class ObjectTracker::Implementation {
     std::vector<ObjectView> views = object_views(detection, trajectory);
     newest_start_ = start;
     forget_absent(start);
-    const std::vector<Track*> tracks = tracks_of(views, start);
+    const std::vector<FollowedObject*> tracks = tracks_of(views, start);
     std::vector<TrackedObject> out(views.size());
     // Every object is a track of its own.
     tbb::parallel_for(std::size_t{0}, views.size(), [&](std::size_t s) {
-      Track& track = *tracks[s];
+      FollowedObject& track = *tracks[s];
       out[s] = updated(track, views[s]);
       track.motion.remember(kViews);
       if (!track.views.empty()) track.views.front().sight.reset();  // the scan is not kept longer than needed
@@ -171,16 +171,17 @@ class ObjectTracker::Implementation {
 
  private:
   void forget_absent(Time now) {
-    const auto gone = [&](const Track& track) {
+    const auto gone = [&](const FollowedObject& track) {
       return (now - track.last_scan).seconds() > parameters_.longest_absence_s;
     };
     tracks_.erase(std::remove_if(tracks_.begin(), tracks_.end(), gone), tracks_.end());
   }
 
   // Known ones or new ones. All of them before any is updated: a part that comes off begins as the whole was.
-  [[nodiscard]] std::vector<Track*> tracks_of(const std::vector<ObjectView>& views, Time scan_start) {
+  [[nodiscard]] std::vector<FollowedObject*> tracks_of(const std::vector<ObjectView>& views,
+                                                       Time scan_start) {
     std::vector<ExpectedObject> known, seen;
-    for (const Track& track : tracks_) {
+    for (const FollowedObject& track : tracks_) {
       const double dt = (scan_start - track.last_scan).seconds();
       const double std_mps = std::sqrt(track.motion.velocity_covariance().diagonal().maxCoeff());
       known.push_back(expected_object(track.views.front(), dt * track.motion.velocity(), dt * std_mps));
@@ -188,7 +189,7 @@ class ObjectTracker::Implementation {
     }
     for (const ObjectView& view : views) seen.push_back(expected_object(view, Vector3d::Zero(), 0));
     const Association association = associate(known, seen);
-    std::vector<Track*> out;
+    std::vector<FollowedObject*> out;
     for (std::size_t s = 0; s < views.size(); ++s) {
       const auto& which = association.known[s];
       out.push_back(which ? &tracks_[*which] : &begun(views[s], association.parent[s]));
@@ -196,8 +197,8 @@ class ObjectTracker::Implementation {
     return out;
   }
 
-  Track& begun(const ObjectView& view, const std::optional<std::size_t>& parent) {
-    Track track = parent ? tracks_[*parent] : fresh(view);
+  FollowedObject& begun(const ObjectView& view, const std::optional<std::size_t>& parent) {
+    FollowedObject track = parent ? tracks_[*parent] : fresh(view);
     if (parent) track.motion.loosen(kSplitStd_mps);
     track.id = next_id_++;
     track.first_scan = scans_;
@@ -205,7 +206,7 @@ class ObjectTracker::Implementation {
     return tracks_.back();
   }
 
-  [[nodiscard]] Track fresh(const ObjectView& view) const {
+  [[nodiscard]] FollowedObject fresh(const ObjectView& view) const {
     const double variance = parameters_.unknown_speed_mps * parameters_.unknown_speed_mps;
     return {0,
             0,
@@ -215,13 +216,14 @@ class ObjectTracker::Implementation {
             {}};
   }
 
-  [[nodiscard]] TrackedObject updated(Track& track, const ObjectView& view) const {
+  [[nodiscard]] TrackedObject updated(FollowedObject& track, const ObjectView& view) const {
     if (!track.views.empty()) observe(track, view);
     return described(track, view, static_cast<int>(scans_ - track.first_scan) + 1);
   }
 
   TrackerParameters parameters_;
-  std::deque<Track> tracks_;  // by increasing id; a deque's elements stay where they are when it grows
+  std::deque<FollowedObject>
+      tracks_;  // by increasing id; a deque's elements stay where they are when it grows
   std::uint32_t next_id_ = 1;
   std::size_t scans_ = 0;
   Time newest_start_;
