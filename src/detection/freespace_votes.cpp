@@ -11,7 +11,8 @@
 namespace mapless {
 namespace {
 
-// Votes against a point that settle it where the points asked with it have as many: two scans of long ago.
+// Votes against a point that settle it where the points asked with it have as many: of the order in_order
+// gives, three scans, 32, 12 and 4 back.
 constexpr int kEnough = 2 * kMostSurfaceVotes;
 
 struct Witness {

@@ -186,8 +186,8 @@ struct VotingParameters {
         declare(&P::min_seeds, "min_seeds", "points", 1, 10000,
                 "a cluster of fewer seeds is static and does not grow", "method.md 2"),
         declare(&P::grow, "grow",
-                "seeds grow over linked points that some scan saw through, whatever the others say, or whose "
-                "votes are above 0",
+                "seeds grow over linked points whose votes are above 0, or that some scan saw through unless "
+                "most saw a surface there, and fill holes",
                 "paper step 5"),
         declare(
             &P::min_advance_m, "min_advance_m", "m", 0.0, 10.0,
