@@ -13,18 +13,16 @@ says, over all scans. What misses its bar is in bold.
 import argparse
 import json
 import pathlib
-import re
 import shutil
-import subprocess
-import sys
 
 import numpy as np
 from scipy.spatial.transform import Rotation, Slerp
 
+from shared import run, write_between_marks
+
 SCENES = ["town1", "town2", "highway", "forest", "tunnel", "flyer", "tilted", "crossing"]
 SENSORS = ["HDL-64E-S2", "VLP-16", "OS1-128"]
 POSES_PER_SCAN = 10
-BEGIN, END = "<!-- begin of odometry_drives.py -->", "<!-- end of odometry_drives.py -->"
 # Name of the column, format, and the bar it is held against.
 COLUMNS = [
     ("drift [%]", "{:.3f}", 0.3),
@@ -36,13 +34,6 @@ COLUMNS = [
     ("start [m]", "{:.3f}", 0.10),
     ("ms a scan", "{:.1f}", None),
 ]
-
-
-def run(command):
-    result = subprocess.run([str(word) for word in command], capture_output=True, text=True)
-    if result.returncode != 0:
-        sys.exit(f"{' '.join(map(str, command))}: {result.stderr.strip()}")
-    return result.stdout
 
 
 def simulate(options, scene, sensor):
@@ -134,11 +125,9 @@ def main():
             if not options.keep:
                 shutil.rmtree(folder)
     table = "\n".join(f"| {line} |" for line in lines)
-    text = f"{BEGIN}\n{table}\n\nWhat `mapless odometry` said of these drives itself:\n\n" + "\n".join(troubles) + f"\n{END}"
+    text = f"{table}\n\nWhat `mapless odometry` said of these drives itself:\n\n" + "\n".join(troubles)
     if options.write:
-        page = options.write.read_text()
-        pattern = re.escape(BEGIN) + ".*" + re.escape(END)
-        options.write.write_text(re.sub(pattern, lambda _: text, page, flags=re.DOTALL))
+        write_between_marks(options.write, "odometry_drives.py", text)
 
 
 if __name__ == "__main__":

@@ -20,7 +20,6 @@ import pathlib
 import platform
 import re
 import statistics
-import subprocess
 import sys
 import time
 
@@ -29,6 +28,9 @@ from scipy.spatial.transform import Rotation
 
 from recordings import scans
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent))
+from shared import run, write_between_marks  # noqa: E402
+
 SIMULATED = [
     ("town1", "HDL-64E-S2"),
     ("highway", "HDL-64E-S2"),
@@ -36,7 +38,6 @@ SIMULATED = [
     ("tunnel", "HDL-64E-S2"),
     ("town1", "VLP-16"),
 ]
-BEGIN, END = "<!-- begin of compare_odometry.py -->", "<!-- end of compare_odometry.py -->"
 COLUMNS = [
     "recording",
     "odometry",
@@ -48,13 +49,6 @@ COLUMNS = [
     "of all scans [m]",
     "ms a scan",
 ]
-
-
-def run(command):
-    result = subprocess.run([str(word) for word in command], capture_output=True, text=True)
-    if result.returncode != 0:
-        sys.exit(f"{' '.join(map(str, command))}: {result.stderr.strip()}")
-    return result.stdout
 
 
 def simulate(options, scene, sensor):
@@ -157,13 +151,6 @@ def document(options, rows):
     )
 
 
-def write(file, text):
-    old = file.read_text(encoding="utf-8")
-    before, rest = old.split(BEGIN)
-    after = rest.split(END)[1]
-    file.write_text(f"{before}{BEGIN}\n{text}\n{END}{after}", encoding="utf-8")
-
-
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--mapless", default="build/mapless", type=pathlib.Path)
@@ -183,7 +170,7 @@ def main():
     text = document(options, rows)
     print(text)
     if options.write:
-        write(options.write, text)
+        write_between_marks(options.write, "compare_odometry.py", text)
 
 
 if __name__ == "__main__":
