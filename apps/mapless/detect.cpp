@@ -1,31 +1,21 @@
-#include <chrono>
-#include <cmath>
-#include <functional>
 #include <optional>
 #include <string>
-#include <vector>
+#include <utility>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <tbb/global_control.h>
 
+#include "detection_run.hpp"
 #include "interrupt.hpp"
 #include "motion_source.hpp"
 #include "option_checks.hpp"
 #include "parameter_options.hpp"
-#include "progress.hpp"
 #include "recording_options.hpp"
 #include "run_summary.hpp"
-#include "scan_poses.hpp"
 #include "verbs.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/detection/detector.hpp>
-#include <mapless/detection/object_tracker.hpp>
-#include <mapless/geometry/compensated_scan.hpp>
 #include <mapless/io/atomic_file.hpp>
-#include <mapless/io/detection_labels.hpp>
-#include <mapless/io/labels.hpp>
-#include <mapless/io/object_table.hpp>
 #include <mapless/io/result_folder.hpp>
 #include <mapless/io/time_order.hpp>
 
@@ -41,6 +31,7 @@ struct DetectOptions {
   std::optional<std::size_t> count;
   std::optional<std::size_t> threads;
   bool odometry = false;
+  bool real_time = false;
   bool overwrite = false;
   bool json = false;
 };
@@ -58,99 +49,6 @@ std::size_t selected_count(const DetectOptions& options, const Dataset& dataset)
   }
   return count;
 }
-
-/// One run: scans in, files out.
-class DetectionRun {
- public:
-  DetectionRun(const Dataset& dataset, MotionSource& motion, const ResultFolder& result,
-               const DetectorParameters& parameters, RunSummary& summary, std::size_t first,
-               std::size_t count, std::function<void()> make_folder)
-      : dataset_(dataset),
-        motion_(motion),
-        result_(result),
-        detector_(parameters),
-        summary_(summary),
-        first_(first),
-        count_(count),
-        make_folder_(std::move(make_folder)),
-        progress_("scans") {}
-
-  /// False where it was interrupted: what is finished is written, what is not is not.
-  bool run() {
-    for (std::size_t k = first_; k < first_ + count_; ++k) {
-      if (InterruptGuard::requested()) return false;
-      if (!detect(motion_.add(read(k)))) return false;
-    }
-    if (!detect(motion_.flush())) return false;
-    while (const auto detection = detector_.flush()) {
-      if (InterruptGuard::requested()) return false;
-      finish_scan(*detection);
-    }
-    return true;
-  }
-
-  /// Poses and summary of the scans finished so far; nothing where not one was.
-  void write_outcome() {
-    progress_.clear();
-    if (!objects_) return;
-    write_kitti_poses(result_.kitti_poses(), poses_);
-    std::vector<TimedPose> rows = rows_;
-    append_last_pose(rows, motion_.trajectory(), last_end_);
-    write_tum_trajectory(result_.trajectory(), rows);
-    if (motion_.estimated()) summary_.set_odometry(motion_.report());
-    write_file_atomically(result_.summary(), summary_.text());
-  }
-
- private:
-  [[nodiscard]] std::shared_ptr<const LidarScan> read(std::size_t k) {
-    LidarScan scan = dataset_.read(k);
-    summary_.add_input(scan);
-    if (scan.compensated_to && !motion_.estimated()) scan = restore_measured_rays(scan, motion_.trajectory());
-    return std::make_shared<const LidarScan>(std::move(scan));
-  }
-
-  // Scans whose motion is known now: one after another, but for the first ones of an odometry.
-  bool detect(const std::vector<std::shared_ptr<const LidarScan>>& scans) {
-    for (const auto& scan : scans) {
-      if (InterruptGuard::requested()) return false;
-      if (const auto detection = detector_.process(scan, motion_.trajectory())) finish_scan(*detection);
-    }
-    return true;
-  }
-
-  void finish_scan(const Detection& detection) {
-    motion_.leave_out(detection);
-    if (!objects_) {
-      make_folder_();
-      objects_.emplace(result_.objects());
-    }
-    const auto start = std::chrono::steady_clock::now();
-    const std::vector<TrackedObject> objects = tracker_.process(detection, motion_.trajectory());
-    const std::chrono::duration<double> tracking = std::chrono::steady_clock::now() - start;
-    const std::size_t k = first_ + detection.sequence_number;
-    objects_->add(object_rows(k, objects));
-    write_stage_file(result_.stage_file(k), stage_masks_of(detection));
-    write_label_file(result_.label_file(k), labels_of(detection, objects));
-    summary_.add(detection, objects, tracking.count());
-    poses_.push_back({detection.scan->start, motion_.trajectory().at(detection.scan->start).T_v0});
-    last_end_ = detection.scan->end();
-    append_scan_poses(rows_, motion_.trajectory(), detection.scan->start, last_end_, kPosesPerScan);
-    progress_.update(summary_.scans(), count_);
-  }
-
-  const Dataset& dataset_;
-  MotionSource& motion_;
-  const ResultFolder& result_;
-  Detector detector_;
-  ObjectTracker tracker_;
-  std::optional<ObjectTableWriter> objects_;  // where the folder is made
-  RunSummary& summary_;
-  std::size_t first_, count_;
-  std::function<void()> make_folder_;
-  Progress progress_;
-  std::vector<TimedPose> poses_, rows_;  // at the start of each scan, and within it
-  Time last_end_;
-};
 
 void announce(const Dataset& dataset, const MotionSource& motion) {
   fmt::print(stderr, "mapless: format {}, sensor {}, {} scans\n", dataset.format(), dataset.model()->name,
@@ -231,9 +129,14 @@ int detect(const DetectOptions& options) {
     result.create(options.overwrite, summary.text());
     write_file_atomically(result.config(), configuration_text(options.parameters));
   };
-  DetectionRun run(*dataset, motion, result, parameters, summary, options.first, count, make_folder);
+  std::optional<RealTimePace> pace;
+  if (options.real_time) pace = pace_of(*dataset, options.first, count);
+  DetectionRun run(*dataset, motion, result, parameters, summary, {options.first, count},
+                   options.threads != 1, std::move(pace), make_folder);
   const bool complete = run_to_the_end(run, summary);
   if (const std::string trouble = motion.trouble(); !trouble.empty())
+    fmt::print(stderr, "mapless: {}\n", trouble);
+  if (const std::string trouble = summary.input_output_trouble(); !trouble.empty())
     fmt::print(stderr, "mapless: {}\n", trouble);
   return report(options, summary, complete);
 }
@@ -265,8 +168,15 @@ void add_detect(CLI::App& app, int& exit_code) {
       ->capture_default_str();
   verb->add_option("--count", options->count, "how many scans (all from the first on where not given)")
       ->check(whole_number(1));
+  verb->add_flag(
+      "--realtime", options->real_time,
+      fmt::format("play the recording at its own pace, as a robot would hear it: tells scans late, "
+                  "scans dropped (of more than {} waiting, the oldest), and the time from the last "
+                  "ray of a scan to its labels",
+                  RealTimePace::kQueue));
   verb->add_option("--threads", options->threads,
-                   "threads used (all cores where not given); the result is the same")
+                   "threads that detect (all cores where not given); reading and writing have one each "
+                   "besides. The result is the same")
       ->check(CLI::Range(1, 1024));
   verb->add_flag("--json", options->json, "print the summary as JSON");
   verb->callback([options, &exit_code] { exit_code = detect(*options); });

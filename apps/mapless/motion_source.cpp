@@ -1,5 +1,6 @@
 #include "motion_source.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include <fmt/format.h>
@@ -40,6 +41,16 @@ void MotionSource::use_odometry(const OdometryParameters& parameters) {
 
 const Trajectory& MotionSource::trajectory() const {
   return odometry_ ? odometry_->trajectory() : *source_.trajectory;
+}
+
+std::shared_ptr<const Trajectory> MotionSource::known_from(Time from) const {
+  if (!odometry_) return source_.trajectory;
+  const auto& knots = odometry_->knots();
+  auto first = std::upper_bound(knots.begin(), knots.end(), from,
+                                [](Time time, const TrajectoryKnot& knot) { return time < knot.time; });
+  if (first != knots.begin()) --first;
+  return std::make_shared<const GaussianProcessTrajectory>(std::vector<TrajectoryKnot>(first, knots.end()),
+                                                           "lidar odometry");
 }
 
 void MotionSource::count(const LidarScan& scan, const OdometryUpdate& update) {

@@ -39,6 +39,8 @@ class MotionSource {
   [[nodiscard]] bool estimated() const { return odometry_.has_value(); }
   /// Covers every scan that `add` or `flush` has returned.
   [[nodiscard]] const Trajectory& trajectory() const;
+  /// The same from `from` on, as it is now: whatever is added later does not change it.
+  [[nodiscard]] std::shared_ptr<const Trajectory> known_from(Time from) const;
   [[nodiscard]] const TrajectorySource& source() const { return source_; }
 
   /// The scans whose motion is known now, in order. Odometry keeps the first five until it has started.

@@ -85,7 +85,7 @@ Estimate estimate(const Dataset& dataset, const OdometryOptions& options, Motion
   const Trajectory& trajectory = motion.trajectory();
   for (const auto& [instant, length] : scans) {
     out.at_instants.push_back({instant, trajectory.at(instant).T_v0});
-    append_scan_poses(out.rows, trajectory, instant, instant + length, options.poses_per_scan);
+    append_poses(out.rows, scan_poses(trajectory, instant, instant + length, options.poses_per_scan));
   }
   if (options.poses_per_scan > 1) append_last_pose(out.rows, trajectory, trajectory.end());
   return out;

@@ -80,11 +80,11 @@ RunSummary::RunSummary(const Dataset& dataset, std::string recording, const Traj
       first_scan_(first_scan),
       selected_scans_(selected_scans) {}
 
-void RunSummary::add_input(const LidarScan& scan) {
+void RunSummary::set_input(const LidarScan& scan, bool was_compensated) {
   times_ = provenance_text(scan.time_source);
   rings_ = provenance_text(scan.ring_source);
   motion_compensation_ =
-      scan.compensated_to ? "of the recording, undone before detection" : "none in the recording";
+      was_compensated ? "of the recording, undone before detection" : "none in the recording";
 }
 
 void RunSummary::add(const Detection& detection, const std::vector<TrackedObject>& objects,
@@ -150,6 +150,8 @@ Json RunSummary::json() const {
               {"timing", timing_json(seconds_)},
               {"tracking", quantiles_json(tracking_ms_)},
               {"peak_memory_mb", peak_memory_mb()}};
+  if (input_output_) out["input_output"] = to_json(*input_output_);
+  if (real_time_) out["real_time"] = to_json(*real_time_);
   if (odometry_) out["odometry"] = odometry_json(*odometry_);
   if (!stopped_.empty()) out["stopped"] = stopped_;
   return out;
@@ -157,11 +159,12 @@ Json RunSummary::json() const {
 
 std::string RunSummary::lines() const {
   const std::vector<double> ms = milliseconds(seconds_, kTimingRows.back());
-  return fmt::format(
+  const std::string text = fmt::format(
       "{} scans, {} points, {} of them dynamic, {} objects (counted scan by scan; {} over time)\n"
       "{:.1f} ms a scan (median), {:.1f} ms (95 %), peak memory {:.0f} MB\n",
       seconds_.size(), points_, dynamic_points_, objects_, newest_id_, quantile(ms, 0.5).value_or(0),
       quantile(ms, 0.95).value_or(0), peak_memory_mb());
+  return real_time_ ? text + text_of(*real_time_) : text;
 }
 
 }  // namespace mapless::app

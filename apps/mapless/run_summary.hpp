@@ -9,8 +9,10 @@
 
 #include <nlohmann/json.hpp>
 
+#include "input_output_report.hpp"
 #include "json_text.hpp"
 #include "motion_source.hpp"
+#include "real_time_pace.hpp"
 #include <mapless/detection/detector.hpp>
 #include <mapless/detection/object_tracker.hpp>
 #include <mapless/io/dataset.hpp>
@@ -24,15 +26,20 @@ class RunSummary {
   RunSummary(const Dataset& dataset, std::string recording, const TrajectorySource& trajectory,
              std::string profile, std::size_t first_scan, std::size_t selected_scans);
 
-  /// Where the times and rings of the scans come from, and whether motion compensation was undone; `scan` as
-  /// it was read.
-  void add_input(const LidarScan& scan);
+  /// Where the times and rings of the scans come from, and whether motion compensation was undone.
+  void set_input(const LidarScan& scan, bool was_compensated);
   /// A scan's detection, its objects, and how long it took to follow them.
   void add(const Detection& detection, const std::vector<TrackedObject>& objects, double tracking_s);
   void set_odometry(const OdometryReport& report) { odometry_ = report; }
+  void set_input_output(const InputOutputReport& report) { input_output_ = report; }
+  void set_real_time(const RealTimeReport& report) { real_time_ = report; }
   void set_complete() { complete_ = true; }
   void set_stopped(std::string reason) { stopped_ = std::move(reason); }
 
+  /// A line for people, empty where reading and writing did not hold detection back.
+  [[nodiscard]] std::string input_output_trouble() const {
+    return input_output_ ? trouble(*input_output_) : "";
+  }
   [[nodiscard]] std::size_t scans() const { return seconds_.size(); }
   [[nodiscard]] nlohmann::ordered_json json() const;
   /// Text of summary.json.
@@ -51,6 +58,8 @@ class RunSummary {
   std::vector<StageSeconds> seconds_;
   std::vector<double> tracking_ms_;
   std::optional<OdometryReport> odometry_;
+  std::optional<InputOutputReport> input_output_;
+  std::optional<RealTimeReport> real_time_;
   bool complete_ = false;
   std::string stopped_;
 };

@@ -28,8 +28,8 @@ TEST(BenchmarkSpeed, TellsEveryStageBesideTheYardstick) {
   EXPECT_EQ(sensor["scans"], 50 - 33);
   std::map<std::string, nlohmann::json> rows;
   for (const auto& row : sensor["rows"]) rows[row["name"]] = row;
-  for (const char* name :
-       {"compensation", "backward", "box filter", "region growth", "detection", "odometry", "yardstick"}) {
+  for (const char* name : {"compensation", "backward", "box filter", "region growth", "detection", "odometry",
+                           "pipeline", "on two threads", "objects", "yardstick"}) {
     SCOPED_TRACE(name);
     ASSERT_EQ(rows.count(name), 1u);
     const nlohmann::json& row = rows[name];
@@ -39,10 +39,15 @@ TEST(BenchmarkSpeed, TellsEveryStageBesideTheYardstick) {
     EXPECT_LE(row["p95_ms"], row["p99_ms"]);
     EXPECT_NEAR(row["ns_per_ray"], median_ms * 1e6 / rays, 1e-6);
   }
-  EXPECT_EQ(rows.size(), 7u);
+  EXPECT_EQ(rows.size(), 10u);
   EXPECT_DOUBLE_EQ(rows["yardstick"]["yardsticks"], 1);
   EXPECT_DOUBLE_EQ(rows["detection"]["share_of_detection"], 1);
   EXPECT_LT(rows["backward"]["median_ms"], rows["detection"]["median_ms"]);
+  EXPECT_LT(rows["odometry"]["median_ms"], rows["pipeline"]["median_ms"]);
+  ASSERT_EQ(sensor["threads"].size(), 2u);
+  EXPECT_EQ(sensor["threads"][0]["side_by_side"], false);
+  EXPECT_EQ(sensor["threads"][1]["threads"], 2);
+  EXPECT_EQ(sensor["threads"][1]["median_ms"], rows["on two threads"]["median_ms"]);
 }
 
 TEST(BenchmarkSpeed, ADriveTooShortIsRefused) {

@@ -137,6 +137,14 @@ TEST_F(DetectTest, SummaryTellsWhatWasReadAndUsed) {
   }
   EXPECT_EQ(s["timing"]["forward"]["p99_ms"], 0.0) << "causal: no forward check";
   EXPECT_GT(s["peak_memory_mb"], 0.0);
+  for (const char* side : {"reading", "writing"}) {
+    const auto& row = s["input_output"][side];
+    EXPECT_GT(row["busy_s"], 0.0) << side;
+    EXPECT_LE(row["waited_s"], s["input_output"]["run_s"]) << side;
+    EXPECT_NEAR(row["waited_share"].get<double>() * s["input_output"]["run_s"].get<double>(), row["waited_s"],
+                1e-9);
+  }
+  EXPECT_FALSE(s.contains("real_time"));
 }
 
 TEST_F(DetectTest, ConfigurationOfAResultReadsBack) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -46,8 +47,12 @@ class JobRun {
   bool run() {
     const std::size_t count = std::min(dataset_.size(), job_.first_scans.value_or(dataset_.size()));
     for (std::size_t k = 0; k < count; ++k) {
-      if (!detect(motion_.add(std::make_shared<const LidarScan>(dataset_.read(k))))) return false;
+      const auto scans = motion_.add(std::make_shared<const LidarScan>(dataset_.read(k)));
+      leave_out_found();
+      if (!detect(scans)) return false;
+      if (scans.size() > 1) leave_out_found();
     }
+    leave_out_found();
     if (!detect(motion_.flush())) return false;
     while (const auto detection = detector_.flush()) {
       if (InterruptGuard::requested()) return false;
@@ -86,8 +91,13 @@ class JobRun {
     return true;
   }
 
+  // After the next scan's odometry, as DetectionRun does, where the two go side by side.
+  void leave_out_found() {
+    for (const Detection& detection : std::exchange(found_, {})) motion_.leave_out(detection);
+  }
+
   void finish_scan(const Detection& detection) {
-    motion_.leave_out(detection);
+    if (motion_.estimated()) found_.push_back(detection);
     const std::size_t k = detection.sequence_number;
     const auto truth = dataset_.read_labels(k).value();
     for (std::size_t s = 0; s < kStageCount; ++s) {
@@ -128,6 +138,7 @@ class JobRun {
   MotionSource motion_;
   Detector detector_;
   Evaluator evaluator_;
+  std::vector<Detection> found_;  // since the last scan went through odometry
   const std::function<void()>& scan_done_;
   std::array<PrecisionRecall, kStageCount> after_stage_;
   std::vector<StageSeconds> seconds_;

@@ -1,0 +1,65 @@
+#include "benchmark/speed_pipeline.hpp"
+
+#include <algorithm>
+
+#include "benchmark/milliseconds.hpp"
+
+namespace mapless::app {
+namespace {
+
+constexpr std::ptrdiff_t kKnotsOfAScan = 4;  // its own, the one before, and those of a gap
+
+// The motion during the newest scan, as odometry knows it now.
+GaussianProcessTrajectory newest_motion(const LidarOdometry& odometry) {
+  const auto& knots = odometry.knots();
+  const auto count = std::min(kKnotsOfAScan, static_cast<std::ptrdiff_t>(knots.size()));
+  return {{knots.end() - count, knots.end()}, "lidar odometry"};
+}
+
+void leave_out(LidarOdometry& odometry, const std::optional<Detection>& found) {
+  if (found) odometry.leave_out(*found->scan, found->object);
+}
+
+}  // namespace
+
+SpeedPipeline::SpeedPipeline(int threads, bool side_by_side, const DetectorParameters& detector,
+                             const OdometryParameters& odometry)
+    : threads_(threads),
+      side_by_side_(side_by_side),
+      detector_(detector),
+      odometry_(odometry),
+      arena_(std::max(1, side_by_side ? threads - 1 : threads)) {}
+
+void SpeedPipeline::add(const std::shared_ptr<const LidarScan>& scan, bool count) {
+  double odometry_ms = 0;
+  const double ms = milliseconds_of([&] {
+    if (side_by_side_) {
+      beside_each_other(scan);
+    } else {
+      arena_.execute([&] { after_one_another(scan, odometry_ms); });
+    }
+  });
+  if (!count) return;
+  milliseconds_.push_back(ms);
+  odometry_ms_.push_back(odometry_ms);
+}
+
+void SpeedPipeline::after_one_another(const std::shared_ptr<const LidarScan>& scan, double& odometry_ms) {
+  odometry_ms = milliseconds_of([&] { odometry_.process(scan); });
+  leave_out(odometry_, detector_.process(scan, odometry_.trajectory()));
+}
+
+// What is found moving leaves the map after the next scan has been registered.
+void SpeedPipeline::beside_each_other(const std::shared_ptr<const LidarScan>& scan) {
+  std::optional<Detection> found;
+  if (before_) {
+    side_.start([&] { arena_.execute([&] { found = detector_.process(before_, *motion_before_); }); });
+  }
+  odometry_arena_.execute([&] { odometry_.process(scan); });
+  if (before_) side_.wait();
+  leave_out(odometry_, found);
+  before_ = scan;
+  motion_before_ = newest_motion(odometry_);
+}
+
+}  // namespace mapless::app

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <condition_variable>
+#include <cstddef>
+#include <deque>
+#include <mutex>
+#include <optional>
+#include <utility>
+
+namespace mapless::app {
+
+/// Hands things from one thread to another, in order. At most `capacity` of them wait in it.
+template <class T>
+class BoundedQueue {
+ public:
+  explicit BoundedQueue(std::size_t capacity) : capacity_(capacity) {}
+
+  /// Waits while the queue is full. False where it is closed: the thing is not taken.
+  bool push(T thing) {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] { return closed_ || things_.size() < capacity_; });
+    if (closed_) return false;
+    things_.push_back(std::move(thing));
+    changed_.notify_all();
+    return true;
+  }
+
+  /// Waits while the queue is empty and open. Nothing where it is closed and empty.
+  std::optional<T> pop() {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] { return closed_ || !things_.empty(); });
+    if (things_.empty()) return std::nullopt;
+    std::optional<T> thing(std::move(things_.front()));
+    things_.pop_front();
+    changed_.notify_all();
+    return thing;
+  }
+
+  /// Nothing more is taken; what waits still comes out.
+  void close() {
+    const std::lock_guard lock(mutex_);
+    closed_ = true;
+    changed_.notify_all();
+  }
+  /// Nothing more is taken, nor comes out.
+  void abandon() {
+    const std::lock_guard lock(mutex_);
+    closed_ = true;
+    things_.clear();
+    changed_.notify_all();
+  }
+
+ private:
+  std::size_t capacity_;
+  std::mutex mutex_;  // of the rest
+  std::condition_variable changed_;
+  std::deque<T> things_;
+  bool closed_ = false;
+};
+
+}  // namespace mapless::app

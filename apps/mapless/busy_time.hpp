@@ -1,0 +1,39 @@
+#pragma once
+
+#include <chrono>
+#include <ctime>
+
+namespace mapless::app {
+
+/// How long a thread was at some work, and how long of that it computed; the rest of the time it waited for
+/// the disk, or for a processor.
+struct BusyTime {
+  double wall_s = 0;
+  double processor_s = 0;
+
+  /// Adds its own life.
+  class Measure {
+   public:
+    explicit Measure(BusyTime& to)
+        : to_(to), start_(std::chrono::steady_clock::now()), processor_start_s_(processor_seconds()) {}
+    ~Measure() {
+      to_.wall_s += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+      to_.processor_s += processor_seconds() - processor_start_s_;
+    }
+    Measure(const Measure&) = delete;
+    Measure& operator=(const Measure&) = delete;
+
+   private:
+    static double processor_seconds() {
+      timespec now = {};
+      clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+      return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+    }
+
+    BusyTime& to_;
+    std::chrono::steady_clock::time_point start_;
+    double processor_start_s_;
+  };
+};
+
+}  // namespace mapless::app
