@@ -14,8 +14,9 @@ asan) # all but whole scenes and all but three drives: they take minutes here, a
   GTEST_FILTER="$GTEST_FILTER:LidarOdometry.ADropped*:Scene.ALonger*:Scene.AnotherSeed*"
   GTEST_FILTER="$GTEST_FILTER:BenchmarkTest.Same*:BenchmarkTest.ARecording*:BenchmarkTest.Own*:Odometry.WritesThe*" ;;
 tsan) # what runs on several threads, but for Embree's own, which are not instrumented
-  targets="geometry_tests odometry_tests detection_tests io_tests"
-  GTEST_FILTER='*Threads*:*OneThread*:Compensate.*:RestoreMeasuredRays.*:PointcloudComparison.*:Walls.*:Mdlidar*' ;;
+  targets="geometry_tests odometry_tests detection_tests io_tests apps_tests"
+  GTEST_FILTER='*Threads*:*OneThread*:Compensate.*:RestoreMeasuredRays.*:PointcloudComparison.*:Walls.*:Mdlidar*'
+  GTEST_FILTER="$GTEST_FILTER:-Benchmark*:Simulate.*" ;; # these cast rays
 *)
   echo "scripts/check_sanitizer.sh: $1: no such preset; use asan or tsan" >&2
   exit 2 ;;

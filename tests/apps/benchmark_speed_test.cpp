@@ -1,11 +1,18 @@
 #include <map>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "benchmark/speed_drive.hpp"
+#include "benchmark/speed_plots.hpp"
 #include "support/command.hpp"
+#include "support/temporary_folder.hpp"
+#include <mapless/core/errors.hpp>
+#include <mapless/io/atomic_file.hpp>
 #include <mapless/lidar/lidar_model.hpp>
 
 namespace mapless {
@@ -16,8 +23,9 @@ using test::run_command;
 using testing::HasSubstr;
 
 TEST(BenchmarkSpeed, TellsEveryStageBesideTheYardstick) {
-  const CommandResult result =
-      run_command({"benchmark", "--speed", "--sensors", "VLP-16", "--duration-s", "5", "--json"});
+  const test::TemporaryFolder folder;
+  const CommandResult result = run_command({"benchmark", "--speed", "--sensors", "VLP-16", "--duration-s",
+                                            "5", "--json", "--threads", "2", "-o", folder / "speed"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const auto all = nlohmann::json::parse(result.out);
   ASSERT_EQ(all["sensors"].size(), 1u);
@@ -44,10 +52,13 @@ TEST(BenchmarkSpeed, TellsEveryStageBesideTheYardstick) {
   EXPECT_DOUBLE_EQ(rows["detection"]["share_of_detection"], 1);
   EXPECT_LT(rows["backward"]["median_ms"], rows["detection"]["median_ms"]);
   EXPECT_LT(rows["odometry"]["median_ms"], rows["pipeline"]["median_ms"]);
-  ASSERT_EQ(sensor["threads"].size(), 2u);
+  ASSERT_EQ(sensor["threads"].size(), 3u) << "1 and 2 one after the other, 2 side by side";
   EXPECT_EQ(sensor["threads"][0]["side_by_side"], false);
   EXPECT_EQ(sensor["threads"][1]["threads"], 2);
   EXPECT_EQ(sensor["threads"][1]["median_ms"], rows["on two threads"]["median_ms"]);
+  EXPECT_EQ(read_whole_file(folder / "speed" / "speed.json"), result.out);
+  for (const char* file : {"time_against_rays.png", "time_against_threads.png"})
+    EXPECT_THAT(read_whole_file(folder / "speed" / file), testing::StartsWith("\x89PNG")) << file;
 }
 
 TEST(BenchmarkSpeed, ADriveTooShortIsRefused) {
@@ -55,6 +66,45 @@ TEST(BenchmarkSpeed, ADriveTooShortIsRefused) {
   EXPECT_NE(result.exit_code, 0);
   EXPECT_THAT(result.err, HasSubstr("--duration-s"));
   EXPECT_THAT(result.err, HasSubstr("too short"));
+}
+
+TEST(BenchmarkSpeed, AnOusterHasAsManyColumnsAsAsked) {
+  EXPECT_EQ(app::sensor_of("OS1-128x2048").columns, 2048);
+  EXPECT_EQ(app::sensor_of("OS1-128x2048").lasers.size(), 128u);
+  EXPECT_EQ(app::sensor_of("OS1-128").columns, 1024);
+  for (const char* name : {"OS1-128x", "OS1-128x0", "OS1-128x12k", "VLP-16x900", "OS2x12"})
+    EXPECT_THROW((void)app::sensor_of(name), ParameterError) << name;
+}
+
+// Two sensors, the larger first.
+nlohmann::ordered_json made_figures() {
+  const auto rows = [](double ms) {
+    nlohmann::ordered_json all;
+    for (const char* name : {"pipeline", "on two threads", "detection", "odometry"})
+      all.push_back({{"name", name}, {"median_ms", ms++}});
+    return all;
+  };
+  const nlohmann::ordered_json threads = {{{"threads", 1}, {"side_by_side", false}, {"median_ms", 60}},
+                                          {{"threads", 2}, {"side_by_side", true}, {"median_ms", 40}},
+                                          {{"threads", 2}, {"side_by_side", false}, {"median_ms", 50}}};
+  return {{"scene", "town1"},
+          {"sensors",
+           {{{"sensor", "B"}, {"rays", 100'000}, {"rows", rows(60)}, {"threads", threads}},
+            {{"sensor", "A"}, {"rays", 30'000}, {"rows", rows(20)}, {"threads", threads}}}}};
+}
+
+TEST(BenchmarkSpeed, PlotsTimeAgainstRaysAndThreads) {
+  const app::Plot rays = app::time_against_rays(made_figures());
+  ASSERT_EQ(rays.lines.size(), 4u);
+  EXPECT_EQ(rays.lines[0].point_names, (std::vector<std::string>{"A", "B"}));
+  using Points = std::vector<std::pair<double, double>>;
+  EXPECT_EQ(rays.lines[0].points, (Points{{30, 20}, {100, 60}}));
+  EXPECT_EQ(rays.lines[3].points, (Points{{30, 23}, {100, 63}}));
+  EXPECT_GE(rays.y.to, 63);
+  const app::Plot threads = app::time_against_threads(made_figures());
+  ASSERT_EQ(threads.lines.size(), 2u);
+  EXPECT_EQ(threads.lines[0].points, (Points{{1, 60}, {2, 50}}));
+  EXPECT_EQ(threads.lines[1].points, (Points{{2, 40}}));
 }
 
 TEST(BenchmarkSpeed, WithoutItAnOutputIsRequired) {

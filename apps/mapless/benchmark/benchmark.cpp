@@ -18,6 +18,7 @@
 #include "benchmark/plan.hpp"
 #include "benchmark/recording_store.hpp"
 #include "benchmark/speed.hpp"
+#include "benchmark/speed_plots.hpp"
 #include "benchmark/work_pool.hpp"
 #include "interrupt.hpp"
 #include "json_text.hpp"
@@ -123,6 +124,22 @@ int report_interrupt(std::size_t finished, std::size_t of) {
   return InterruptGuard::exit_code();
 }
 
+std::size_t threads_of(const BenchmarkOptions& options) {
+  return options.threads.value_or(static_cast<std::size_t>(tbb::info::default_concurrency()));
+}
+
+void write_speed(const Json& measured, const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) {
+    throw OutputError({folder.string(), "output folder", "", "cannot make it: " + error.message(),
+                       "choose a folder you may write to"});
+  }
+  write_file_atomically(folder / "speed.json", json_text(measured));
+  time_against_rays(measured).png().write_png(folder / "time_against_rays.png");
+  time_against_threads(measured).png().write_png(folder / "time_against_threads.png");
+}
+
 int benchmark_speed(const BenchmarkOptions& options) {
   SpeedOptions speed;
   if (!options.plan.sensors.empty()) speed.sensors = options.plan.sensors;
@@ -131,10 +148,13 @@ int benchmark_speed(const BenchmarkOptions& options) {
   if (!options.plan.seeds.empty()) speed.seed = options.plan.seeds.front();
   speed.detector = options.plan.parameters.chosen();
   speed.odometry = options.plan.parameters.odometry();
+  if (options.threads || !options.output.empty()) speed.most_threads = static_cast<int>(threads_of(options));
   const InterruptGuard interrupt;
   const Json measured = measure_speed(speed);
   fmt::print("{}", options.json ? json_text(measured) : speed_text(measured));
-  return InterruptGuard::requested() ? InterruptGuard::exit_code() : 0;
+  if (InterruptGuard::requested()) return InterruptGuard::exit_code();
+  if (!options.output.empty()) write_speed(measured, options.output);
+  return 0;
 }
 
 int benchmark(const BenchmarkOptions& options) {
@@ -142,8 +162,7 @@ int benchmark(const BenchmarkOptions& options) {
   if (options.output.empty()) throw CLI::RequiredError("--output");
   const std::vector<Job> jobs = make_plan(options.plan);
   for (const Job& job : jobs) static_cast<void>(scans_of(job));  // throws for what is too short
-  const std::size_t threads =
-      options.threads.value_or(static_cast<std::size_t>(tbb::info::default_concurrency()));
+  const std::size_t threads = threads_of(options);
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
 
   const BenchmarkFolder folder(options.output, build_digest());
@@ -200,8 +219,10 @@ void add_benchmark(CLI::App& app, int& exit_code) {
   add_table_options(*verb, options->plan);
   auto* speed =
       verb->add_flag("--speed", options->speed,
-                     "instead: the time of every stage on one thread, against building and asking a "
-                     "k-d tree in the same run (with --scenes: the first; nothing is written)");
+                     "instead: the time of every stage on one thread, and of odometry and detection "
+                     "together on one and two, against building and asking a k-d tree in the same run. With "
+                     "--scenes: the first; --sensors also takes OS1-128x2048 and the like; --output: also "
+                     "speed.json, and plots of time against rays and against up to --threads threads");
   verb->add_flag("--json", options->json, "the figures of --speed as JSON")->needs(speed);
   add_parameter_options(*verb, options->plan.parameters);
   verb->add_option(
