@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <ctime>
+#include <utility>
 
 namespace mapless::app {
 
@@ -10,6 +11,9 @@ namespace mapless::app {
 struct BusyTime {
   double wall_s = 0;
   double processor_s = 0;
+
+  [[nodiscard]] double wall_ms() const { return 1e3 * wall_s; }
+  [[nodiscard]] double processor_ms() const { return 1e3 * processor_s; }
 
   /// Adds its own life.
   class Measure {
@@ -35,5 +39,16 @@ struct BusyTime {
     double processor_start_s_;
   };
 };
+
+/// Runs `step` on this thread and tells how long it took.
+template <class Step>
+BusyTime busy_time_of(Step&& step) {
+  BusyTime time;
+  {
+    const BusyTime::Measure measure(time);
+    std::forward<Step>(step)();
+  }
+  return time;
+}
 
 }  // namespace mapless::app

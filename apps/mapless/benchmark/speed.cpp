@@ -1,5 +1,6 @@
 #include "benchmark/speed.hpp"
 
+#include <algorithm>
 #include <array>
 #include <memory>
 #include <optional>
@@ -8,9 +9,9 @@
 #include <fmt/format.h>
 #include <tbb/task_arena.h>
 
-#include "benchmark/milliseconds.hpp"
 #include "benchmark/speed_drive.hpp"
 #include "benchmark/speed_pipeline.hpp"
+#include "busy_time.hpp"
 #include "interrupt.hpp"
 #include "progress.hpp"
 #include <mapless/core/errors.hpp>
@@ -29,7 +30,7 @@ constexpr int kYardstickEvery = 5;
 
 struct Times {
   std::vector<StageSeconds> stages;
-  std::vector<double> detection_ms, objects_ms, yardstick_ms;
+  std::vector<BusyTime> detection, objects, yardstick;
 };
 
 /// Everything measured of one sensor, scan by scan and side by side, so that what else the machine does meets
@@ -72,20 +73,19 @@ class SensorRun {
  private:
   void measure_detection(const std::shared_ptr<const LidarScan>& scan, int k) {
     std::optional<Detection> found;
-    const double detection_ms =
-        milliseconds_of([&] { found = detector_.process(scan, drive_.trajectory()); });
+    const BusyTime detection = busy_time_of([&] { found = detector_.process(scan, drive_.trajectory()); });
     if (!found) return;
-    const double objects_ms = milliseconds_of([&] { tracker_.process(*found, drive_.trajectory()); });
+    const BusyTime objects = busy_time_of([&] { tracker_.process(*found, drive_.trajectory()); });
     if (k < kFirstScan) return;
     times_.stages.push_back(found->seconds);
-    times_.detection_ms.push_back(detection_ms);
-    times_.objects_ms.push_back(objects_ms);
+    times_.detection.push_back(detection);
+    times_.objects.push_back(objects);
     if (k % kYardstickEvery == 0) take_yardstick(scan);
   }
 
   void take_yardstick(const std::shared_ptr<const LidarScan>& scan) {
     auto points = compensate(scan, drive_.trajectory()).points_0;
-    if (!before_.empty()) times_.yardstick_ms.push_back(yardstick_ms(before_, points));
+    if (!before_.empty()) times_.yardstick.push_back(yardstick(before_, points));
     before_ = std::move(points);
   }
 
@@ -99,26 +99,55 @@ class SensorRun {
   Times times_;
 };
 
-Json row(const std::string& name, const std::vector<double>& ms, std::size_t rays, double detection,
-         double yardstick) {
-  const auto of = [&](double q) { return quantile(ms, q).value_or(0); };
-  return {{"name", name},
-          {"median_ms", of(0.5)},
-          {"p95_ms", of(0.95)},
-          {"p99_ms", of(0.99)},
-          {"ns_per_ray", of(0.5) * 1e6 / static_cast<double>(rays)},
-          {"share_of_detection", of(0.5) / detection},
-          {"yardsticks", of(0.5) / yardstick}};
+std::vector<double> wall_ms(const std::vector<BusyTime>& times) {
+  std::vector<double> ms(times.size());
+  std::transform(times.begin(), times.end(), ms.begin(), [](const BusyTime& t) { return t.wall_ms(); });
+  return ms;
 }
+
+double median_processor_ms(const std::vector<BusyTime>& times) {
+  std::vector<double> ms(times.size());
+  std::transform(times.begin(), times.end(), ms.begin(), [](const BusyTime& t) { return t.processor_ms(); });
+  return quantile(ms, 0.5).value_or(0);
+}
+
+/// Rows beside those of detection and the yardstick.
+class RowMaker {
+ public:
+  explicit RowMaker(const SensorRun& run)
+      : rays_(static_cast<double>(run.rays())),
+        detection_ms_(quantile(wall_ms(run.times().detection), 0.5).value_or(0)),
+        yardstick_ms_(quantile(wall_ms(run.times().yardstick), 0.5).value_or(0)),
+        yardstick_processor_ms_(median_processor_ms(run.times().yardstick)) {}
+
+  /// Of a stage, of which there is the wall time alone.
+  [[nodiscard]] Json of_stage(const std::string& name, const std::vector<double>& ms) const {
+    const auto of = [&](double q) { return quantile(ms, q).value_or(0); };
+    return {{"name", name},
+            {"median_ms", of(0.5)},
+            {"p95_ms", of(0.95)},
+            {"p99_ms", of(0.99)},
+            {"ns_per_ray", of(0.5) * 1e6 / rays_},
+            {"share_of_detection", of(0.5) / detection_ms_},
+            {"processor_ms", nullptr},
+            {"yardsticks", of(0.5) / yardstick_ms_}};
+  }
+  [[nodiscard]] Json of(const std::string& name, const std::vector<BusyTime>& times) const {
+    Json row = of_stage(name, wall_ms(times));
+    const double processor_ms = median_processor_ms(times);
+    row["processor_ms"] = processor_ms;
+    row["yardsticks"] = processor_ms / yardstick_processor_ms_;
+    return row;
+  }
+
+ private:
+  double rays_, detection_ms_, yardstick_ms_, yardstick_processor_ms_;
+};
 
 Json rows(const SensorRun& run) {
   const Times& times = run.times();
-  const double detection = quantile(times.detection_ms, 0.5).value_or(0);
-  const double yardstick = quantile(times.yardstick_ms, 0.5).value_or(0);
+  const RowMaker make(run);
   Json all = Json::array();
-  const auto add = [&](const char* name, const std::vector<double>& ms) {
-    all.push_back(row(name, ms, run.rays(), detection, yardstick));
-  };
   using Stage = std::pair<const char*, double StageSeconds::*>;
   constexpr std::array kStages = {Stage{"compensation", &StageSeconds::compensation},
                                   Stage{"neighbours", &StageSeconds::neighbours},
@@ -131,14 +160,14 @@ Json rows(const SensorRun& run) {
   for (const auto& [name, stage] : kStages) {
     std::vector<double> ms;
     for (const StageSeconds& s : times.stages) ms.push_back(1e3 * s.*stage);
-    if (quantile(ms, 1).value_or(0) > 0) add(name, ms);  // the method has the stage
+    if (quantile(ms, 1).value_or(0) > 0) all.push_back(make.of_stage(name, ms));  // the method has the stage
   }
-  add("detection", times.detection_ms);
-  add("odometry", run.pipelines()[0]->odometry_ms());
-  add("pipeline", run.pipelines()[0]->milliseconds());
-  add("on two threads", run.pipelines()[1]->milliseconds());
-  add("objects", times.objects_ms);
-  add("yardstick", times.yardstick_ms);
+  all.push_back(make.of("detection", times.detection));
+  all.push_back(make.of("odometry", run.pipelines()[0]->odometry_times()));
+  all.push_back(make.of("pipeline", run.pipelines()[0]->times()));
+  all.push_back(make.of("on two threads", run.pipelines()[1]->times()));
+  all.push_back(make.of("objects", times.objects));
+  all.push_back(make.of("yardstick", times.yardstick));
   return all;
 }
 
@@ -147,7 +176,7 @@ Json threads_json(const SensorRun& run) {
   for (const auto& pipeline : run.pipelines()) {
     all.push_back({{"threads", pipeline->threads()},
                    {"side_by_side", pipeline->side_by_side()},
-                   {"median_ms", quantile(pipeline->milliseconds(), 0.5).value_or(0)}});
+                   {"median_ms", quantile(wall_ms(pipeline->times()), 0.5).value_or(0)}});
   }
   return all;
 }
@@ -160,7 +189,7 @@ Json measure_speed(const SpeedOptions& options) {
     SensorRun run(options, sensor);
     run.run();
     sensors.push_back({{"sensor", sensor},
-                       {"scans", run.times().detection_ms.size()},
+                       {"scans", run.times().detection.size()},
                        {"rays", run.rays()},
                        {"rows", rows(run)},
                        {"threads", threads_json(run)}});
@@ -174,14 +203,16 @@ std::string speed_text(const Json& speed) {
     text += fmt::format("{} in {}, {} rays, {} scans, one thread each but where said\n",
                         sensor["sensor"].get<std::string>(), speed["scene"].get<std::string>(),
                         sensor["rays"].get<std::size_t>(), sensor["scans"].get<std::size_t>());
-    text += fmt::format("{:<15}{:>10}{:>9}{:>9}{:>9}{:>8}{:>12}\n", "", "median ms", "p95", "p99", "ns/ray",
-                        "share", "yardsticks");
+    text += fmt::format("{:<15}{:>10}{:>9}{:>9}{:>9}{:>8}{:>13}{:>12}\n", "", "median ms", "p95", "p99",
+                        "ns/ray", "share", "processor ms", "yardsticks");
     for (const Json& r : sensor["rows"]) {
       const auto number = [&](const char* name) { return r[name].get<double>(); };
-      text +=
-          fmt::format("{:<15}{:>10.2f}{:>9.2f}{:>9.2f}{:>9.1f}{:>7.0f}%{:>12.3f}\n",
-                      r["name"].get<std::string>(), number("median_ms"), number("p95_ms"), number("p99_ms"),
-                      number("ns_per_ray"), 100 * number("share_of_detection"), number("yardsticks"));
+      const Json& processor_ms = r["processor_ms"];
+      text += fmt::format("{:<15}{:>10.2f}{:>9.2f}{:>9.2f}{:>9.1f}{:>7.0f}%{:>13}{:>12.3f}\n",
+                          r["name"].get<std::string>(), number("median_ms"), number("p95_ms"),
+                          number("p99_ms"), number("ns_per_ray"), 100 * number("share_of_detection"),
+                          processor_ms.is_null() ? "" : fmt::format("{:.2f}", processor_ms.get<double>()),
+                          number("yardsticks"));
     }
   }
   return text;

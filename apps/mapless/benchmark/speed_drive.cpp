@@ -8,7 +8,6 @@
 
 #include <fmt/format.h>
 
-#include "benchmark/milliseconds.hpp"
 #include <mapless/core/errors.hpp>
 
 namespace mapless::app {
@@ -70,10 +69,10 @@ std::shared_ptr<const LidarScan> SpeedDrive::scan(int number) {
   return std::make_shared<const LidarScan>(organise(std::move(scan), cast.records, "simulated scan"));
 }
 
-double yardstick_ms(const std::vector<Eigen::Vector3d>& of, const std::vector<Eigen::Vector3d>& asked) {
+BusyTime yardstick(const std::vector<Eigen::Vector3d>& of, const std::vector<Eigen::Vector3d>& asked) {
   using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, CloudAdaptor>,
                                                    CloudAdaptor, 3>;
-  return milliseconds_of([&] {
+  return busy_time_of([&] {
     const CloudAdaptor cloud{of};
     Tree tree(3, cloud);
     tree.buildIndex();

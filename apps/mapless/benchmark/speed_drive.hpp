@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include "busy_time.hpp"
 #include <mapless/lidar/lidar_scan.hpp>
 #include <mapless/simulation/scene.hpp>
 #include <mapless/simulation/simulated_sensor.hpp>
@@ -39,8 +40,8 @@ class SpeedDrive {
 };
 
 /// How long nanoflann takes to build a k-d tree of one cloud and to find the nearest of its points to every
-/// point of the other [ms].
-[[nodiscard]] double yardstick_ms(const std::vector<Eigen::Vector3d>& of,
-                                  const std::vector<Eigen::Vector3d>& asked);
+/// point of the other.
+[[nodiscard]] BusyTime yardstick(const std::vector<Eigen::Vector3d>& of,
+                                 const std::vector<Eigen::Vector3d>& asked);
 
 }  // namespace mapless::app

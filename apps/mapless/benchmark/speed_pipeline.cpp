@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "benchmark/milliseconds.hpp"
-
 namespace mapless::app {
 namespace {
 
@@ -31,31 +29,38 @@ SpeedPipeline::SpeedPipeline(int threads, bool side_by_side, const DetectorParam
       arena_(std::max(1, side_by_side ? threads - 1 : threads)) {}
 
 void SpeedPipeline::add(const std::shared_ptr<const LidarScan>& scan, bool count) {
-  double odometry_ms = 0;
-  const double ms = milliseconds_of([&] {
+  side_time_ = {};
+  BusyTime time = busy_time_of([&] {
     if (side_by_side_) {
       beside_each_other(scan);
     } else {
-      arena_.execute([&] { after_one_another(scan, odometry_ms); });
+      arena_.execute([&] { after_one_another(scan); });
     }
   });
+  time.processor_s = std::max(time.processor_s, side_time_.processor_s);
   if (!count) return;
-  milliseconds_.push_back(ms);
-  odometry_ms_.push_back(odometry_ms);
+  times_.push_back(time);
+  odometry_times_.push_back(odometry_time_);
 }
 
-void SpeedPipeline::after_one_another(const std::shared_ptr<const LidarScan>& scan, double& odometry_ms) {
-  odometry_ms = milliseconds_of([&] { odometry_.process(scan); });
+void SpeedPipeline::register_scan(const std::shared_ptr<const LidarScan>& scan) {
+  odometry_time_ = busy_time_of([&] { odometry_.process(scan); });
+}
+
+void SpeedPipeline::after_one_another(const std::shared_ptr<const LidarScan>& scan) {
+  register_scan(scan);
   leave_out(odometry_, detector_.process(scan, odometry_.trajectory()));
 }
 
 // What is found moving leaves the map after the next scan has been registered.
 void SpeedPipeline::beside_each_other(const std::shared_ptr<const LidarScan>& scan) {
   std::optional<Detection> found;
-  if (before_) {
-    side_.start([&] { arena_.execute([&] { found = detector_.process(before_, *motion_before_); }); });
-  }
-  odometry_arena_.execute([&] { odometry_.process(scan); });
+  const auto detect = [&] {
+    side_time_ =
+        busy_time_of([&] { arena_.execute([&] { found = detector_.process(before_, *motion_before_); }); });
+  };
+  if (before_) side_.start(detect);
+  odometry_arena_.execute([&] { register_scan(scan); });
   if (before_) side_.wait();
   leave_out(odometry_, found);
   before_ = scan;

@@ -6,6 +6,7 @@
 
 #include <tbb/task_arena.h>
 
+#include "busy_time.hpp"
 #include "side_thread.hpp"
 #include <mapless/detection/detector.hpp>
 #include <mapless/odometry/lidar_odometry.hpp>
@@ -26,12 +27,13 @@ class SpeedPipeline {
 
   [[nodiscard]] int threads() const { return threads_; }
   [[nodiscard]] bool side_by_side() const { return side_by_side_; }
-  [[nodiscard]] const std::vector<double>& milliseconds() const { return milliseconds_; }
-  /// Of that, where one comes after the other.
-  [[nodiscard]] const std::vector<double>& odometry_ms() const { return odometry_ms_; }
+  /// Of every scan counted. Processor time is that of this thread, or of the busier one of the two.
+  [[nodiscard]] const std::vector<BusyTime>& times() const { return times_; }
+  [[nodiscard]] const std::vector<BusyTime>& odometry_times() const { return odometry_times_; }
 
  private:
-  void after_one_another(const std::shared_ptr<const LidarScan>& scan, double& odometry_ms);
+  void register_scan(const std::shared_ptr<const LidarScan>& scan);
+  void after_one_another(const std::shared_ptr<const LidarScan>& scan);
   void beside_each_other(const std::shared_ptr<const LidarScan>& scan);
 
   int threads_;
@@ -39,7 +41,8 @@ class SpeedPipeline {
   Detector detector_;
   LidarOdometry odometry_;
   tbb::task_arena arena_, odometry_arena_{1};
-  std::vector<double> milliseconds_, odometry_ms_;
+  std::vector<BusyTime> times_, odometry_times_;
+  BusyTime odometry_time_, side_time_;  // of the newest scan
   // Of the scan before, not detected in yet:
   std::shared_ptr<const LidarScan> before_;
   std::optional<GaussianProcessTrajectory> motion_before_;

@@ -11,9 +11,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-double median_ms(const Json& sensor, const std::string& name) {
+double processor_ms(const Json& sensor, const std::string& name) {
   for (const Json& row : sensor["rows"]) {
-    if (row["name"] == name) return row["median_ms"];
+    if (row["name"] == name) return row["processor_ms"];
   }
   return 0;
 }
@@ -34,8 +34,8 @@ double largest(const std::vector<PlotLine>& lines, double std::pair<double, doub
   return out;
 }
 
-Plot with_axes(std::string title, Axis x, std::vector<PlotLine> lines) {
-  Axis y = axis_from_zero("median of a scan [ms]", largest(lines, &std::pair<double, double>::second));
+Plot with_axes(std::string title, Axis x, std::string y_name, std::vector<PlotLine> lines) {
+  Axis y = axis_from_zero(std::move(y_name), largest(lines, &std::pair<double, double>::second));
   return {std::move(title), std::move(x), std::move(y), std::move(lines)};
 }
 
@@ -48,14 +48,14 @@ Plot time_against_rays(const Json& speed) {
     line.name = name;
     line.color = lines.size();
     for (const Json& sensor : by_rays(speed)) {
-      line.points.emplace_back(sensor["rays"].get<double>() / 1000, median_ms(sensor, name));
+      line.points.emplace_back(sensor["rays"].get<double>() / 1000, processor_ms(sensor, name));
       if (lines.empty()) line.point_names.push_back(sensor["sensor"]);
     }
     lines.push_back(std::move(line));
   }
   Axis x = axis_from_zero("thousand rays in a scan", largest(lines, &std::pair<double, double>::first));
   return with_axes(fmt::format("Time against rays, {}", speed["scene"].get<std::string>()), std::move(x),
-                   std::move(lines));
+                   "processor time of a scan [ms]", std::move(lines));
 }
 
 Plot time_against_threads(const Json& speed) {
@@ -72,7 +72,7 @@ Plot time_against_threads(const Json& speed) {
   Axis x{"threads", 0, largest(lines, &std::pair<double, double>::first), 1};
   return with_axes(fmt::format("Odometry and detection against threads, {} in {}",
                                sensor["sensor"].get<std::string>(), speed["scene"].get<std::string>()),
-                   std::move(x), std::move(lines));
+                   std::move(x), "time of a scan [ms]", std::move(lines));
 }
 
 }  // namespace mapless::app

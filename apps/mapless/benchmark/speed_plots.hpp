@@ -6,10 +6,10 @@
 
 namespace mapless::app {
 
-/// What measure_speed found: median milliseconds a scan against the rays of a scan, one point per sensor.
+/// What measure_speed found: median processor time against the rays of a scan, one point per sensor.
 [[nodiscard]] Plot time_against_rays(const nlohmann::ordered_json& speed);
 
-/// The median of the pipeline of the first sensor against the threads it had.
+/// The median wall time of the pipeline of the first sensor against the threads it had.
 [[nodiscard]] Plot time_against_threads(const nlohmann::ordered_json& speed);
 
 }  // namespace mapless::app
