@@ -89,7 +89,7 @@ TEST(WorkerThreads, GiveUpWhatWaitsWhereTheyEndEarly) {
 }
 
 TEST(ScanReaderThreads, ScansComeInOrderAndNotFarAhead) {
-  std::atomic<std::size_t> most_read = 0, taken = 0;
+  std::atomic<std::size_t> most_read = 0, taken = 10;
   std::atomic<bool> too_far = false;
   ScanReader reader(
       [&](std::size_t k) {
