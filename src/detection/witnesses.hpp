@@ -1,0 +1,63 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include <mapless/detection/freespace_votes.hpp>
+
+namespace mapless {
+
+/// Seen as a surface, and by nobody seen through or moving.
+[[nodiscard]] inline bool is_static(const PointVotes& v) {
+  return v.surface_seen && !v.seen_through && !v.vacated && !v.moving_seen;
+}
+
+/// The scans asked about the points of one scan, and what they say.
+class Witnesses {
+ public:
+  /// Keeps references to all but `asked`.
+  Witnesses(const LidarScan& scan, const LocalPoints& points, const std::vector<AskedScan>& asked,
+            const RayImage& own, const VotingParameters& parameters);
+
+  /// Room for what is known of one call, kept for the next.
+  struct Hearing {
+    struct Four {
+      std::array<std::size_t, 4> i;     // returns of the scan; the last one again where there are fewer
+      std::array<Eigen::Vector3f, 4> q;  // their points
+      std::array<PointVotes, 4> votes;
+      std::size_t count;  // that were asked about
+    };
+    std::vector<Four> fours;
+    std::vector<std::size_t> open;  // fours not settled yet
+  };
+  /// Asks about returns of the scan, best neighbours of a row, and enters the answers in `votes`.
+  void ask(const std::vector<std::size_t>& questions, Hearing& hearing, std::vector<PointVotes>& votes) const;
+
+ private:
+  using Four = Hearing::Four;
+  struct Witness {
+    FreespaceProbe probe;
+    int surface_votes;
+    bool later;
+    bool recent;
+  };
+
+  void gather(const std::vector<std::size_t>& questions, Hearing& hearing) const;
+  void hear_all(const Witness& witness, Hearing& hearing) const;
+  void hear(std::size_t i, const Witness& witness, const FreespaceProbe::Answer& answer,
+            PointVotes& votes) const;
+  [[nodiscard]] bool has_left(std::size_t i, const Eigen::Vector3f& before) const;
+  static void count(const Witness& witness, int number, PointVotes& votes);
+  void settle(std::size_t next, Hearing& hearing) const;
+
+  const LidarScan& scan_;
+  const std::vector<Eigen::Vector3f>& points_;
+  float vacated_m_;
+  FreespaceProbe own_;
+  std::vector<Witness> witnesses_;
+};
+
+}  // namespace mapless
