@@ -46,15 +46,12 @@ std::vector<PointVotes> collect_votes(const LidarScan& scan, const LocalPoints& 
   const Witnesses witnesses(scan, points, asked, own, parameters);
   std::vector<PointVotes> votes(points.points.size());
   const std::vector<std::size_t> bounds = row_bounds(scan);
-  const std::vector<std::vector<int>> turns = RowVotes::turns(scan.rows());
-  for (std::size_t turn = 0; turn < turns.size(); ++turn) {
-    const std::vector<int>& rows = turns[turn];
-    const int apart = turn == 0 ? 0 : turn == 1 ? 2 : 1;
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rows.size(), 1), [&](const auto& part) {
+  for (const RowVotes::Turn& turn : RowVotes::turns(scan.rows())) {
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, turn.rows.size(), 1), [&](const auto& part) {
       RowVotes row(scan, points, witnesses, parameters);
       for (std::size_t k = part.begin(); k != part.end(); ++k) {
-        const auto l = static_cast<std::size_t>(rows[k]);
-        row.vote(rows[k], apart, bounds[l], bounds[l + 1], votes);
+        const auto l = static_cast<std::size_t>(turn.rows[k]);
+        row.vote(turn.rows[k], turn.apart, bounds[l], bounds[l + 1], votes);
       }
     });
   }

@@ -8,6 +8,10 @@ namespace mapless {
 namespace {
 
 constexpr std::size_t kLongest = 64;  // span [points]
+constexpr int kMostApart = 4;         // rows of the first turn
+
+// Votes against each of two points between which what lies is not asked about: the farthest scan alone.
+constexpr int kFirm = kMostSurfaceVotes;
 
 bool same(const PointVotes& a, const PointVotes& b) {
   return a.earlier == b.earlier && a.later == b.later && a.seen_through == b.seen_through &&
@@ -15,9 +19,11 @@ bool same(const PointVotes& a, const PointVotes& b) {
          a.moving_seen == b.moving_seen;
 }
 
-bool agreed(const PointVotes& a, const PointVotes& b) {
-  return (is_static(a) && is_static(b)) || same(a, b);
+bool move(const PointVotes& a, const PointVotes& b) {
+  return a.total() > 0 && b.total() > 0 && a.recently == b.recently;
 }
+
+bool stands_firmly(const PointVotes& v) { return is_static(v) && v.total() <= -kFirm; }
 
 Floats four_from(const float* first) {
   Floats four;
@@ -122,8 +128,9 @@ void RowVotes::settle(const Span& span) {
   const auto [left, right] = span;
   if (right - left < 2) return;
   PointVotes* const votes = votes_->data() + begin_;
-  if (agreed(votes[left], votes[right])) {
-    std::fill(votes + left + 1, votes + right, votes[left]);
+  if ((is_static(votes[left]) && is_static(votes[right])) || same(votes[left], votes[right]) ||
+      move(votes[left], votes[right])) {
+    for (std::size_t i = left + 1; i < right; ++i) votes[i] = votes[i - left < right - i ? left : right];
     return;
   }
   const std::size_t middle = (left + right) / 2;
@@ -139,22 +146,13 @@ void RowVotes::question(std::size_t i) {
 bool RowVotes::known_from_beside(std::size_t i) {
   if (below_ < 0) return false;
   const std::ptrdiff_t b = beside(i, below_), a = beside(i, above_);
-  const auto& votes = *votes_;
-  const Eigen::Vector3f& q = points_[begin_ + i];
-  const auto point = [&](std::ptrdiff_t j) -> const Eigen::Vector3f& {
-    return points_[static_cast<std::size_t>(j)];
-  };
-  const auto of = [&](std::ptrdiff_t j) -> const PointVotes& { return votes[static_cast<std::size_t>(j)]; };
-  if (a >= 0 && b >= 0 && agreed(of(a), of(b)) && off_line2(q, point(a), point(b)) <= tolerance2_) {
-    (*votes_)[begin_ + i] = of(b);
-    return true;
-  }
-  for (const std::ptrdiff_t j : {b, a}) {
-    if (j < 0 || !is_static(of(j)) || (point(j) - q).squaredNorm() > tolerance2_) continue;
-    (*votes_)[begin_ + i] = of(j);
-    return true;
-  }
-  return false;
+  if (a < 0 || b < 0) return false;
+  const PointVotes& lower = (*votes_)[static_cast<std::size_t>(b)];
+  if (!stands_firmly(lower) || !stands_firmly((*votes_)[static_cast<std::size_t>(a)])) return false;
+  const auto& from = points_[static_cast<std::size_t>(b)];
+  if (off_line2(points_[begin_ + i], from, points_[static_cast<std::size_t>(a)]) > tolerance2_) return false;
+  (*votes_)[begin_ + i] = lower;
+  return true;
 }
 
 // The return of another row in the same direction, or -1.
@@ -163,11 +161,14 @@ std::ptrdiff_t RowVotes::beside(std::size_t i, int row) const {
   return scan_.cell(row, image_.scan_column(row, image_.aligned_column(r.laser, r.column)));
 }
 
-std::vector<std::vector<int>> RowVotes::turns(int rows) {
-  std::vector<std::vector<int>> turns(3);
+std::vector<RowVotes::Turn> RowVotes::turns(int rows) {
+  std::vector<Turn> turns{{0, {}}};
   for (int l = 0; l < rows; ++l) {
-    const std::size_t turn = l % 4 == 0 || l == rows - 1 ? 0 : l % 2 == 0 ? 1 : 2;
-    turns[turn].push_back(l);
+    if (l % kMostApart == 0 || l == rows - 1) turns.front().rows.push_back(l);
+  }
+  for (int apart = kMostApart / 2; apart > 0; apart /= 2) {
+    turns.push_back({apart, {}});
+    for (int l = apart; l < rows - 1; l += 2 * apart) turns.back().rows.push_back(l);
   }
   return turns;
 }

@@ -10,19 +10,23 @@ namespace mapless {
 
 /// Puts a scan's points to the witnesses, laser by laser, as few as will do.
 ///
-/// A row is cut into spans between whose ends all points lie on a line. Where both ends stand, or have the
-/// same votes, so have the points between. Else the one half-way is asked, and so on. Rows between two that
-/// were asked before ask nothing of points that lie on the line between two of those that stand, or next to
-/// one.
+/// A row is cut into spans between whose ends all points lie on a line. Where both ends stand, or both move,
+/// so do the points between, and have the votes of the nearer. Else the one half-way is asked, and so on.
+/// Rows between two that had their turn before do not ask about points on the line between two of those that
+/// stand.
 class RowVotes {
  public:
   RowVotes(const LidarScan& scan, const LocalPoints& points, const Witnesses& witnesses,
            const VotingParameters& parameters);
 
-  /// The rows in the order they are to be asked in: those of one turn need only turns before it.
-  [[nodiscard]] static std::vector<std::vector<int>> turns(int rows);
-  /// Votes of the returns `begin` to `end` of `laser`. `apart` is how far off the rows above and below are
-  /// that were asked before, 0 if none were.
+  /// Rows that are asked after those of the turns before, and may be side by side: so many rows from two that
+  /// were (the one above may be nearer, at the top); of the first turn 0.
+  struct Turn {
+    int apart;
+    std::vector<int> rows;
+  };
+  [[nodiscard]] static std::vector<Turn> turns(int rows);
+  /// Votes of the returns `begin` to `end` of `laser`.
   void vote(int laser, int apart, std::size_t begin, std::size_t end, std::vector<PointVotes>& votes);
 
  private:
@@ -45,10 +49,10 @@ class RowVotes {
   float tolerance2_;
   AlignedImage image_;
   // Of one row:
-  int below_ = -1, above_ = -1;     // rows that were asked before; -1: none
-  std::size_t begin_ = 0;           // its first point
+  int below_ = -1, above_ = -1;  // rows that were asked before; -1: none
+  std::size_t begin_ = 0;        // its first point
   std::vector<PointVotes>* votes_ = nullptr;
-  std::vector<float> x_, y_, z_;    // of its points, and a few more zeros
+  std::vector<float> x_, y_, z_;  // of its points, and a few more zeros
   std::vector<std::size_t> questions_;
   std::vector<Span> open_, halves_;
   Witnesses::Hearing hearing_;

@@ -7,9 +7,8 @@
 namespace mapless {
 namespace {
 
-// Votes against a point that settle it where the points asked with it have as many: of the order in_order
-// gives, three scans, 32, 12 and 4 back.
-constexpr int kEnough = 2 * kMostSurfaceVotes;
+// Votes against a point that settle it: of the order in_order gives, three scans, 32, 12 and 4 back.
+constexpr int kEnough = 9;
 
 // The farthest first, and every third: those tell of seconds ago and of a moment ago. Where all of them saw a
 // surface the others need not be asked.
@@ -55,23 +54,15 @@ void Witnesses::ask(const std::vector<std::size_t>& questions, Hearing& hearing,
     hear_all(witnesses_[k], hearing);
     settle(k + 1, hearing);
   }
-  for (const Four& four : hearing.fours) {
-    for (std::size_t l = 0; l < four.count; ++l) votes[four.i[l]] = four.votes[l];
-  }
+  for (const Question& question : hearing.questions) votes[question.i] = question.votes;
 }
 
 void Witnesses::gather(const std::vector<std::size_t>& questions, Hearing& hearing) const {
-  hearing.fours.clear();
+  hearing.questions.clear();
   hearing.open.clear();
-  for (std::size_t first = 0; first < questions.size(); first += 4) {
-    Four four{};
-    four.count = std::min<std::size_t>(4, questions.size() - first);
-    for (std::size_t l = 0; l < 4; ++l) {
-      four.i[l] = questions[first + std::min(l, four.count - 1)];
-      four.q[l] = points_[four.i[l]];
-    }
-    hearing.open.push_back(hearing.fours.size());
-    hearing.fours.push_back(four);
+  for (const std::size_t i : questions) {
+    hearing.open.push_back(hearing.questions.size());
+    hearing.questions.push_back({i, points_[i], {}});
   }
 }
 
@@ -79,30 +70,32 @@ void Witnesses::gather(const std::vector<std::size_t>& questions, Hearing& heari
 // in tells where to look for the next.
 void Witnesses::hear_all(const Witness& witness, Hearing& hearing) const {
   float ahead = 0;  // of the point's own column
-  const auto own_column = [&](std::size_t i) { return static_cast<float>(scan_.returns[i].column); };
-  for (const std::size_t f : hearing.open) {
-    Four& four = hearing.fours[f];
-    std::array<float, 4> columns;
-    for (std::size_t l = 0; l < 4; ++l) columns[l] = own_column(four.i[l]) + ahead;
-    const auto answers = witness.probe.look(four.q, columns);
-    ahead = columns[3] - own_column(four.i[3]);
-    for (std::size_t l = 0; l < four.count; ++l) hear(four.i[l], witness, answers[l], four.votes[l]);
+  const std::size_t size = hearing.open.size();
+  for (std::size_t first = 0; first < size; first += 4) {
+    std::array<Question*, 4> four;  // the last one again where there are fewer
+    std::array<Eigen::Vector3f, 4> q;
+    std::array<float, 4> own, columns;
+    for (std::size_t l = 0; l < 4; ++l) {
+      four[l] = &hearing.questions[hearing.open[std::min(first + l, size - 1)]];
+      q[l] = four[l]->q;
+      own[l] = static_cast<float>(scan_.returns[four[l]->i].column);
+      columns[l] = own[l] + ahead;
+    }
+    const auto answers = witness.probe.look(q, columns);
+    ahead = columns[3] - own[3];
+    for (std::size_t l = 0; l < std::min<std::size_t>(4, size - first); ++l) {
+      hear(witness, answers[l], *four[l]);
+    }
   }
 }
 
-// Fours of which all points stand are done: the scans from witness `next` on, which are not asked, are taken
-// to see a surface as those before did.
+// The scans from witness `next` on, which are not asked, are taken to see a surface as those before did.
 void Witnesses::settle(std::size_t next, Hearing& hearing) const {
-  std::erase_if(hearing.open, [&](std::size_t f) {
-    Four& four = hearing.fours[f];
-    if (!std::all_of(four.votes.begin(), four.votes.begin() + static_cast<std::ptrdiff_t>(four.count),
-                     stands)) {
-      return false;
-    }
-    for (PointVotes& v : four.votes) {
-      for (std::size_t k = next; k < witnesses_.size(); ++k) {
-        count(witnesses_[k], -witnesses_[k].surface_votes, v);
-      }
+  std::erase_if(hearing.open, [&](std::size_t n) {
+    PointVotes& votes = hearing.questions[n].votes;
+    if (!stands(votes)) return false;
+    for (std::size_t k = next; k < witnesses_.size(); ++k) {
+      count(witnesses_[k], -witnesses_[k].surface_votes, votes);
     }
     return true;
   });
@@ -113,8 +106,8 @@ void Witnesses::count(const Witness& witness, int number, PointVotes& votes) {
   sum = static_cast<std::int16_t>(sum + number);
 }
 
-void Witnesses::hear(std::size_t i, const Witness& witness, const FreespaceProbe::Answer& answer,
-                     PointVotes& votes) const {
+void Witnesses::hear(const Witness& witness, const FreespaceProbe::Answer& answer, Question& question) const {
+  PointVotes& votes = question.votes;
   if (answer.verdict == FreespaceVerdict::inside) {
     count(witness, kSeenThroughVotes, votes);
     votes.seen_through = true;
@@ -126,7 +119,7 @@ void Witnesses::hear(std::size_t i, const Witness& witness, const FreespaceProbe
     votes.surface_seen = true;
   } else if (answer.verdict == FreespaceVerdict::outside && answer.short_by_m <= vacated_m_ &&
              witness.probe.ended(answer) &&
-             has_left(i, witness.probe.endpoint(answer.laser, answer.column))) {
+             has_left(question, witness.probe.endpoint(answer.laser, answer.column))) {
     count(witness, kVacatedVotes, votes);
     votes.vacated = true;
     votes.recently = votes.recently || witness.recent;
@@ -134,9 +127,9 @@ void Witnesses::hear(std::size_t i, const Witness& witness, const FreespaceProbe
 }
 
 // Whether what stood at `before` and hid point i is near enough to be the same thing, and not there now.
-bool Witnesses::has_left(std::size_t i, const Eigen::Vector3f& before) const {
-  if ((before - points_[i]).squaredNorm() > vacated_m_ * vacated_m_) return false;
-  auto column = static_cast<float>(scan_.returns[i].column);
+bool Witnesses::has_left(const Question& question, const Eigen::Vector3f& before) const {
+  if ((before - question.q).squaredNorm() > vacated_m_ * vacated_m_) return false;
+  auto column = static_cast<float>(scan_.returns[question.i].column);
   return own_.ask(before, column) == FreespaceVerdict::inside;
 }
 

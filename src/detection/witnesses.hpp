@@ -24,20 +24,19 @@ class Witnesses {
 
   /// Room for what is known of one call, kept for the next.
   struct Hearing {
-    struct Four {
-      std::array<std::size_t, 4> i;     // returns of the scan; the last one again where there are fewer
-      std::array<Eigen::Vector3f, 4> q;  // their points
-      std::array<PointVotes, 4> votes;
-      std::size_t count;  // that were asked about
+    struct Question {
+      std::size_t i;      // return of the scan
+      Eigen::Vector3f q;  // its point
+      PointVotes votes;
     };
-    std::vector<Four> fours;
-    std::vector<std::size_t> open;  // fours not settled yet
+    std::vector<Question> questions;
+    std::vector<std::size_t> open;  // those not settled yet
   };
   /// Asks about returns of the scan, best neighbours of a row, and enters the answers in `votes`.
   void ask(const std::vector<std::size_t>& questions, Hearing& hearing, std::vector<PointVotes>& votes) const;
 
  private:
-  using Four = Hearing::Four;
+  using Question = Hearing::Question;
   struct Witness {
     FreespaceProbe probe;
     int surface_votes;
@@ -47,9 +46,8 @@ class Witnesses {
 
   void gather(const std::vector<std::size_t>& questions, Hearing& hearing) const;
   void hear_all(const Witness& witness, Hearing& hearing) const;
-  void hear(std::size_t i, const Witness& witness, const FreespaceProbe::Answer& answer,
-            PointVotes& votes) const;
-  [[nodiscard]] bool has_left(std::size_t i, const Eigen::Vector3f& before) const;
+  void hear(const Witness& witness, const FreespaceProbe::Answer& answer, Question& question) const;
+  [[nodiscard]] bool has_left(const Question& question, const Eigen::Vector3f& before) const;
   static void count(const Witness& witness, int number, PointVotes& votes);
   void settle(std::size_t next, Hearing& hearing) const;
 
