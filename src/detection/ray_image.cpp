@@ -17,8 +17,9 @@ using Eigen::Vector3f;
 constexpr float kBankHeight_m = 0.03F;
 constexpr int kStepsPerLaser = 8;  // of a bank's table
 constexpr int kMaxColumnSteps = 12;
-constexpr float kFarAside = 2;  // a firing that many columns off does not speak for a point
-constexpr float kHub_m = 0.5F;  // all lasers are within
+constexpr float kFarAside = 2;    // a firing that many columns off does not speak for a point
+constexpr int kPosesATurn = 256;  // that a look at four points uses
+constexpr float kHub_m = 0.5F;    // all lasers are within
 constexpr float kBeyond_m = 1e6F;
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
@@ -65,12 +66,19 @@ RayImage::RayImage(const CompensatedScan& scan) : model_(scan.scan->model) {
     drifts_.push_back({(T_hv.rotation() * varpi.head<3>() * period_s).cast<float>(),
                        (T_hv.rotation() * varpi.tail<3>() * period_s).cast<float>()});
   }
-  ranges_m_.reserve(scan.scan->cells.size());
-  for (const std::int32_t cell : scan.scan->cells) ranges_m_.push_back(range_of_cell(*scan.scan, cell));
+  const auto rows = static_cast<std::size_t>(scan.scan->rows());
+  const auto columns = column_T_h0_.size();
+  ranges_m_.assign(rows * (columns + kBeside) + kBeside, kNone);
+  for (std::size_t l = 0; l < rows; ++l) {
+    std::transform(scan.scan->cells.begin() + static_cast<std::ptrdiff_t>(l * columns),
+                   scan.scan->cells.begin() + static_cast<std::ptrdiff_t>((l + 1) * columns),
+                   ranges_m_.begin() + static_cast<std::ptrdiff_t>(l * (columns + kBeside) + kBeside),
+                   [&](std::int32_t cell) { return range_of_cell(*scan.scan, cell); });
+  }
 }
 
 void RayImage::mark_dynamic(const LidarScan& scan, const std::vector<std::uint16_t>& object) {
-  dynamic_.assign(ranges_m_.size(), false);
+  dynamic_.assign(model_->lasers.size() * column_T_h0_.size(), false);
   for (std::size_t i = 0; i < object.size(); ++i) {
     const LidarReturn& r = scan.returns[i];
     if (object[i] == 0) continue;
@@ -87,7 +95,8 @@ FreespaceProbe::FreespaceProbe(const RayImage& image, const Vector3d& origin_0,
       reach_at_0_m_(static_cast<float>(parameters.max_ray_distance_m)),
       reach_spacings_(static_cast<float>(parameters.max_ray_distance_spacings)),
       columns_per_rad_(
-          static_cast<float>(image.model().sign() * image.model().columns / (2 * std::numbers::pi))) {
+          static_cast<float>(image.model().sign() * image.model().columns / (2 * std::numbers::pi))),
+      pose_stride_(std::max(image.model().columns / kPosesATurn, 1)) {
   make_poses(origin_0);
   make_beams();
   make_banks();
@@ -260,8 +269,7 @@ float FreespaceProbe::reach_m(const Sighting& nearest) const {
 }
 
 void FreespaceProbe::look_around(const Sighting& s, bool is_nearest, Window& window) const {
-  const int last = std::min(s.column + half_window_, image_.columns() - 1);
-  for (int c = std::max(s.column - half_window_, 0); c <= last; ++c) {
+  for (int c = s.column - half_window_; c <= s.column + half_window_; ++c) {
     const float range = image_.range_m(s.beam->laser, c);  // NaN is neither
     if (range < s.range_m - tolerance_m_) {
       window.hides = true;

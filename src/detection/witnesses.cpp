@@ -69,6 +69,7 @@ void Witnesses::gather(const std::vector<std::size_t>& questions, Hearing& heari
 // Consecutive firings look at consecutive columns of another scan too, so that the column one point was found
 // in tells where to look for the next.
 void Witnesses::hear_all(const Witness& witness, Hearing& hearing) const {
+  hearing.hiders.clear();
   float ahead = 0;  // of the point's own column
   const std::size_t size = hearing.open.size();
   for (std::size_t first = 0; first < size; first += 4) {
@@ -84,9 +85,10 @@ void Witnesses::hear_all(const Witness& witness, Hearing& hearing) const {
     const auto answers = witness.probe.look(q, columns);
     ahead = columns[3] - own[3];
     for (std::size_t l = 0; l < std::min<std::size_t>(4, size - first); ++l) {
-      hear(witness, answers[l], *four[l]);
+      hear(witness, answers[l], *four[l], hearing);
     }
   }
+  ask_whether_left(witness, hearing);
 }
 
 // The scans from witness `next` on, which are not asked, are taken to see a surface as those before did.
@@ -106,7 +108,8 @@ void Witnesses::count(const Witness& witness, int number, PointVotes& votes) {
   sum = static_cast<std::int16_t>(sum + number);
 }
 
-void Witnesses::hear(const Witness& witness, const FreespaceProbe::Answer& answer, Question& question) const {
+void Witnesses::hear(const Witness& witness, const FreespaceProbe::Answer& answer, Question& question,
+                     Hearing& hearing) const {
   PointVotes& votes = question.votes;
   if (answer.verdict == FreespaceVerdict::inside) {
     count(witness, kSeenThroughVotes, votes);
@@ -118,19 +121,34 @@ void Witnesses::hear(const Witness& witness, const FreespaceProbe::Answer& answe
     votes.moving_seen = votes.moving_seen || moving;
     votes.surface_seen = true;
   } else if (answer.verdict == FreespaceVerdict::outside && answer.short_by_m <= vacated_m_ &&
-             witness.probe.ended(answer) &&
-             has_left(question, witness.probe.endpoint(answer.laser, answer.column))) {
-    count(witness, kVacatedVotes, votes);
-    votes.vacated = true;
-    votes.recently = votes.recently || witness.recent;
+             witness.probe.ended(answer)) {
+    const Eigen::Vector3f place = witness.probe.endpoint(answer.laser, answer.column);
+    if ((place - question.q).squaredNorm() <= vacated_m_ * vacated_m_) {
+      hearing.hiders.push_back({&question, place});
+    }
   }
 }
 
-// Whether what stood at `before` and hid point i is near enough to be the same thing, and not there now.
-bool Witnesses::has_left(const Question& question, const Eigen::Vector3f& before) const {
-  if ((before - question.q).squaredNorm() > vacated_m_ * vacated_m_) return false;
-  auto column = static_cast<float>(scan_.returns[question.i].column);
-  return own_.ask(before, column) == FreespaceVerdict::inside;
+// Whether what hid a point, near enough to be the same thing, is not there now.
+void Witnesses::ask_whether_left(const Witness& witness, Hearing& hearing) const {
+  const auto& hiders = hearing.hiders;
+  for (std::size_t first = 0; first < hiders.size(); first += 4) {
+    std::array<Eigen::Vector3f, 4> q;
+    std::array<float, 4> columns;
+    for (std::size_t l = 0; l < 4; ++l) {
+      const Hearing::Hider& hider = hiders[std::min(first + l, hiders.size() - 1)];
+      q[l] = hider.place;
+      columns[l] = static_cast<float>(scan_.returns[hider.question->i].column);
+    }
+    const auto answers = own_.look(q, columns);
+    for (std::size_t l = 0; l < std::min<std::size_t>(4, hiders.size() - first); ++l) {
+      if (answers[l].verdict != FreespaceVerdict::inside) continue;
+      PointVotes& votes = hiders[first + l].question->votes;
+      count(witness, kVacatedVotes, votes);
+      votes.vacated = true;
+      votes.recently = votes.recently || witness.recent;
+    }
+  }
 }
 
 }  // namespace mapless

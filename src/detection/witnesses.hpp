@@ -31,6 +31,12 @@ class Witnesses {
     };
     std::vector<Question> questions;
     std::vector<std::size_t> open;  // those not settled yet
+    // What hid a point from one scan, and may have left.
+    struct Hider {
+      Question* question;
+      Eigen::Vector3f place;
+    };
+    std::vector<Hider> hiders;
   };
   /// Asks about returns of the scan, best neighbours of a row, and enters the answers in `votes`.
   void ask(const std::vector<std::size_t>& questions, Hearing& hearing, std::vector<PointVotes>& votes) const;
@@ -46,8 +52,9 @@ class Witnesses {
 
   void gather(const std::vector<std::size_t>& questions, Hearing& hearing) const;
   void hear_all(const Witness& witness, Hearing& hearing) const;
-  void hear(const Witness& witness, const FreespaceProbe::Answer& answer, Question& question) const;
-  [[nodiscard]] bool has_left(const Question& question, const Eigen::Vector3f& before) const;
+  void hear(const Witness& witness, const FreespaceProbe::Answer& answer, Question& question,
+            Hearing& hearing) const;
+  void ask_whether_left(const Witness& witness, Hearing& hearing) const;
   static void count(const Witness& witness, int number, PointVotes& votes);
   void settle(std::size_t next, Hearing& hearing) const;
 

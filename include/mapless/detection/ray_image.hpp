@@ -32,14 +32,12 @@ class RayImage {
   [[nodiscard]] int columns() const { return static_cast<int>(column_T_h0_.size()); }
   /// How far the cell's ray is known to have gone [m]: to its return, or to the maximum range where nothing
   /// stood within it; NaN where it is not known.
-  [[nodiscard]] float range_m(int laser, int column) const {
-    return ranges_m_[static_cast<std::size_t>(laser) * column_T_h0_.size() +
-                     static_cast<std::size_t>(column)];
-  }
-  /// range_m of all columns of a laser.
+  [[nodiscard]] float range_m(int laser, int column) const { return row_m(laser)[column]; }
+  /// range_m of all columns of a laser, and NaN for kBeside columns before the first and after the last.
   [[nodiscard]] const float* row_m(int laser) const {
-    return ranges_m_.data() + static_cast<std::size_t>(laser) * column_T_h0_.size();
+    return ranges_m_.data() + static_cast<std::size_t>(laser) * (column_T_h0_.size() + kBeside) + kBeside;
   }
+  static constexpr std::size_t kBeside = 16;
 
   /// Remembers which returns were found dynamic: `object` is 0 for those that were not, one element per
   /// return of `scan`, the scan this was made of.
@@ -60,8 +58,8 @@ class RayImage {
   std::shared_ptr<const LidarModel> model_;
   std::vector<SE3> column_T_h0_;
   std::vector<Drift> drifts_;    // one per column
-  std::vector<float> ranges_m_;  // row-major
-  std::vector<bool> dynamic_;    // the same; empty until marked
+  std::vector<float> ranges_m_;  // row-major, with kBeside more columns before each row and after the last
+  std::vector<bool> dynamic_;    // row-major; empty until marked
 };
 
 /// Asks one RayImage about points near `origin_0`, in single precision about that origin.
@@ -172,6 +170,7 @@ class FreespaceProbe {
   static constexpr float kEdgeSpacings = 0.1F;
   float columns_per_rad_;
   std::vector<Pose> poses_;  // of each column
+  int pose_stride_;          // look at four points uses every so many of them
   std::vector<Beam> beams_;  // of each laser
   std::vector<Bank> banks_;
 };
