@@ -14,6 +14,8 @@ constexpr int kPasses = 4;  // towards the column that looks at a point
 constexpr float kSteadyAngle = 0.15F;
 // From here on a laser's place in the hub turns its beam by so little that its cosine is 1 within 2e-4.
 constexpr float kFar_m = 2;
+// The cosine of a beam, and what a drift of the sensor changes, at the least.
+constexpr float kSurely = 0.7F;
 // A sensor that turns with 180 degrees per second does so by 0.5 degrees in the time of as many columns as
 // two lasers are apart: to first order that errs by 4e-5 rad.
 constexpr float kMostColumnsAside = 120;
@@ -39,11 +41,12 @@ Floats angle(Floats y, Floats x) {
 struct FreespaceProbe::Lanes {
   using Beams = std::array<const Beam*, 4>;
 
-  Lanes(const FreespaceProbe& asked, const std::array<Eigen::Vector3f, 4>& points)
-      : probe(asked), q(points) {}
+  Lanes(const FreespaceProbe& asked, const std::array<Eigen::Vector3f, 4>& points) : probe(asked), q(points) {
+    for (Eigen::Vector3f& p : q) p += probe.origin_;
+  }
   const FreespaceProbe& probe;
-  const std::array<Eigen::Vector3f, 4>& q;
-  Ints fine{};  // the lanes that can go on together
+  std::array<Eigen::Vector3f, 4> q;  // about the image's origin
+  Ints fine{};                       // the lanes that can go on together
   // The points as the hub has them at column `at`, when it looks their way; exactly so at `column`.
   Ints at{};
   Floats column{}, x{}, y{}, z{}, horizontal{}, columns_per_m{};
@@ -62,6 +65,8 @@ struct FreespaceProbe::Lanes {
 
   [[gnu::always_inline]] inline void find_columns();
   [[gnu::always_inline]] inline void follow();
+  [[gnu::always_inline]] inline Floats slopes_in(const Bank& bank) const;
+  [[gnu::always_inline]] inline std::size_t first_bank() const;
   [[gnu::always_inline]] inline void bracket(Side& below, Side& above);
   [[gnu::always_inline]] inline Floats heights_over(const Beams& beams) const;
   [[gnu::always_inline]] inline void sight(Side& side);
@@ -80,7 +85,7 @@ void FreespaceProbe::Lanes::find_columns() {
     at = at > probe.image_.columns() - 1 ? at - probe.pose_stride_ : at;
     std::array<Eigen::Vector4f, 4> q_h;
     for (std::size_t k = 0; k < 4; ++k) {
-      const Eigen::Matrix4f& T_h0 = probe.poses_[static_cast<std::size_t>(at[k])].T_h0;
+      const Eigen::Matrix4f& T_h0 = probe.image_.pose(at[k]).T_h0;
       q_h[k] = T_h0.col(0) * q[k].x() + T_h0.col(1) * q[k].y() + (T_h0.col(2) * q[k].z() + T_h0.col(3));
     }
     x = Floats{q_h[0].x(), q_h[1].x(), q_h[2].x(), q_h[3].x()};
@@ -97,7 +102,7 @@ void FreespaceProbe::Lanes::find_columns() {
 
 void FreespaceProbe::Lanes::follow() {
   std::array<const Pose*, 4> poses{};
-  for (std::size_t k = 0; k < 4; ++k) poses[k] = &probe.poses_[static_cast<std::size_t>(at[k])];
+  for (std::size_t k = 0; k < 4; ++k) poses[k] = &probe.image_.pose(at[k]);
   const auto linear = members(poses, offsetof(Pose, linear));
   const auto angular = members(poses, offsetof(Pose, angular));
   const Floats t = y / x;
@@ -117,19 +122,38 @@ Floats FreespaceProbe::Lanes::heights_over(const Beams& beams) const {
   return cosine * up - sine * ahead;
 }
 
-// In each bank the first beams above and below; where they are not on their sides after all, near the sensor,
-// the lane is not fine.
+Floats FreespaceProbe::Lanes::slopes_in(const Bank& bank) const {
+  return (z - bank.centre_z_m) / (horizontal - bank.centre_x_m);
+}
+
+// The bank whose beams are about the points, mostly.
+std::size_t FreespaceProbe::Lanes::first_bank() const {
+  const auto& banks = probe.banks_;
+  for (std::size_t b = 0; b + 1 < banks.size(); ++b) {
+    const float slope = (z[0] - banks[b].centre_z_m) / (horizontal[0] - banks[b].centre_x_m);
+    if (slope >= banks[b].slopes.front() && slope <= banks[b].slopes[banks[b].slopes.size() - 2]) return b;
+  }
+  return banks.size() - 1;
+}
+
+// In each bank that can have nearer ones the first beams above and below; where they are not on their sides
+// after all, near the sensor, the lane is not fine.
 void FreespaceProbe::Lanes::bracket(Side& below, Side& above) {
   below.height += std::numeric_limits<float>::infinity();
   above.height -= std::numeric_limits<float>::infinity();
-  for (const Bank& bank : probe.banks_) {
-    const Floats slope = (z - bank.centre_z_m) / (horizontal - bank.centre_x_m);
+  for (std::size_t n = 0, b = first_bank(); n < probe.banks_.size();
+       ++n, b = b + 1 < probe.banks_.size() ? b + 1 : 0) {
+    const Bank& bank = probe.banks_[b];
+    const Floats slope = slopes_in(bank);
+    const Floats under_all = (bank.slopes.front() - slope) * horizontal;
+    const Floats over_all = (slope - bank.slopes[bank.slopes.size() - 2]) * horizontal;
+    if (all((kSurely * under_all > -above.height) | (kSurely * over_all > below.height))) continue;
     const Ints step = truncated(clamped((slope - bank.slopes.front()) * bank.steps_per_slope, 0,
                                         static_cast<float>(bank.at_least.size() - 1)));
     Ints first{};
     for (std::size_t k = 0; k < 4; ++k) {
-      const int b = bank.at_least[static_cast<std::size_t>(step[k])];
-      first[k] = b + (bank.slopes[static_cast<std::size_t>(b)] < slope[k] ? 1 : 0);
+      const int surely = bank.at_least[static_cast<std::size_t>(step[k])];
+      first[k] = surely + (bank.slopes[static_cast<std::size_t>(surely)] < slope[k] ? 1 : 0);
     }
     Beams lower{}, upper{};
     Floats over{}, under{};

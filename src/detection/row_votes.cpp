@@ -52,8 +52,8 @@ RowVotes::RowVotes(const LidarScan& scan, const LocalPoints& points, const Witne
 void RowVotes::vote(int laser, int apart, std::size_t begin, std::size_t end,
                     std::vector<PointVotes>& votes) {
   if (begin == end) return;
-  below_ = apart > 0 ? laser - apart : -1;
-  above_ = apart > 0 ? std::min(laser + apart, scan_.rows() - 1) : -1;
+  below_ = apart > 0 ? row_beside(laser, laser - apart) : Beside{};
+  above_ = apart > 0 ? row_beside(laser, std::min(laser + apart, scan_.rows() - 1)) : Beside{};
   votes_ = &votes;
   load(begin, end);
   questions_.clear();
@@ -144,7 +144,7 @@ void RowVotes::question(std::size_t i) {
 }
 
 bool RowVotes::known_from_beside(std::size_t i) {
-  if (below_ < 0) return false;
+  if (below_.row < 0) return false;
   const std::ptrdiff_t b = beside(i, below_), a = beside(i, above_);
   if (a < 0 || b < 0) return false;
   const PointVotes& lower = (*votes_)[static_cast<std::size_t>(b)];
@@ -155,10 +155,14 @@ bool RowVotes::known_from_beside(std::size_t i) {
   return true;
 }
 
+RowVotes::Beside RowVotes::row_beside(int laser, int row) const {
+  return {row, image_.scan_column(row, image_.aligned_column(laser, 0))};
+}
+
 // The return of another row in the same direction, or -1.
-std::ptrdiff_t RowVotes::beside(std::size_t i, int row) const {
-  const LidarReturn& r = scan_.returns[begin_ + i];
-  return scan_.cell(row, image_.scan_column(row, image_.aligned_column(r.laser, r.column)));
+std::ptrdiff_t RowVotes::beside(std::size_t i, const Beside& other) const {
+  const int column = scan_.returns[begin_ + i].column + other.columns_on;
+  return scan_.cell(other.row, column < scan_.columns ? column : column - scan_.columns);
 }
 
 std::vector<RowVotes::Turn> RowVotes::turns(int rows) {

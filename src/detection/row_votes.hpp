@@ -41,7 +41,13 @@ class RowVotes {
   void settle(const Span& span);
   void question(std::size_t i);
   [[nodiscard]] bool known_from_beside(std::size_t i);
-  [[nodiscard]] std::ptrdiff_t beside(std::size_t i, int row) const;
+  // A row that was asked before, and how far along it what lies in the same direction is.
+  struct Beside {
+    int row = -1;  // -1: none
+    int columns_on = 0;
+  };
+  [[nodiscard]] Beside row_beside(int laser, int row) const;
+  [[nodiscard]] std::ptrdiff_t beside(std::size_t i, const Beside& other) const;
 
   const LidarScan& scan_;
   const std::vector<Eigen::Vector3f>& points_;
@@ -49,8 +55,8 @@ class RowVotes {
   float tolerance2_;
   AlignedImage image_;
   // Of one row:
-  int below_ = -1, above_ = -1;  // rows that were asked before; -1: none
-  std::size_t begin_ = 0;        // its first point
+  Beside below_, above_;
+  std::size_t begin_ = 0;  // its first point
   std::vector<PointVotes>* votes_ = nullptr;
   std::vector<float> x_, y_, z_;  // of its points, and a few more zeros
   std::vector<std::size_t> questions_;
