@@ -21,6 +21,7 @@ inline Floats clamped(Floats a, float least, float most) {
 inline Ints truncated(Floats a) { return __builtin_convertvector(a, Ints); }
 inline Floats to_floats(Ints a) { return __builtin_convertvector(a, Floats); }
 inline bool all(Ints mask) { return (mask[0] & mask[1] & mask[2] & mask[3]) != 0; }
+inline bool none(Ints mask) { return (mask[0] | mask[1] | mask[2] | mask[3]) == 0; }
 
 /// The first, second, third and fourth numbers of four objects that hold four numbers from byte `offset` on.
 template <class Object>

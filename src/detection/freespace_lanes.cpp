@@ -1,4 +1,5 @@
 #include <limits>
+#include <numbers>
 
 #include "detection/four_lanes.hpp"
 #include <mapless/detection/ray_image.hpp>
@@ -9,18 +10,30 @@
 namespace mapless {
 namespace {
 
-constexpr int kPasses = 3;  // towards the column that looks at a point
+constexpr int kPasses = 4;  // towards the column that looks at a point
 constexpr float kSteadyAngle = 0.15F;
 // From here on a laser's place in the hub turns its beam by so little that its cosine is 1 within 2e-4.
 constexpr float kFar_m = 2;
+// The cosine of a beam, and what a drift of the sensor changes, at the least.
+constexpr float kSurely = 0.7F;
 // A sensor that turns with 180 degrees per second does so by 0.5 degrees in the time of as many columns as
 // two lasers are apart: to first order that errs by 4e-5 rad.
 constexpr float kMostColumnsAside = 120;
 
-// atan(t) of a small angle.
-Floats small_angle(Floats t) {
+// atan2(y, x): exact to 1e-6 rad where it is below 0.15, else to 0.01 rad, to look again nearer by.
+Floats angle(Floats y, Floats x) {
+  const Floats t = y / x;
   const Floats t2 = t * t;
-  return t * (1 - t2 * (1 / 3.0F - t2 * (1 / 5.0F - t2 / 7.0F)));
+  const Floats small = t * (1 - t2 * (1 / 3.0F - t2 * (1 / 5.0F - t2 / 7.0F)));
+  const Ints is_small = (magnitude(y) < kSteadyAngle * x);
+  if (all(is_small)) return small;
+  const Ints steep = magnitude(y) > magnitude(x);
+  const Floats u = steep ? -x / y : t;
+  const Floats rest = u / (1 + 0.28F * u * u);
+  const Floats half = Floats{} + std::numbers::pi_v<float> / 2;
+  const Floats behind = y < 0 ? -2 * half : 2 * half;
+  const Floats wide = steep ? (y < 0 ? rest - half : rest + half) : x < 0 ? rest + behind : rest;
+  return is_small ? small : wide;
 }
 
 }  // namespace
@@ -28,9 +41,12 @@ Floats small_angle(Floats t) {
 struct FreespaceProbe::Lanes {
   using Beams = std::array<const Beam*, 4>;
 
-  explicit Lanes(const FreespaceProbe& asked) : probe(asked) {}
+  Lanes(const FreespaceProbe& asked, const std::array<Eigen::Vector3f, 4>& points) : probe(asked), q(points) {
+    for (Eigen::Vector3f& p : q) p += probe.origin_;
+  }
   const FreespaceProbe& probe;
-  Ints fine{};  // the lanes that can go on together
+  std::array<Eigen::Vector3f, 4> q;  // about the image's origin
+  Ints fine{};                       // the lanes that can go on together
   // The points as the hub has them at column `at`, when it looks their way; exactly so at `column`.
   Ints at{};
   Floats column{}, x{}, y{}, z{}, horizontal{}, columns_per_m{};
@@ -47,38 +63,46 @@ struct FreespaceProbe::Lanes {
     Ints border{}, hides{};
   };
 
-  [[gnu::always_inline]] inline void find_columns(const std::array<Eigen::Vector3f, 4>& q);
+  [[gnu::always_inline]] inline void find_columns();
   [[gnu::always_inline]] inline void follow();
+  [[gnu::always_inline]] inline Floats slopes_in(const Bank& bank) const;
+  [[gnu::always_inline]] inline std::size_t first_bank() const;
   [[gnu::always_inline]] inline void bracket(Side& below, Side& above);
   [[gnu::always_inline]] inline Floats heights_over(const Beams& beams) const;
   [[gnu::always_inline]] inline void sight(Side& side);
+  void sight_alone(Ints near, Side& side);
   [[gnu::always_inline]] inline Floats look_around(const Side& side, Window& window) const;
   [[gnu::always_inline]] inline std::array<Answer, 4> judge(const Side& below, const Side& above) const;
 };
 
-void FreespaceProbe::Lanes::find_columns(const std::array<Eigen::Vector3f, 4>& q) {
+// Poses of every few columns will do, and stay at hand.
+void FreespaceProbe::Lanes::find_columns() {
   const auto last = static_cast<float>(probe.image_.columns() - 1);
+  const float turn = std::abs(probe.columns_per_rad_) * 2 * std::numbers::pi_v<float>;
+  const auto stride = static_cast<float>(probe.pose_stride_);
   for (int pass = 0; pass < kPasses; ++pass) {
-    at = truncated(clamped(column, 0, last) + 0.5F);
+    at = truncated(clamped(column, 0, last) / stride + 0.5F) * probe.pose_stride_;
+    at = at > probe.image_.columns() - 1 ? at - probe.pose_stride_ : at;
     std::array<Eigen::Vector4f, 4> q_h;
     for (std::size_t k = 0; k < 4; ++k) {
-      const Eigen::Matrix4f& T_h0 = probe.poses_[static_cast<std::size_t>(at[k])].T_h0;
+      const Eigen::Matrix4f& T_h0 = probe.image_.pose(at[k]).T_h0;
       q_h[k] = T_h0.col(0) * q[k].x() + T_h0.col(1) * q[k].y() + (T_h0.col(2) * q[k].z() + T_h0.col(3));
     }
     x = Floats{q_h[0].x(), q_h[1].x(), q_h[2].x(), q_h[3].x()};
     y = Floats{q_h[0].y(), q_h[1].y(), q_h[2].y(), q_h[3].y()};
     z = Floats{q_h[0].z(), q_h[1].z(), q_h[2].z(), q_h[3].z()};
-    const Floats off = small_angle(y / x) * probe.columns_per_rad_;
+    const Floats off = angle(y, x) * probe.columns_per_rad_;
     column = to_floats(at) + off;
-    fine = (x >= kFar_m) & (magnitude(y) < kSteadyAngle * x) & (magnitude(off) < 0.75F) & (column >= -0.5F) &
-           (column < last + 0.5F);
+    const Ints within = (column >= -0.5F) & (column < last + 0.5F);
+    fine = (x >= kFar_m) & (magnitude(off) < stride) & within;
     if (all(fine)) return;
+    column = within ? column : column < 0 ? column + turn : column - turn;
   }
 }
 
 void FreespaceProbe::Lanes::follow() {
   std::array<const Pose*, 4> poses{};
-  for (std::size_t k = 0; k < 4; ++k) poses[k] = &probe.poses_[static_cast<std::size_t>(at[k])];
+  for (std::size_t k = 0; k < 4; ++k) poses[k] = &probe.image_.pose(at[k]);
   const auto linear = members(poses, offsetof(Pose, linear));
   const auto angular = members(poses, offsetof(Pose, angular));
   const Floats t = y / x;
@@ -98,24 +122,52 @@ Floats FreespaceProbe::Lanes::heights_over(const Beams& beams) const {
   return cosine * up - sine * ahead;
 }
 
-// In each bank the first beams above and below; where they are not on their sides after all, near the sensor,
-// the lane is not fine.
+Floats FreespaceProbe::Lanes::slopes_in(const Bank& bank) const {
+  return (z - bank.centre_z_m) / (horizontal - bank.centre_x_m);
+}
+
+// The bank whose beams are about the points, mostly.
+std::size_t FreespaceProbe::Lanes::first_bank() const {
+  const auto& banks = probe.banks_;
+  for (std::size_t b = 0; b + 1 < banks.size(); ++b) {
+    const float slope = (z[0] - banks[b].centre_z_m) / (horizontal[0] - banks[b].centre_x_m);
+    if (slope >= banks[b].slopes.front() && slope <= banks[b].slopes[banks[b].slopes.size() - 2]) return b;
+  }
+  return banks.size() - 1;
+}
+
+// In each bank that can have nearer ones the first beams above and below; where they are not on their sides
+// after all, near the sensor, the lane is not fine.
 void FreespaceProbe::Lanes::bracket(Side& below, Side& above) {
   below.height += std::numeric_limits<float>::infinity();
   above.height -= std::numeric_limits<float>::infinity();
-  for (const Bank& bank : probe.banks_) {
-    const Floats slope = (z - bank.centre_z_m) / (horizontal - bank.centre_x_m);
+  for (std::size_t n = 0, b = first_bank(); n < probe.banks_.size();
+       ++n, b = b + 1 < probe.banks_.size() ? b + 1 : 0) {
+    const Bank& bank = probe.banks_[b];
+    const Floats slope = slopes_in(bank);
+    const Floats under_all = (bank.slopes.front() - slope) * horizontal;
+    const Floats over_all = (slope - bank.slopes[bank.slopes.size() - 2]) * horizontal;
+    if (all((kSurely * under_all > -above.height) | (kSurely * over_all > below.height))) continue;
     const Ints step = truncated(clamped((slope - bank.slopes.front()) * bank.steps_per_slope, 0,
                                         static_cast<float>(bank.at_least.size() - 1)));
-    Beams lower{}, upper{};
+    Ints first{};
     for (std::size_t k = 0; k < 4; ++k) {
-      auto b = static_cast<std::size_t>(bank.at_least[static_cast<std::size_t>(step[k])]);
-      b += bank.slopes[b] < slope[k] ? 1 : 0;
-      lower[k] = &bank.beams[b];
-      upper[k] = &bank.beams[b + 1];
+      const int surely = bank.at_least[static_cast<std::size_t>(step[k])];
+      first[k] = surely + (bank.slopes[static_cast<std::size_t>(surely)] < slope[k] ? 1 : 0);
     }
-    const Floats over = heights_over(lower);
-    const Floats under = heights_over(upper);
+    Beams lower{}, upper{};
+    Floats over{}, under{};
+    for (int pass = 0; pass < 2; ++pass) {
+      for (std::size_t k = 0; k < 4; ++k) {
+        lower[k] = &bank.beams[static_cast<std::size_t>(first[k])];
+        upper[k] = lower[k] + 1;
+      }
+      over = heights_over(lower);
+      under = heights_over(upper);
+      const Ints step_up = under >= 0, step_down = over < 0;
+      if (none(step_up | step_down)) break;
+      first += step_down - step_up;
+    }
     fine &= (over >= 0) & (under < 0);
     const Ints nearer_below = over < below.height;
     const Ints nearer_above = under > above.height;
@@ -133,11 +185,9 @@ void FreespaceProbe::Lanes::sight(Side& side) {
   const auto [up_m, offset_columns, spacing, unused] = members(side.beams, offsetof(Beam, up_m));
   const Floats aside = offset_columns - left_m * columns_per_m;
   const Floats pointing = column + aside + aside * drift_columns;
-  // The whole window is within the scan.
-  const auto half = static_cast<float>(probe.half_window_);
-  const auto end = static_cast<float>(probe.image_.columns()) - 1 - half;
-  fine &= (pointing >= half) & (pointing < end) & (magnitude(aside) <= kMostColumnsAside);
-  side.column = truncated(clamped(pointing, half, end) + 0.5F);
+  const auto last = static_cast<float>(probe.image_.columns() - 1);
+  const Ints near = (pointing >= -0.5F) & (pointing < last + 0.5F) & (magnitude(aside) <= kMostColumnsAside);
+  side.column = truncated(clamped(pointing, 0, last) + 0.5F);
   const Floats passed = to_floats(side.column - at);
   const Floats ahead = horizontal + passed * drift_ahead - ahead_m;
   const Floats up = z + passed * drift_up - up_m;
@@ -146,6 +196,22 @@ void FreespaceProbe::Lanes::sight(Side& side) {
   side.spacing = spacing;
   const Beams& b = side.beams;
   side.found = Ints{b[0]->laser, b[1]->laser, b[2]->laser, b[3]->laser} >= 0;
+  if (!all(near | ~side.found | ~fine)) sight_alone(near, side);
+}
+
+// The firings at the other end of the scan, and those too long before or after for a motion to first order.
+void FreespaceProbe::Lanes::sight_alone(Ints near, Side& side) {
+  for (std::size_t k = 0; k < 4; ++k) {
+    if (near[k] != 0 || side.found[k] == 0 || fine[k] == 0) continue;
+    const Sighting s = probe.sight(q[k], *side.beams[k], column[k], columns_per_m[k]);
+    if (!s.found() || (s.height_m < 0) != (side.height[k] < 0)) {
+      fine[k] = 0;
+      continue;
+    }
+    side.column[k] = s.column;
+    side.range[k] = s.range_m;
+    side.height[k] = s.height_m;
+  }
 }
 
 // What the firings nearest to the points have as their ranges.
@@ -153,8 +219,7 @@ Floats FreespaceProbe::Lanes::look_around(const Side& side, Window& window) cons
   std::array<const float*, 4> cells{};
   for (std::size_t k = 0; k < 4; ++k) {
     const bool usable = fine[k] != 0 && side.found[k] != 0;
-    cells[k] = probe.image_.row_m(usable ? side.beams[k]->laser : 0) +
-               (usable ? side.column[k] : probe.half_window_);
+    cells[k] = usable ? probe.image_.row_m(side.beams[k]->laser) + side.column[k] : probe.image_.row_m(0);
   }
   Floats shortest = Floats{} + std::numeric_limits<float>::infinity();
   Floats least_off = shortest;
@@ -205,12 +270,10 @@ std::array<FreespaceProbe::Answer, 4> FreespaceProbe::Lanes::judge(const Side& b
 
 std::array<FreespaceProbe::Answer, 4> FreespaceProbe::look(const std::array<Eigen::Vector3f, 4>& q,
                                                            std::array<float, 4>& columns) const {
-  if (image_.columns() <= 2 * half_window_) {
-    return {look(q[0], columns[0]), look(q[1], columns[1]), look(q[2], columns[2]), look(q[3], columns[3])};
-  }
-  Lanes lanes(*this);
+  if (image_.columns() == 0) return {};
+  Lanes lanes(*this, q);
   lanes.column = Floats{columns[0], columns[1], columns[2], columns[3]};
-  lanes.find_columns(q);
+  lanes.find_columns();
   lanes.follow();
   Lanes::Side below, above;
   lanes.bracket(below, above);

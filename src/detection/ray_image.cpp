@@ -17,8 +17,9 @@ using Eigen::Vector3f;
 constexpr float kBankHeight_m = 0.03F;
 constexpr int kStepsPerLaser = 8;  // of a bank's table
 constexpr int kMaxColumnSteps = 12;
-constexpr float kFarAside = 2;  // a firing that many columns off does not speak for a point
-constexpr float kHub_m = 0.5F;  // all lasers are within
+constexpr float kFarAside = 2;    // a firing that many columns off does not speak for a point
+constexpr int kPosesATurn = 256;  // that a look at four points uses
+constexpr float kHub_m = 0.5F;    // all lasers are within
 constexpr float kBeyond_m = 1e6F;
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
@@ -55,27 +56,36 @@ float range_of_cell(const LidarScan& scan, std::int32_t cell) {
 }  // namespace
 
 RayImage::RayImage(const CompensatedScan& scan) : model_(scan.scan->model) {
-  column_T_h0_.reserve(scan.column_states.size());
-  drifts_.reserve(scan.column_states.size());
+  if (!scan.column_T_0v.empty()) origin_0_ = scan.column_T_0v.front().translation();
+  poses_.resize(scan.column_states.size());
   const double period_s = scan.scan->column_period.seconds();
-  for (std::size_t c = 0; c < scan.column_states.size(); ++c) {
-    const SE3 T_hv(rotation_z(-model_->hub_angle(static_cast<double>(c))), Vector3d::Zero());
-    column_T_h0_.push_back(T_hv * scan.column_states[c].T_v0);
-    const Vector6d& varpi = scan.column_states[c].varpi;
-    drifts_.push_back({(T_hv.rotation() * varpi.head<3>() * period_s).cast<float>(),
-                       (T_hv.rotation() * varpi.tail<3>() * period_s).cast<float>()});
+  for (std::size_t c = 0; c < poses_.size(); ++c) {
+    const TrajectoryState& state = scan.column_states[c];
+    const Eigen::Matrix3d C_hv = rotation_z(-model_->hub_angle(static_cast<double>(c)));
+    Pose& pose = poses_[c];
+    pose.T_h0.setZero();
+    pose.T_h0.topLeftCorner<3, 3>() = (C_hv * state.T_v0.rotation()).cast<float>();
+    pose.T_h0.topRightCorner<3, 1>() = (C_hv * (state.T_v0 * origin_0_)).cast<float>();
+    pose.linear << (C_hv * state.varpi.head<3>() * period_s).cast<float>(), 0;
+    pose.angular << (C_hv * state.varpi.tail<3>() * period_s).cast<float>(), 0;
   }
-  ranges_m_.reserve(scan.scan->cells.size());
-  for (const std::int32_t cell : scan.scan->cells) ranges_m_.push_back(range_of_cell(*scan.scan, cell));
+  const auto rows = static_cast<std::size_t>(scan.scan->rows());
+  const auto columns = poses_.size();
+  ranges_m_.assign(rows * (columns + kBeside) + kBeside, kNone);
+  for (std::size_t l = 0; l < rows; ++l) {
+    std::transform(scan.scan->cells.begin() + static_cast<std::ptrdiff_t>(l * columns),
+                   scan.scan->cells.begin() + static_cast<std::ptrdiff_t>((l + 1) * columns),
+                   ranges_m_.begin() + static_cast<std::ptrdiff_t>(l * (columns + kBeside) + kBeside),
+                   [&](std::int32_t cell) { return range_of_cell(*scan.scan, cell); });
+  }
 }
 
 void RayImage::mark_dynamic(const LidarScan& scan, const std::vector<std::uint16_t>& object) {
-  dynamic_.assign(ranges_m_.size(), false);
+  dynamic_.assign(model_->lasers.size() * poses_.size(), false);
   for (std::size_t i = 0; i < object.size(); ++i) {
     const LidarReturn& r = scan.returns[i];
     if (object[i] == 0) continue;
-    dynamic_[static_cast<std::size_t>(r.laser) * column_T_h0_.size() + static_cast<std::size_t>(r.column)] =
-        true;
+    dynamic_[static_cast<std::size_t>(r.laser) * poses_.size() + static_cast<std::size_t>(r.column)] = true;
   }
 }
 
@@ -87,23 +97,11 @@ FreespaceProbe::FreespaceProbe(const RayImage& image, const Vector3d& origin_0,
       reach_at_0_m_(static_cast<float>(parameters.max_ray_distance_m)),
       reach_spacings_(static_cast<float>(parameters.max_ray_distance_spacings)),
       columns_per_rad_(
-          static_cast<float>(image.model().sign() * image.model().columns / (2 * std::numbers::pi))) {
-  make_poses(origin_0);
+          static_cast<float>(image.model().sign() * image.model().columns / (2 * std::numbers::pi))),
+      origin_((origin_0 - image.origin_0()).cast<float>()),
+      pose_stride_(std::max(image.model().columns / kPosesATurn, 1)) {
   make_beams();
   make_banks();
-}
-
-void FreespaceProbe::make_poses(const Vector3d& origin_0) {
-  poses_.reserve(static_cast<std::size_t>(image_.columns()));
-  for (int c = 0; c < image_.columns(); ++c) {
-    const SE3& T_h0 = image_.column_T_h0(c);
-    Pose& pose = poses_.emplace_back();
-    pose.T_h0.setZero();
-    pose.T_h0.topLeftCorner<3, 3>() = T_h0.rotation().cast<float>();
-    pose.T_h0.topRightCorner<3, 1>() = (T_h0 * origin_0).cast<float>();
-    pose.linear << image_.drift(c).linear, 0;
-    pose.angular << image_.drift(c).angular, 0;
-  }
 }
 
 void FreespaceProbe::make_beams() {
@@ -190,7 +188,7 @@ bool FreespaceProbe::find_column(const Vector3f& q, float& column, Vector3f& q_h
   bool crossed = false;
   for (int i = 0; i < kMaxColumnSteps; ++i) {
     const int at = rounded(std::clamp(column, 0.0F, last));
-    q_h = poses_[static_cast<std::size_t>(at)] * q;
+    q_h = image_.pose(at) * q;
     const float next = static_cast<float>(at) + angle_of(q_h.y(), q_h.x()) * columns_per_rad_;
     if (next >= -0.5F && next < last + 0.5F) {
       const bool settled = std::abs(next - static_cast<float>(at)) < 0.75F;
@@ -207,7 +205,7 @@ bool FreespaceProbe::find_column(const Vector3f& q, float& column, Vector3f& q_h
 
 // q in the frame of a laser at the instant of a column: beam along x.
 Vector3f FreespaceProbe::in_laser(const Vector3f& q, const Beam& beam, int column) const {
-  const Vector3f q_h = poses_[static_cast<std::size_t>(column)] * q;
+  const Vector3f q_h = image_.pose(column) * q;
   const float ahead = beam.azimuth_cosine * q_h.x() + beam.azimuth_sine * q_h.y() - beam.ahead_m;
   const float left = beam.azimuth_cosine * q_h.y() - beam.azimuth_sine * q_h.x() - beam.left_m;
   const float up = q_h.z() - beam.up_m;
@@ -260,8 +258,7 @@ float FreespaceProbe::reach_m(const Sighting& nearest) const {
 }
 
 void FreespaceProbe::look_around(const Sighting& s, bool is_nearest, Window& window) const {
-  const int last = std::min(s.column + half_window_, image_.columns() - 1);
-  for (int c = std::max(s.column - half_window_, 0); c <= last; ++c) {
+  for (int c = s.column - half_window_; c <= s.column + half_window_; ++c) {
     const float range = image_.range_m(s.beam->laser, c);  // NaN is neither
     if (range < s.range_m - tolerance_m_) {
       window.hides = true;
@@ -272,7 +269,7 @@ void FreespaceProbe::look_around(const Sighting& s, bool is_nearest, Window& win
   if (is_nearest) window.nearest_range_m = image_.range_m(s.beam->laser, s.column);
 }
 
-FreespaceProbe::Answer FreespaceProbe::look(const Vector3f& q, float& column) const {
+FreespaceProbe::Answer FreespaceProbe::look_about_image(const Vector3f& q, float& column) const {
   Vector3f q_h;
   if (!find_column(q, column, q_h)) return {};
   const Bracket rays = bracket(q, column, q_h);
@@ -302,13 +299,13 @@ bool FreespaceProbe::ended(const Answer& answer) const {
 
 Vector3f FreespaceProbe::endpoint(int laser, int column) const {
   const Beam& beam = beams_[static_cast<std::size_t>(laser)];
-  const Pose& pose = poses_[static_cast<std::size_t>(column)];
+  const Pose& pose = image_.pose(column);
   const float range = image_.range_m(laser, column);
   const float ahead = beam.ahead_m + beam.cosine * range;
   const Vector3f p_h(beam.azimuth_cosine * ahead - beam.azimuth_sine * beam.left_m,
                      beam.azimuth_sine * ahead + beam.azimuth_cosine * beam.left_m,
                      beam.up_m + beam.sine * range);
-  return pose.T_h0.topLeftCorner<3, 3>().transpose() * (p_h - pose.T_h0.topRightCorner<3, 1>());
+  return pose.T_h0.topLeftCorner<3, 3>().transpose() * (p_h - pose.T_h0.topRightCorner<3, 1>()) - origin_;
 }
 
 }  // namespace mapless

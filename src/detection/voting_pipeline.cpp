@@ -67,10 +67,10 @@ class VotingPipeline final : public DetectionPipeline {
 // Step 1 gives the poses; here every return and ray gets its own.
 void VotingPipeline::add(std::shared_ptr<const LidarScan> scan, const Trajectory& trajectory) {
   PendingScan pending;
-  const CompensatedScan compensated =
-      timed(pending.seconds.compensation, [&] { return compensate(std::move(scan), trajectory); });
+  auto [compensated, points] =
+      timed(pending.seconds.compensation, [&] { return compensate_locally(std::move(scan), trajectory); });
   pending.scan = compensated.scan;
-  pending.points = local_points(compensated);
+  pending.points = std::move(points);
   images_.emplace_back(compensated);
   pending_.push_back(std::move(pending));
 }

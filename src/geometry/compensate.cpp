@@ -1,3 +1,4 @@
+#include <cstdlib>
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -21,25 +22,88 @@ Eigen::Vector3d CompensatedScan::ray_direction_0(int laser, int column) const {
          (rotation_z(model.hub_angle(column)) * direction_h);
 }
 
-CompensatedScan compensate(std::shared_ptr<const LidarScan> scan, const Trajectory& trajectory) {
-  if (scan->compensated_to) {
+namespace {
+
+void refuse_compensated(const LidarScan& scan) {
+  if (scan.compensated_to) {
     throw InputError({"", "scan", "already compensated for motion", "would be compensated twice",
                       "take it back to the measured rays first (restore_measured_rays)"});
   }
-  SensorMotion motion(*scan, trajectory);
+}
+
+CompensatedScan without_points(std::shared_ptr<const LidarScan> scan, SensorMotion&& motion) {
   CompensatedScan compensated;
-  const std::vector<LidarReturn>& returns = scan->returns;
-  compensated.points_0.resize(returns.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, returns.size(), 1024), [&](const auto& range) {
-    for (std::size_t i = range.begin(); i < range.end(); ++i) {
-      const LidarReturn& r = returns[i];
-      compensated.points_0[i] = motion.to_world(r.position_v.cast<double>(), r.column, r.time_ns);
-    }
-  });
   compensated.column_states = std::move(motion.column_states);
   compensated.column_T_0v = std::move(motion.column_T_0v);
   compensated.scan = std::move(scan);
   return compensated;
+}
+
+// Where a sensor at `place` + dt `drift` sees what it has at p.
+struct LocalMotion {
+  Eigen::Matrix4f place, drift;  // of homogeneous points; dt in nanoseconds
+};
+
+LocalMotion local_motion(const SE3& T_0v, const Vector6d& varpi, const Eigen::Vector3d& origin_0) {
+  const Eigen::Matrix3d& C_0v = T_0v.rotation();
+  LocalMotion motion{Eigen::Matrix4f::Zero(), Eigen::Matrix4f::Zero()};
+  motion.place.topLeftCorner<3, 3>() = C_0v.cast<float>();
+  motion.place.topRightCorner<3, 1>() = (T_0v.translation() - origin_0).cast<float>();
+  motion.drift.topLeftCorner<3, 3>() = (-1e-9 * C_0v * hat(varpi.tail<3>())).cast<float>();
+  motion.drift.topRightCorner<3, 1>() = (-1e-9 * C_0v * varpi.head<3>()).cast<float>();
+  return motion;
+}
+
+Eigen::Vector4f product(const Eigen::Matrix4f& T, const Eigen::Vector3f& p) {
+  return T.col(0) * p.x() + T.col(1) * p.y() + (T.col(2) * p.z() + T.col(3));
+}
+
+}  // namespace
+
+CompensatedScan compensate(std::shared_ptr<const LidarScan> scan, const Trajectory& trajectory) {
+  refuse_compensated(*scan);
+  SensorMotion motion(*scan, trajectory);
+  const std::vector<LidarReturn>& returns = scan->returns;
+  std::vector<Eigen::Vector3d> points_0(returns.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, returns.size(), 1024), [&](const auto& range) {
+    for (std::size_t i = range.begin(); i < range.end(); ++i) {
+      const LidarReturn& r = returns[i];
+      points_0[i] = motion.to_world(r.position_v.cast<double>(), r.column, r.time_ns);
+    }
+  });
+  CompensatedScan compensated = without_points(std::move(scan), std::move(motion));
+  compensated.points_0 = std::move(points_0);
+  return compensated;
+}
+
+std::pair<CompensatedScan, LocalPoints> compensate_locally(std::shared_ptr<const LidarScan> scan,
+                                                           const Trajectory& trajectory) {
+  refuse_compensated(*scan);
+  SensorMotion motion(*scan, trajectory);
+  LocalPoints local{Eigen::Vector3d::Zero(), std::vector<Eigen::Vector3f>(scan->returns.size())};
+  if (!motion.column_T_0v.empty()) local.origin_0 = motion.column_T_0v.front().translation();
+  std::vector<LocalMotion> columns;
+  columns.reserve(motion.column_T_0v.size());
+  for (std::size_t c = 0; c < motion.column_T_0v.size(); ++c) {
+    columns.push_back(local_motion(motion.column_T_0v[c], motion.column_states[c].varpi, local.origin_0));
+  }
+  const std::int64_t period_ns = scan->column_period.nanoseconds();
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, local.points.size(), 1024), [&](const auto& range) {
+    for (std::size_t i = range.begin(); i < range.end(); ++i) {
+      const LidarReturn& r = scan->returns[i];
+      const std::int64_t dt_ns = r.time_ns - r.column * period_ns;
+      if (std::abs(dt_ns) > period_ns) {  // too long for a motion to first order
+        const Eigen::Vector3d p_0 = motion.to_world(r.position_v.cast<double>(), r.column, r.time_ns);
+        local.points[i] = (p_0 - local.origin_0).cast<float>();
+        continue;
+      }
+      const LocalMotion& column = columns[static_cast<std::size_t>(r.column)];
+      Eigen::Vector4f p = product(column.place, r.position_v);
+      if (dt_ns != 0) p += static_cast<float>(dt_ns) * product(column.drift, r.position_v);
+      local.points[i] = p.head<3>();
+    }
+  });
+  return {without_points(std::move(scan), std::move(motion)), std::move(local)};
 }
 
 }  // namespace mapless

@@ -276,8 +276,8 @@ struct Scans {
   }
 };
 
-// In a room where nothing moves all points of a row between two that stand do so too; what scans that could
-// not see a place do not vote differs here and there.
+// In a room where nothing moves all points between two that stand do so too, of a row or of the rows above and
+// below; what scans that could not see a place do not vote differs here and there.
 TEST(CollectVotes, OfSmoothSurfacesLittleIsLostByAskingSomePoints) {
   const Scans room(test::toy_room("HDL-64E-S3", test::drive(1, 0.3)), 9, {7, 5, 1, 10});
   const auto votes = room.votes();
@@ -288,12 +288,13 @@ TEST(CollectVotes, OfSmoothSurfacesLittleIsLostByAskingSomePoints) {
     lost += votes[i].total() <= 0 && all[i].total() > 0 ? 1 : 0;
     won += votes[i].total() > 0 && all[i].total() <= 0 ? 1 : 0;
   }
-  EXPECT_LE(other, all.size() / 20);
+  EXPECT_LE(other, all.size() / 12);
   EXPECT_LE(lost, all.size() / 2000);  // border effects, which one scan that saw through decides
   EXPECT_LE(won, all.size() / 3000);
 }
 
-// On the street: of what the votes call dynamic when every point is asked, next to nothing may be missed.
+// On the street: of what the votes call dynamic when every point is asked, next to nothing may be missed. What
+// lies on the line between two points that move does so too, whatever a scan may say of it alone.
 TEST(CollectVotes, OfWhatMovesLittleIsLostByAskingSomePoints) {
   const Scans street(test::toy_street("HDL-64E-S2"), 30, {28, 26, 22, 14, 31});
   const auto votes = street.votes();
@@ -306,7 +307,7 @@ TEST(CollectVotes, OfWhatMovesLittleIsLostByAskingSomePoints) {
   }
   EXPECT_GT(moves, 1000u);
   EXPECT_LE(lost, moves / 60);
-  EXPECT_LE(won, moves / 200);
+  EXPECT_LE(won, moves / 30);
 }
 
 // A pole that was not there before, of the width of one to three firings: between two points of a wall that

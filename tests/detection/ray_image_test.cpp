@@ -127,7 +127,7 @@ void ProbeAgreement::expect_agreement(Asked asked) const {
   const RayImage image(compensated);
   const FreespaceProbeOracle oracle(*scan, *scene.trajectory, parameters);
   const std::vector<Vector3d> queries = queries_of(compensated, oracle, 600, random);
-  const Vector3d origin_0 = scene.trajectory->at(scan->start).T_v0.inverse().translation();
+  const Vector3d origin_0 = image.origin_0() + Vector3d(30, -20, 1);  // of a scan of three seconds later
   const FreespaceProbe probe(image, origin_0, parameters);
 
   // As much of a turn as the sensor itself turns in a scan, the lasers' azimuth offsets, and as much as a

@@ -78,6 +78,25 @@ TEST(Compensate, SmoothTrajectoriesAreMetToo) {
   EXPECT_LT(largest_error_m(compensate(some_scan(trajectory), trajectory), trajectory), 5e-5);
 }
 
+// A float at 100 m has steps of 8 micrometres.
+TEST(CompensateLocally, MeetsCompensateWithinSinglePrecision) {
+  const ScrewTrajectory trajectory = fast_turn();
+  const auto scan = some_scan(trajectory);
+  std::mt19937 random(1);
+  std::uniform_int_distribution<std::int32_t> any_time(0, 99'999'999);
+  for (std::size_t i = 0; i < scan->returns.size(); i += 7) scan->returns[i].time_ns = any_time(random);
+  const CompensatedScan expected = compensate(scan, trajectory);
+  const auto [compensated, local] = compensate_locally(scan, trajectory);
+  EXPECT_TRUE(compensated.points_0.empty());
+  EXPECT_EQ(compensated.column_states.size(), expected.column_states.size());
+  EXPECT_EQ(local.origin_0, expected.column_T_0v.front().translation());
+  ASSERT_EQ(local.points.size(), expected.points_0.size());
+  for (std::size_t i = 0; i < local.points.size(); ++i) {
+    const Eigen::Vector3d p_0 = local.origin_0 + local.points[i].cast<double>();
+    ASSERT_LT((p_0 - expected.points_0[i]).norm(), 5e-5) << i;
+  }
+}
+
 // Without motion the points stay where they are, to the last bit.
 TEST(Compensate, StandingStillChangesNothing) {
   const StationaryTrajectory still;

@@ -10,12 +10,7 @@
 
 namespace mapless {
 
-/// A scan's points about an origin near them, so that single precision holds them to a fraction of a
-/// millimetre wherever in the world they are.
-struct LocalPoints {
-  Eigen::Vector3d origin_0;             ///< where the sensor was at the scan's start
-  std::vector<Eigen::Vector3f> points;  ///< one per return, minus origin_0 [m]
-};
+/// Of a scan that was compensated already.
 [[nodiscard]] LocalPoints local_points(const CompensatedScan& scan);
 
 /// A scan that is asked about another: so many scans before it, or after it where `gap` is below 0.

@@ -20,26 +20,28 @@ class RayImage {
  public:
   explicit RayImage(const CompensatedScan& scan);
 
-  /// How points at rest move in a hub that does not turn, from one column to the next: a step of
-  /// linear + angular x p.
-  struct Drift {
-    Eigen::Vector3f linear;   // [m]
-    Eigen::Vector3f angular;  // [rad]
+  /// The hub at one instant, in single precision.
+  struct Pose {
+    Eigen::Matrix4f T_h0;  ///< world about origin_0() to hub; its last row is not used
+    /// How points at rest move in a hub that does not turn, from one column to the next: a step of linear [m]
+    /// + angular [rad] x p; of three numbers each.
+    Eigen::Vector4f linear, angular;
+    [[nodiscard]] Eigen::Vector3f operator*(const Eigen::Vector3f& q) const {
+      return T_h0.topLeftCorner<3, 3>() * q + T_h0.topRightCorner<3, 1>();
+    }
   };
 
   [[nodiscard]] const LidarModel& model() const { return *model_; }
   [[nodiscard]] int rows() const { return static_cast<int>(model_->lasers.size()); }
-  [[nodiscard]] int columns() const { return static_cast<int>(column_T_h0_.size()); }
+  [[nodiscard]] int columns() const { return static_cast<int>(poses_.size()); }
   /// How far the cell's ray is known to have gone [m]: to its return, or to the maximum range where nothing
   /// stood within it; NaN where it is not known.
-  [[nodiscard]] float range_m(int laser, int column) const {
-    return ranges_m_[static_cast<std::size_t>(laser) * column_T_h0_.size() +
-                     static_cast<std::size_t>(column)];
-  }
-  /// range_m of all columns of a laser.
+  [[nodiscard]] float range_m(int laser, int column) const { return row_m(laser)[column]; }
+  /// range_m of all columns of a laser, and NaN for kBeside columns before the first and after the last.
   [[nodiscard]] const float* row_m(int laser) const {
-    return ranges_m_.data() + static_cast<std::size_t>(laser) * column_T_h0_.size();
+    return ranges_m_.data() + static_cast<std::size_t>(laser) * (poses_.size() + kBeside) + kBeside;
   }
+  static constexpr std::size_t kBeside = 16;
 
   /// Remembers which returns were found dynamic: `object` is 0 for those that were not, one element per
   /// return of `scan`, the scan this was made of.
@@ -47,21 +49,19 @@ class RayImage {
   /// Whether the cell's return was; false where nothing was marked yet.
   [[nodiscard]] bool dynamic(int laser, int column) const {
     return !dynamic_.empty() &&
-           dynamic_[static_cast<std::size_t>(laser) * column_T_h0_.size() + static_cast<std::size_t>(column)];
+           dynamic_[static_cast<std::size_t>(laser) * poses_.size() + static_cast<std::size_t>(column)];
   }
-  /// World to hub at the instant of a column.
-  [[nodiscard]] const SE3& column_T_h0(int column) const {
-    return column_T_h0_[static_cast<std::size_t>(column)];
-  }
+  /// Where the sensor was at the scan's start.
+  [[nodiscard]] const Eigen::Vector3d& origin_0() const { return origin_0_; }
   /// At the instant of a column.
-  [[nodiscard]] const Drift& drift(int column) const { return drifts_[static_cast<std::size_t>(column)]; }
+  [[nodiscard]] const Pose& pose(int column) const { return poses_[static_cast<std::size_t>(column)]; }
 
  private:
   std::shared_ptr<const LidarModel> model_;
-  std::vector<SE3> column_T_h0_;
-  std::vector<Drift> drifts_;    // one per column
-  std::vector<float> ranges_m_;  // row-major
-  std::vector<bool> dynamic_;    // the same; empty until marked
+  Eigen::Vector3d origin_0_ = Eigen::Vector3d::Zero();
+  std::vector<Pose> poses_;      // one per column
+  std::vector<float> ranges_m_;  // row-major, with kBeside more columns before each row and after the last
+  std::vector<bool> dynamic_;    // row-major; empty until marked
 };
 
 /// Asks one RayImage about points near `origin_0`, in single precision about that origin.
@@ -86,7 +86,9 @@ class FreespaceProbe {
   };
   /// `q`: a point minus origin_0 [m]. `column` is a guess of where the scan looks that way, and holds the
   /// column found afterwards; any number will do, a good one is faster.
-  [[nodiscard]] Answer look(const Eigen::Vector3f& q, float& column) const;
+  [[nodiscard]] Answer look(const Eigen::Vector3f& q, float& column) const {
+    return look_about_image(q + origin_, column);
+  }
   [[nodiscard]] FreespaceVerdict ask(const Eigen::Vector3f& q, float& column) const {
     return look(q, column).verdict;
   }
@@ -105,13 +107,7 @@ class FreespaceProbe {
   [[nodiscard]] Eigen::Vector3f endpoint(int laser, int column) const;
 
  private:
-  struct Pose {
-    Eigen::Matrix4f T_h0;             // origin-centred world to hub; its last row is not used
-    Eigen::Vector4f linear, angular;  // RayImage::Drift, of three numbers each
-    [[nodiscard]] Eigen::Vector3f operator*(const Eigen::Vector3f& q) const {
-      return T_h0.topLeftCorner<3, 3>() * q + T_h0.topRightCorner<3, 1>();
-    }
-  };
+  using Pose = RayImage::Pose;
   struct alignas(16) Beam {  // of one laser; Lanes reads the first four members and the next four at once
     float cosine, sine;      // of its elevation
     float ahead_m, left_m;   // where it starts in the hub, turned by the azimuth offset
@@ -154,9 +150,10 @@ class FreespaceProbe {
   };
   struct Lanes;  // four points at once
 
-  void make_poses(const Eigen::Vector3d& origin_0);
   void make_beams();
   void make_banks();
+  // `q` from here on: about the image's origin.
+  [[nodiscard]] Answer look_about_image(const Eigen::Vector3f& q, float& column) const;
   [[nodiscard]] bool find_column(const Eigen::Vector3f& q, float& column, Eigen::Vector3f& q_h) const;
   [[nodiscard]] Eigen::Vector3f in_laser(const Eigen::Vector3f& q, const Beam& beam, int column) const;
   [[nodiscard]] Sighting sight(const Eigen::Vector3f& q, const Beam& beam, float column,
@@ -171,7 +168,8 @@ class FreespaceProbe {
   float reach_at_0_m_, reach_spacings_;
   static constexpr float kEdgeSpacings = 0.1F;
   float columns_per_rad_;
-  std::vector<Pose> poses_;  // of each column
+  Eigen::Vector3f origin_;   // of the points, about the image's
+  int pose_stride_;          // look at four points uses every so many of them
   std::vector<Beam> beams_;  // of each laser
   std::vector<Bank> banks_;
 };

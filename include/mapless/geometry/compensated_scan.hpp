@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -29,6 +30,17 @@ struct CompensatedScan {
 /// somebody else compensated already (see restore_measured_rays), TrajectoryDomainError where the trajectory
 /// does not cover it.
 [[nodiscard]] CompensatedScan compensate(std::shared_ptr<const LidarScan> scan, const Trajectory& trajectory);
+
+/// A scan's points about an origin near them, so that single precision holds them to a fraction of a
+/// millimetre wherever in the world they are.
+struct LocalPoints {
+  Eigen::Vector3d origin_0;             ///< where the sensor was at the scan's start
+  std::vector<Eigen::Vector3f> points;  ///< one per return, minus origin_0 [m]
+};
+
+/// `compensate` in single precision: the scan without points_0, and its points.
+[[nodiscard]] std::pair<CompensatedScan, LocalPoints> compensate_locally(
+    std::shared_ptr<const LidarScan> scan, const Trajectory& trajectory);
 
 /// Undoes another system's motion compensation: from the sensor frame at `scan.compensated_to` back to the
 /// sensor frame at each point's own instant, p_v(t) = T_v0(t) T_v0(t_c)^-1 p. Returns a scan with

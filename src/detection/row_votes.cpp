@@ -1,0 +1,180 @@
+#include "detection/row_votes.hpp"
+
+#include <algorithm>
+
+#include "detection/four_lanes.hpp"
+
+namespace mapless {
+namespace {
+
+constexpr std::size_t kLongest = 64;  // span [points]
+constexpr int kMostApart = 4;         // rows of the first turn
+
+// Votes against each of two points between which what lies is not asked about: the farthest scan alone.
+constexpr int kFirm = kMostSurfaceVotes;
+
+bool same(const PointVotes& a, const PointVotes& b) {
+  return a.earlier == b.earlier && a.later == b.later && a.seen_through == b.seen_through &&
+         a.surface_seen == b.surface_seen && a.recently == b.recently && a.vacated == b.vacated &&
+         a.moving_seen == b.moving_seen;
+}
+
+bool move(const PointVotes& a, const PointVotes& b) {
+  return a.total() > 0 && b.total() > 0 && a.recently == b.recently;
+}
+
+bool stands_firmly(const PointVotes& v) { return is_static(v) && v.total() <= -kFirm; }
+
+Floats four_from(const float* first) {
+  Floats four;
+  std::memcpy(&four, first, sizeof(Floats));
+  return four;
+}
+
+// Squared distance of a point from the line through a and b, or from the nearer of the two beyond them.
+float off_line2(const Eigen::Vector3f& q, const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
+  const Eigen::Vector3f chord = b - a;
+  const float length2 = chord.squaredNorm();
+  const float along = length2 > 0 ? std::clamp(chord.dot(q - a) / length2, 0.0F, 1.0F) : 0;
+  return (q - a - along * chord).squaredNorm();
+}
+
+}  // namespace
+
+RowVotes::RowVotes(const LidarScan& scan, const LocalPoints& points, const Witnesses& witnesses,
+                   const VotingParameters& parameters)
+    : scan_(scan),
+      points_(points.points),
+      witnesses_(witnesses),
+      tolerance2_(static_cast<float>(parameters.tolerance_m * parameters.tolerance_m / 4)),
+      image_(scan) {}
+
+void RowVotes::vote(int laser, int apart, std::size_t begin, std::size_t end,
+                    std::vector<PointVotes>& votes) {
+  if (begin == end) return;
+  below_ = apart > 0 ? row_beside(laser, laser - apart) : Beside{};
+  above_ = apart > 0 ? row_beside(laser, std::min(laser + apart, scan_.rows() - 1)) : Beside{};
+  votes_ = &votes;
+  load(begin, end);
+  questions_.clear();
+  open_.clear();
+  question(0);
+  const std::size_t last = end - begin - 1;
+  for (std::size_t i = 0; i < last; i += kLongest) cut({i, std::min(i + kLongest, last)});
+  witnesses_.ask(questions_, hearing_, votes);
+  while (!open_.empty()) {
+    questions_.clear();
+    halves_.clear();
+    for (const Span& span : open_) settle(span);
+    witnesses_.ask(questions_, hearing_, votes);
+    open_.swap(halves_);
+  }
+}
+
+void RowVotes::load(std::size_t begin, std::size_t end) {
+  begin_ = begin;
+  const std::size_t size = end - begin;
+  for (std::vector<float>* v : {&x_, &y_, &z_}) v->assign(size + 4, 0);
+  for (std::size_t i = 0; i < size; ++i) {
+    const Eigen::Vector3f& p = points_[begin + i];
+    x_[i] = p.x();
+    y_[i] = p.y();
+    z_[i] = p.z();
+  }
+}
+
+// Into spans between whose ends all lie on the line; the left end was asked already.
+void RowVotes::cut(const Span& span) {
+  const std::size_t corner = farthest_off(span);
+  if (corner == span.left) {
+    question(span.right);
+    open_.push_back(span);
+    return;
+  }
+  cut({span.left, corner});
+  cut({corner, span.right});
+}
+
+// The point between that is farthest from the line through the ends, or the left end where all are near it.
+std::size_t RowVotes::farthest_off(const Span& span) const {
+  const auto [left, right] = span;
+  const float from_x = x_[left], from_y = y_[left], from_z = z_[left];
+  const float chord_x = x_[right] - from_x, chord_y = y_[right] - from_y, chord_z = z_[right] - from_z;
+  const float length2 = chord_x * chord_x + chord_y * chord_y + chord_z * chord_z;
+  const float per_length2 = length2 > 0 ? 1 / length2 : 0;
+  Floats most = Floats{} + tolerance2_;
+  Ints farthest = Ints{} + static_cast<int>(left);
+  Ints index = Ints{0, 1, 2, 3} + static_cast<int>(left + 1);
+  for (std::size_t i = left + 1; i < right; i += 4, index += 4) {
+    const Floats x = four_from(&x_[i]) - from_x;
+    const Floats y = four_from(&y_[i]) - from_y;
+    const Floats z = four_from(&z_[i]) - from_z;
+    const Floats along = (x * chord_x + y * chord_y + z * chord_z) * per_length2;
+    const Floats off_x = x - along * chord_x, off_y = y - along * chord_y, off_z = z - along * chord_z;
+    const Floats off2 = off_x * off_x + off_y * off_y + off_z * off_z;
+    const Ints farther = (off2 > most) & (index < static_cast<int>(right));
+    most = farther ? off2 : most;
+    farthest = farther ? index : farthest;
+  }
+  std::size_t k = 0;
+  for (std::size_t l = 1; l < 4; ++l) {
+    if (most[l] > most[k] || (most[l] == most[k] && farthest[l] < farthest[k])) k = l;
+  }
+  return static_cast<std::size_t>(farthest[k]);
+}
+
+// Gives the points between their votes, or leaves questions to be asked and spans to be settled then.
+void RowVotes::settle(const Span& span) {
+  const auto [left, right] = span;
+  if (right - left < 2) return;
+  PointVotes* const votes = votes_->data() + begin_;
+  if ((is_static(votes[left]) && is_static(votes[right])) || same(votes[left], votes[right]) ||
+      move(votes[left], votes[right])) {
+    for (std::size_t i = left + 1; i < right; ++i) votes[i] = votes[i - left < right - i ? left : right];
+    return;
+  }
+  const std::size_t middle = (left + right) / 2;
+  question(middle);
+  halves_.push_back({left, middle});
+  halves_.push_back({middle, right});
+}
+
+void RowVotes::question(std::size_t i) {
+  if (!known_from_beside(i)) questions_.push_back(begin_ + i);
+}
+
+bool RowVotes::known_from_beside(std::size_t i) {
+  if (below_.row < 0) return false;
+  const std::ptrdiff_t b = beside(i, below_), a = beside(i, above_);
+  if (a < 0 || b < 0) return false;
+  const PointVotes& lower = (*votes_)[static_cast<std::size_t>(b)];
+  if (!stands_firmly(lower) || !stands_firmly((*votes_)[static_cast<std::size_t>(a)])) return false;
+  const auto& from = points_[static_cast<std::size_t>(b)];
+  if (off_line2(points_[begin_ + i], from, points_[static_cast<std::size_t>(a)]) > tolerance2_) return false;
+  (*votes_)[begin_ + i] = lower;
+  return true;
+}
+
+RowVotes::Beside RowVotes::row_beside(int laser, int row) const {
+  return {row, image_.scan_column(row, image_.aligned_column(laser, 0))};
+}
+
+// The return of another row in the same direction, or -1.
+std::ptrdiff_t RowVotes::beside(std::size_t i, const Beside& other) const {
+  const int column = scan_.returns[begin_ + i].column + other.columns_on;
+  return scan_.cell(other.row, column < scan_.columns ? column : column - scan_.columns);
+}
+
+std::vector<RowVotes::Turn> RowVotes::turns(int rows) {
+  std::vector<Turn> turns{{0, {}}};
+  for (int l = 0; l < rows; ++l) {
+    if (l % kMostApart == 0 || l == rows - 1) turns.front().rows.push_back(l);
+  }
+  for (int apart = kMostApart / 2; apart > 0; apart /= 2) {
+    turns.push_back({apart, {}});
+    for (int l = apart; l < rows - 1; l += 2 * apart) turns.back().rows.push_back(l);
+  }
+  return turns;
+}
+
+}  // namespace mapless

@@ -1,0 +1,154 @@
+#include "detection/witnesses.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+#include <limits>
+
+namespace mapless {
+namespace {
+
+// Votes against a point that settle it: of the order in_order gives, three scans, 32, 12 and 4 back.
+constexpr int kEnough = 9;
+
+// The farthest first, and every third: those tell of seconds ago and of a moment ago. Where all of them saw a
+// surface the others need not be asked.
+std::vector<AskedScan> in_order(std::vector<AskedScan> asked) {
+  std::stable_sort(asked.begin(), asked.end(),
+                   [](const AskedScan& a, const AskedScan& b) { return std::abs(a.gap) > std::abs(b.gap); });
+  std::vector<AskedScan> ordered;
+  for (std::size_t first = 0; first < 3; ++first) {
+    for (std::size_t k = first; k < asked.size(); k += 3) ordered.push_back(asked[k]);
+  }
+  return ordered;
+}
+
+int recent_gap(const std::vector<AskedScan>& asked) {
+  int nearest = std::numeric_limits<int>::max();
+  for (const AskedScan& a : asked) nearest = std::min(nearest, std::abs(a.gap));
+  return std::max(nearest, kRecentGap);
+}
+
+// Seen by scans enough, and by none seen through.
+bool stands(const PointVotes& v) { return is_static(v) && v.total() <= -kEnough; }
+
+}  // namespace
+
+Witnesses::Witnesses(const LidarScan& scan, const LocalPoints& points, const std::vector<AskedScan>& asked,
+                     const RayImage& own, const VotingParameters& parameters)
+    : scan_(scan),
+      points_(points.points),
+      vacated_m_(static_cast<float>(parameters.vacated_m)),
+      own_(own, points.origin_0, parameters) {
+  const int recent = recent_gap(asked);
+  for (const AskedScan& a : in_order(asked)) {
+    witnesses_.push_back({FreespaceProbe(*a.image, points.origin_0, parameters), surface_votes(a.gap),
+                          a.gap < 0, std::abs(a.gap) <= recent});
+  }
+}
+
+// One scan after another, so that what is known of it stays at hand.
+void Witnesses::ask(const std::vector<std::size_t>& questions, Hearing& hearing,
+                    std::vector<PointVotes>& votes) const {
+  gather(questions, hearing);
+  for (std::size_t k = 0; k < witnesses_.size() && !hearing.open.empty(); ++k) {
+    hear_all(witnesses_[k], hearing);
+    settle(k + 1, hearing);
+  }
+  for (const Question& question : hearing.questions) votes[question.i] = question.votes;
+}
+
+void Witnesses::gather(const std::vector<std::size_t>& questions, Hearing& hearing) const {
+  hearing.questions.clear();
+  hearing.open.clear();
+  for (const std::size_t i : questions) {
+    hearing.open.push_back(hearing.questions.size());
+    hearing.questions.push_back({i, points_[i], {}});
+  }
+}
+
+// Consecutive firings look at consecutive columns of another scan too, so that the column one point was found
+// in tells where to look for the next.
+void Witnesses::hear_all(const Witness& witness, Hearing& hearing) const {
+  hearing.hiders.clear();
+  float ahead = 0;  // of the point's own column
+  const std::size_t size = hearing.open.size();
+  for (std::size_t first = 0; first < size; first += 4) {
+    std::array<Question*, 4> four;  // the last one again where there are fewer
+    std::array<Eigen::Vector3f, 4> q;
+    std::array<float, 4> own, columns;
+    for (std::size_t l = 0; l < 4; ++l) {
+      four[l] = &hearing.questions[hearing.open[std::min(first + l, size - 1)]];
+      q[l] = four[l]->q;
+      own[l] = static_cast<float>(scan_.returns[four[l]->i].column);
+      columns[l] = own[l] + ahead;
+    }
+    const auto answers = witness.probe.look(q, columns);
+    ahead = columns[3] - own[3];
+    for (std::size_t l = 0; l < std::min<std::size_t>(4, size - first); ++l) {
+      hear(witness, answers[l], *four[l], hearing);
+    }
+  }
+  ask_whether_left(witness, hearing);
+}
+
+// The scans from witness `next` on, which are not asked, are taken to see a surface as those before did.
+void Witnesses::settle(std::size_t next, Hearing& hearing) const {
+  std::erase_if(hearing.open, [&](std::size_t n) {
+    PointVotes& votes = hearing.questions[n].votes;
+    if (!stands(votes)) return false;
+    for (std::size_t k = next; k < witnesses_.size(); ++k) {
+      count(witnesses_[k], -witnesses_[k].surface_votes, votes);
+    }
+    return true;
+  });
+}
+
+void Witnesses::count(const Witness& witness, int number, PointVotes& votes) {
+  std::int16_t& sum = witness.later ? votes.later : votes.earlier;
+  sum = static_cast<std::int16_t>(sum + number);
+}
+
+void Witnesses::hear(const Witness& witness, const FreespaceProbe::Answer& answer, Question& question,
+                     Hearing& hearing) const {
+  PointVotes& votes = question.votes;
+  if (answer.verdict == FreespaceVerdict::inside) {
+    count(witness, kSeenThroughVotes, votes);
+    votes.seen_through = true;
+    votes.recently = votes.recently || witness.recent;
+  } else if (answer.verdict == FreespaceVerdict::border) {
+    const bool moving = witness.recent && witness.probe.dynamic(answer);
+    count(witness, moving ? kMovingVotes : -witness.surface_votes, votes);
+    votes.moving_seen = votes.moving_seen || moving;
+    votes.surface_seen = true;
+  } else if (answer.verdict == FreespaceVerdict::outside && answer.short_by_m <= vacated_m_ &&
+             witness.probe.ended(answer)) {
+    const Eigen::Vector3f place = witness.probe.endpoint(answer.laser, answer.column);
+    if ((place - question.q).squaredNorm() <= vacated_m_ * vacated_m_) {
+      hearing.hiders.push_back({&question, place});
+    }
+  }
+}
+
+// Whether what hid a point, near enough to be the same thing, is not there now.
+void Witnesses::ask_whether_left(const Witness& witness, Hearing& hearing) const {
+  const auto& hiders = hearing.hiders;
+  for (std::size_t first = 0; first < hiders.size(); first += 4) {
+    std::array<Eigen::Vector3f, 4> q;
+    std::array<float, 4> columns;
+    for (std::size_t l = 0; l < 4; ++l) {
+      const Hearing::Hider& hider = hiders[std::min(first + l, hiders.size() - 1)];
+      q[l] = hider.place;
+      columns[l] = static_cast<float>(scan_.returns[hider.question->i].column);
+    }
+    const auto answers = own_.look(q, columns);
+    for (std::size_t l = 0; l < std::min<std::size_t>(4, hiders.size() - first); ++l) {
+      if (answers[l].verdict != FreespaceVerdict::inside) continue;
+      PointVotes& votes = hiders[first + l].question->votes;
+      count(witness, kVacatedVotes, votes);
+      votes.vacated = true;
+      votes.recently = votes.recently || witness.recent;
+    }
+  }
+}
+
+}  // namespace mapless

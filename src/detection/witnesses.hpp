@@ -1,0 +1,68 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include <mapless/detection/freespace_votes.hpp>
+
+namespace mapless {
+
+/// Seen as a surface, and by nobody seen through or moving.
+[[nodiscard]] inline bool is_static(const PointVotes& v) {
+  return v.surface_seen && !v.seen_through && !v.vacated && !v.moving_seen;
+}
+
+/// The scans asked about the points of one scan, and what they say.
+class Witnesses {
+ public:
+  /// Keeps references to all but `asked`.
+  Witnesses(const LidarScan& scan, const LocalPoints& points, const std::vector<AskedScan>& asked,
+            const RayImage& own, const VotingParameters& parameters);
+
+  /// Room for what is known of one call, kept for the next.
+  struct Hearing {
+    struct Question {
+      std::size_t i;      // return of the scan
+      Eigen::Vector3f q;  // its point
+      PointVotes votes;
+    };
+    std::vector<Question> questions;
+    std::vector<std::size_t> open;  // those not settled yet
+    // What hid a point from one scan, and may have left.
+    struct Hider {
+      Question* question;
+      Eigen::Vector3f place;
+    };
+    std::vector<Hider> hiders;
+  };
+  /// Asks about returns of the scan, best neighbours of a row, and enters the answers in `votes`.
+  void ask(const std::vector<std::size_t>& questions, Hearing& hearing, std::vector<PointVotes>& votes) const;
+
+ private:
+  using Question = Hearing::Question;
+  struct Witness {
+    FreespaceProbe probe;
+    int surface_votes;
+    bool later;
+    bool recent;
+  };
+
+  void gather(const std::vector<std::size_t>& questions, Hearing& hearing) const;
+  void hear_all(const Witness& witness, Hearing& hearing) const;
+  void hear(const Witness& witness, const FreespaceProbe::Answer& answer, Question& question,
+            Hearing& hearing) const;
+  void ask_whether_left(const Witness& witness, Hearing& hearing) const;
+  static void count(const Witness& witness, int number, PointVotes& votes);
+  void settle(std::size_t next, Hearing& hearing) const;
+
+  const LidarScan& scan_;
+  const std::vector<Eigen::Vector3f>& points_;
+  float vacated_m_;
+  FreespaceProbe own_;
+  std::vector<Witness> witnesses_;
+};
+
+}  // namespace mapless
