@@ -43,13 +43,11 @@ void add_scan(const UsableScan& scan, const PlaneMap& others, const Registration
   leave_to_prior(registration.degeneracy, end.T_v0, sums);
   registration.matched = 0;
   registration.agreement = 0;
-  for (BinSums& bin : sums) {
+  for (const BinSums& bin : sums) {
     registration.matched += bin.matched;
     registration.agreement += bin.agreement;
-    bin.information *= kOfBothSides;
-    bin.gradient *= kOfBothSides;
   }
-  add_points(sums, scan.interval, system);
+  add_points(sums, scan.interval, kOfBothSides * kPointShare, system);
 }
 
 bool improve_jointly(const KnotPrior& prior, const std::vector<UsableScan>& scans,
