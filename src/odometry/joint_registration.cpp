@@ -6,7 +6,7 @@
 namespace mapless {
 namespace {
 
-constexpr int kSteps = 6;
+constexpr int kSteps = 30;
 // Every pair of scans is seen from both sides, by points of the one on planes of the other and by points of
 // the other on planes of the one: what they tell counts half.
 constexpr double kOfBothSides = 0.5;
