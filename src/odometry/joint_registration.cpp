@@ -6,7 +6,7 @@
 namespace mapless {
 namespace {
 
-constexpr int kSteps = 6;
+constexpr int kSteps = 30;
 // Every pair of scans is seen from both sides, by points of the one on planes of the other and by points of
 // the other on planes of the one: what they tell counts half.
 constexpr double kOfBothSides = 0.5;
@@ -43,13 +43,11 @@ void add_scan(const UsableScan& scan, const PlaneMap& others, const Registration
   leave_to_prior(registration.degeneracy, end.T_v0, sums);
   registration.matched = 0;
   registration.agreement = 0;
-  for (BinSums& bin : sums) {
+  for (const BinSums& bin : sums) {
     registration.matched += bin.matched;
     registration.agreement += bin.agreement;
-    bin.information *= kOfBothSides;
-    bin.gradient *= kOfBothSides;
   }
-  add_points(sums, scan.interval, system);
+  add_points(sums, scan.interval, kOfBothSides * kPointShare, system);
 }
 
 bool improve_jointly(const KnotPrior& prior, const std::vector<UsableScan>& scans,

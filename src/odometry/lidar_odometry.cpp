@@ -138,8 +138,10 @@ ScanOutcome LidarOdometry::State::start(UsableScan scan, OdometryUpdate& update)
   return ScanOutcome::registered;
 }
 
+// What was not to be expected of the motion so far is registered as if nothing was known of it.
 std::optional<Registration> LidarOdometry::State::registered(const UsableScan& scan) const {
-  auto found = register_scan(track.window(), track.prior, scan.bins, track.map, settings);
+  auto found =
+      register_scan(track.window(), track.prior, scan.bins, track.map, track.with_own_density(settings));
   if (found && found->converged && matched_share(*found, scan.bins) >= kOfLast * last_share) return found;
   auto again = register_widely(track.window(), track.prior, scan.bins, track.map, settings);
   return again && (!found || again->agreement > found->agreement) ? again : found;

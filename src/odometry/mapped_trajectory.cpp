@@ -4,6 +4,7 @@
 
 #include <Eigen/LU>
 
+#include "odometry/motion_density.hpp"
 #include "odometry/points_in_world.hpp"
 
 namespace mapless {
@@ -54,6 +55,11 @@ bool is_plausible(const TrajectoryKnot& found, const TrajectoryKnot& prediction)
          correction.tail<3>().norm() < kLargestTurnCorrection;
 }
 
+RegistrationSettings MappedTrajectory::with_own_density(RegistrationSettings settings) const {
+  settings.density = density_of(std::span(knots).first(knots.size() - 1), settings.density);
+  return settings;
+}
+
 void MappedTrajectory::append_knots(const LidarScan& scan) {
   const Time end = end_of(scan);
   if (knots.empty()) {
@@ -74,7 +80,8 @@ void MappedTrajectory::accept(const Registration& registration) {
 }
 
 Matrix12d MappedTrajectory::carry_by_prior(const RegistrationSettings& settings) {
-  const auto carried = register_scan(window(), prior, TimeBins({}, Time(), Time()), map, settings);
+  const auto carried =
+      register_scan(window(), prior, TimeBins({}, Time(), Time()), map, with_own_density(settings));
   if (carried) {
     accept(*carried);
     return carried->last_information.inverse();

@@ -59,6 +59,8 @@ struct MappedTrajectory {
   [[nodiscard]] std::vector<TrajectoryKnot> window() const {
     return {knots.begin() + static_cast<std::ptrdiff_t>(window_begin), knots.end()};
   }
+  /// With the density of the motion so far, the last knot not yet known.
+  [[nodiscard]] RegistrationSettings with_own_density(RegistrationSettings settings) const;
   /// A knot at the end of the scan, and one at its start where scans are missing before it.
   void append_knots(const LidarScan& scan);
   void accept(const Registration& registration);

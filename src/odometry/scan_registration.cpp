@@ -38,7 +38,7 @@ bool improve(const KnotPrior& prior, const TimeBins& bins, const PlaneMap& map,
   WindowSystem system(knots.size());
   add_knot_prior(prior, knots, 0, system);
   for (std::size_t k = 0; k < last; ++k) add_motion_prior(knots, k, settings.density, system);
-  add_points(sums, last - 1, system);
+  add_points(sums, last - 1, kPointShare, system);
   const auto solution = solve(system);
   if (!solution) return false;
 

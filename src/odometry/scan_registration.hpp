@@ -8,6 +8,11 @@
 
 namespace mapless {
 
+/// Of the information of its points, what a scan really brings: points of one surface share the errors of its
+/// plane, and those of the poses that it was seen from. With this share the velocity errs by what its
+/// covariance says over simulated drives of every scene (docs/odometry.md).
+inline constexpr double kPointShare = 0.3;
+
 struct RegistrationSettings {
   AccelerationDensity density;
   PointWeights weights;

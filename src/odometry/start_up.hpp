@@ -55,6 +55,7 @@ class StartUp {
   void follow_again();
   [[nodiscard]] double seen_through(const MappedTrajectory& track, const UsableScan& scan) const;
   void keep_best();
+  [[nodiscard]] double less_its_cost(const Candidate& candidate) const;
   [[nodiscard]] bool is_ambiguous() const;
   std::optional<Registration> registered_jointly();
   Result begin_anew();

@@ -85,11 +85,11 @@ std::vector<BinSums> sum_residuals(const TimeBins& bins, const KnotInterval& int
   return sums;
 }
 
-void add_points(const std::vector<BinSums>& sums, std::size_t k, WindowSystem& system) {
+void add_points(const std::vector<BinSums>& sums, std::size_t k, double share, WindowSystem& system) {
   for (const BinSums& bin : sums) {
     if (bin.matched == 0) continue;
     const Eigen::Matrix<double, 24, 6> Gt = bin.pose_jacobian.transpose();
-    system.add(k, Gt * bin.information * bin.pose_jacobian, Gt * bin.gradient);
+    system.add(k, share * Gt * bin.information * bin.pose_jacobian, share * Gt * bin.gradient);
   }
 }
 

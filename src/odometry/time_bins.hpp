@@ -70,7 +70,7 @@ struct BinSums {
 [[nodiscard]] std::vector<BinSums> sum_residuals(const TimeBins& bins, const KnotInterval& interval,
                                                  const PlaneMap& map, const PointWeights& weights);
 
-/// Adds the sums of the bins between knots k and k + 1.
-void add_points(const std::vector<BinSums>& sums, std::size_t k, WindowSystem& system);
+/// Adds the sums of the bins between knots k and k + 1, of whose information `share` is believed.
+void add_points(const std::vector<BinSums>& sums, std::size_t k, double share, WindowSystem& system);
 
 }  // namespace mapless

@@ -129,7 +129,7 @@ std::vector<TrajectoryKnot> solve_with_ours(const Problem& p) {
       BinSums sums;
       sums.pose_jacobian = at.pose_jacobian;
       sums.add(point_residual(match.p_v, at.state.T_v0, match.plane, kWeights));
-      add_points({sums}, k, system);
+      add_points({sums}, k, 1, system);
     }
     const auto solution = solve(system).value();
     for (std::size_t k = 0; k < kKnots; ++k) knots[k] = perturbed(knots[k], solution.step[k]);

@@ -60,7 +60,7 @@ TEST(TimeBins, SixtyFourPointsAtOneStampCountSixtyFourTimes) {
     g += residual.weight * row.transpose() * residual.error_m;
   }
   WindowSystem system(2);
-  add_points({sums}, 0, system);
+  add_points({sums}, 0, 1, system);
   EXPECT_EQ(sums.matched, 64);
   EXPECT_LT((system.diagonal[0] - H.topLeftCorner<12, 12>()).norm(), 1e-9 * H.norm());
   EXPECT_LT((system.above[0] - H.topRightCorner<12, 12>()).norm(), 1e-9 * H.norm());
