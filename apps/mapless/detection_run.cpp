@@ -163,7 +163,6 @@ void DetectionRun::finish_scan(Detection detection, const Trajectory& trajectory
   FinishedScan finished;
   finished.k = numbers_.front();
   numbers_.pop_front();
-  finished.objects = timed(finished.tracking_s, [&] { return tracker_.process(detection, trajectory); });
   finished.poses = scan_poses(trajectory, detection.scan->start, detection.scan->end(), kPosesPerScan);
   finished.detection = std::make_shared<const Detection>(std::move(detection));
   found_.push_back(finished.detection);
@@ -176,10 +175,10 @@ void DetectionRun::write(const FinishedScan& scan) {
     make_folder_();
     objects_.emplace(result_.objects());
   }
-  objects_->add(object_rows(scan.k, scan.objects));
+  objects_->add(object_rows(scan.k, scan.detection->tracked));
   write_stage_file(result_.stage_file(scan.k), stage_masks_of(*scan.detection));
-  write_label_file(result_.label_file(scan.k), labels_of(*scan.detection, scan.objects));
-  summary_.add(*scan.detection, scan.objects, scan.tracking_s);
+  write_label_file(result_.label_file(scan.k), labels_of(*scan.detection, scan.detection->tracked));
+  summary_.add(*scan.detection);
   poses_.push_back(scan.poses.front());
   append_poses(rows_, scan.poses);
   last_end_ = scan.detection->scan->end();

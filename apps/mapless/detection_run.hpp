@@ -16,7 +16,6 @@
 #include "side_thread.hpp"
 #include "worker_thread.hpp"
 #include <mapless/detection/detector.hpp>
-#include <mapless/detection/object_tracker.hpp>
 #include <mapless/io/dataset.hpp>
 #include <mapless/io/object_table.hpp>
 #include <mapless/io/result_folder.hpp>
@@ -53,8 +52,6 @@ class DetectionRun {
   struct FinishedScan {
     std::size_t k = 0;
     std::shared_ptr<const Detection> detection;
-    std::vector<TrackedObject> objects;
-    double tracking_s = 0;
     std::vector<TimedPose> poses;  // within it
   };
 
@@ -85,7 +82,6 @@ class DetectionRun {
 
   // The one that detects, from begin_detection to end_detection.
   Detector detector_;
-  ObjectTracker tracker_;
   std::deque<std::size_t> numbers_;                      // of the scans in the detector
   std::vector<std::shared_ptr<const Detection>> found_;  // since the last end_detection
 

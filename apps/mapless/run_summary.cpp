@@ -20,7 +20,7 @@ struct TimingRow {
   double (*seconds)(const StageSeconds&);
 };
 
-constexpr std::array<TimingRow, 9> kTimingRows = {{
+constexpr std::array<TimingRow, 10> kTimingRows = {{
     {"compensation", [](const StageSeconds& s) { return s.compensation; }},
     {"neighbours", [](const StageSeconds& s) { return s.neighbours; }},
     {"normals", [](const StageSeconds& s) { return s.normals; }},
@@ -29,6 +29,7 @@ constexpr std::array<TimingRow, 9> kTimingRows = {{
     {"forward", [](const StageSeconds& s) { return s.forward; }},
     {"box_filter", [](const StageSeconds& s) { return s.box_filter; }},
     {"region_growth", [](const StageSeconds& s) { return s.region_growth; }},
+    {"tracking", [](const StageSeconds& s) { return s.tracking; }},
     {"total", [](const StageSeconds& s) { return s.total(); }},
 }};
 
@@ -87,16 +88,14 @@ void RunSummary::set_input(const LidarScan& scan, bool was_compensated) {
       was_compensated ? "of the recording, undone before detection" : "none in the recording";
 }
 
-void RunSummary::add(const Detection& detection, const std::vector<TrackedObject>& objects,
-                     double tracking_s) {
+void RunSummary::add(const Detection& detection) {
   records_ += detection.scan->input_size;
   points_ += detection.object.size();
   dynamic_points_ += static_cast<std::size_t>(std::count_if(
       detection.object.begin(), detection.object.end(), [](std::uint16_t object) { return object != 0; }));
   objects_ += static_cast<std::size_t>(detection.objects);
-  for (const TrackedObject& object : objects) newest_id_ = std::max(newest_id_, object.id);
+  for (const TrackedObject& object : detection.tracked) newest_id_ = std::max(newest_id_, object.id);
   seconds_.push_back(detection.seconds);
-  tracking_ms_.push_back(tracking_s * 1e3);
 }
 
 Json timing_json(const std::vector<StageSeconds>& scans) {
@@ -148,7 +147,6 @@ Json RunSummary::json() const {
               {"trajectory", trajectory},
               {"notes", notes_},
               {"timing", timing_json(seconds_)},
-              {"tracking", quantiles_json(tracking_ms_)},
               {"peak_memory_mb", peak_memory_mb()}};
   if (input_output_) out["input_output"] = to_json(*input_output_);
   if (real_time_) out["real_time"] = to_json(*real_time_);

@@ -14,7 +14,6 @@
 #include "motion_source.hpp"
 #include "real_time_pace.hpp"
 #include <mapless/detection/detector.hpp>
-#include <mapless/detection/object_tracker.hpp>
 #include <mapless/io/dataset.hpp>
 #include <mapless/io/trajectory_source.hpp>
 
@@ -29,7 +28,7 @@ class RunSummary {
   /// Where the times and rings of the scans come from, and whether motion compensation was undone.
   void set_input(const LidarScan& scan, bool was_compensated);
   /// A scan's detection, its objects, and how long it took to follow them.
-  void add(const Detection& detection, const std::vector<TrackedObject>& objects, double tracking_s);
+  void add(const Detection& detection);
   void set_odometry(const OdometryReport& report) { odometry_ = report; }
   void set_input_output(const InputOutputReport& report) { input_output_ = report; }
   void set_real_time(const RealTimeReport& report) { real_time_ = report; }
@@ -56,7 +55,6 @@ class RunSummary {
   std::size_t records_ = 0, points_ = 0, dynamic_points_ = 0, objects_ = 0;
   std::uint32_t newest_id_ = 0;  // of an object: as many there were over time
   std::vector<StageSeconds> seconds_;
-  std::vector<double> tracking_ms_;
   std::optional<OdometryReport> odometry_;
   std::optional<InputOutputReport> input_output_;
   std::optional<RealTimeReport> real_time_;

@@ -2,10 +2,18 @@
 
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include <mapless/detection/detector.hpp>
 
 namespace mapless {
+
+/// What a pipeline finds in a scan: every object it proposes has a number.
+struct ProposedObjects {
+  Detection detection;
+  std::vector<TrajectoryState> column_states;  ///< of the sensor, CompensatedScan::column_states
+  std::vector<float> advance_m;                ///< RegionGrowthResult::advance_m
+};
 
 /// How scans are remembered and judged; Detector says when. Scans are numbered from 0 in the order they come.
 class DetectionPipeline {
@@ -13,9 +21,9 @@ class DetectionPipeline {
   virtual ~DetectionPipeline() = default;
   /// Takes the next scan. Throws TrajectoryDomainError, and has then not taken it.
   virtual void add(std::shared_ptr<const LidarScan> scan, const Trajectory& trajectory) = 0;
-  /// The detection of scan `number`, with the help of scan `later` (none: the recording ends). Scans come by
+  /// The objects of scan `number`, with the help of scan `later` (none: the recording ends). Scans come by
   /// increasing number, each once.
-  virtual Detection detect(std::size_t number, std::optional<std::size_t> later) = 0;
+  virtual ProposedObjects detect(std::size_t number, std::optional<std::size_t> later) = 0;
 };
 
 /// Freespace voting, and the five steps as published.

@@ -2,6 +2,7 @@
 #include <utility>
 
 #include "detection/detection_pipeline.hpp"
+#include "detection/moving_objects.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/detection/detector.hpp>
 
@@ -10,7 +11,8 @@ namespace mapless {
 Detector::Detector(const DetectorParameters& parameters)
     : parameters_(parameters),
       pipeline_(parameters.method == DetectionMethod::voting ? make_voting_pipeline(parameters)
-                                                             : make_published_pipeline(parameters)) {}
+                                                             : make_published_pipeline(parameters)),
+      moving_(std::make_unique<MovingObjects>(parameters)) {}
 Detector::~Detector() = default;
 Detector::Detector(Detector&&) noexcept = default;
 Detector& Detector::operator=(Detector&&) noexcept = default;
@@ -40,9 +42,9 @@ std::optional<Detection> Detector::flush() {
 }
 
 Detection Detector::next(std::optional<std::size_t> later) {
-  Detection detection = pipeline_->detect(next_detection_, later);
-  detection.sequence_number = next_detection_++;
-  return detection;
+  ProposedObjects proposed = pipeline_->detect(next_detection_, later);
+  proposed.detection.sequence_number = next_detection_++;
+  return moving_->judge(std::move(proposed));
 }
 
 }  // namespace mapless

@@ -254,7 +254,7 @@ std::array<FreespaceProbe::Answer, 4> FreespaceProbe::Lanes::judge(const Side& b
         (above.found & below.found) | (magnitude(height) <= kEdgeSpacings * spacing * expected);
     verdict = known ? verdict : all_lanes(FreespaceVerdict::unobserved);
   }
-  verdict = window.hides ? all_lanes(FreespaceVerdict::border) : verdict;
+  verdict = window.hides ? all_lanes(FreespaceVerdict::unobserved) : verdict;
   verdict = range < expected ? all_lanes(FreespaceVerdict::outside) : verdict;
   verdict = range != range ? all_lanes(FreespaceVerdict::unobserved) : verdict;
   verdict = window.border ? all_lanes(FreespaceVerdict::border) : verdict;

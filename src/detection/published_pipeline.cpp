@@ -42,7 +42,7 @@ class PublishedPipeline final : public DetectionPipeline {
     buffer_.push_back(prepare(std::move(scan), trajectory));
   }
 
-  Detection detect(std::size_t number, std::optional<std::size_t> later) override {
+  ProposedObjects detect(std::size_t number, std::optional<std::size_t> later) override {
     const auto gap = static_cast<std::size_t>(parameters_.scan_gap);
     while (first_number_ + gap < number) {  // the oldest scan this detection can ask for
       buffer_.pop_front();
@@ -58,7 +58,7 @@ class PublishedPipeline final : public DetectionPipeline {
     }
     Detection detection = judge(query, reference, other);
     detection.seconds = buffer_[number - first_number_].seconds + detection.seconds;
-    return detection;
+    return {std::move(detection), query.compensated.column_states, {}};
   }
 
  private:

@@ -284,7 +284,7 @@ FreespaceProbe::Answer FreespaceProbe::look_about_image(const Vector3f& q, float
   if (window.border) return answer(FreespaceVerdict::border);
   if (std::isnan(window.nearest_range_m)) return answer(FreespaceVerdict::unobserved);
   if (window.nearest_range_m < nearest.range_m) return answer(FreespaceVerdict::outside);
-  if (window.hides) return answer(FreespaceVerdict::border);
+  if (window.hides) return answer(FreespaceVerdict::unobserved);
   const bool between = rays.below.found() && rays.above.found();
   const float edge_m = kEdgeSpacings * nearest.beam->spacing_rad * nearest.range_m;
   if (!between && beams_.size() > 1 && std::abs(nearest.height_m) > edge_m) {

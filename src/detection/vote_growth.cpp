@@ -112,17 +112,14 @@ class VoteGrowth {
     for (const std::int32_t i : front_) verdict(i) = GrowthVerdict::grown;
   }
 
-  // What is linked is one object; what moved a while ago but no longer does is none.
+  // What is linked is one object.
   void number_objects() {
     std::vector<char> done(votes_.size(), 0);
     const auto open = [&](std::int32_t i) { return dynamic(i) && done[static_cast<std::size_t>(i)] == 0; };
     for (std::int32_t i = 0; i < static_cast<std::int32_t>(votes_.size()); ++i) {
       if (!open(i)) continue;
       collect(i, open, [&](std::int32_t j) { done[static_cast<std::size_t>(j)] = 1; });
-      if (advance_m() < parameters_.min_advance_m) {
-        for (const std::int32_t j : front_) verdict(j) = GrowthVerdict::stopped;
-        continue;
-      }
+      result_.advance_m.push_back(static_cast<float>(advance_m()));
       const auto number = static_cast<std::uint16_t>(std::min(++result_.objects, kMaxObjectNumber));
       for (const std::int32_t j : front_) result_.object[static_cast<std::size_t>(j)] = number;
     }

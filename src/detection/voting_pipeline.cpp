@@ -43,19 +43,20 @@ class VotingPipeline final : public DetectionPipeline {
   }
 
   void add(std::shared_ptr<const LidarScan> scan, const Trajectory& trajectory) override;
-  Detection detect(std::size_t number, std::optional<std::size_t> later) override;
+  ProposedObjects detect(std::size_t number, std::optional<std::size_t> later) override;
 
  private:
   struct PendingScan {
     std::shared_ptr<const LidarScan> scan;
     LocalPoints points;
+    std::vector<TrajectoryState> column_states;
     StageSeconds seconds;  // of its preparation
   };
   [[nodiscard]] const RayImage& image(std::size_t number) const { return images_.at(number - first_image_); }
   [[nodiscard]] std::vector<AskedScan> scans_to_ask(std::size_t number,
                                                     std::optional<std::size_t> later) const;
-  [[nodiscard]] Detection judge(PendingScan query, const std::vector<AskedScan>& asked,
-                                const RayImage& own) const;
+  [[nodiscard]] ProposedObjects judge(PendingScan query, const std::vector<AskedScan>& asked,
+                                      const RayImage& own) const;
 
   VotingParameters parameters_;
   std::vector<std::size_t> gaps_;    // of the earlier scans, increasing
@@ -72,6 +73,7 @@ void VotingPipeline::add(std::shared_ptr<const LidarScan> scan, const Trajectory
   pending.scan = compensated.scan;
   pending.points = std::move(points);
   images_.emplace_back(compensated);
+  pending.column_states = std::move(compensated.column_states);
   pending_.push_back(std::move(pending));
 }
 
@@ -86,19 +88,19 @@ std::vector<AskedScan> VotingPipeline::scans_to_ask(std::size_t number,
   return asked;
 }
 
-Detection VotingPipeline::detect(std::size_t number, std::optional<std::size_t> later) {
+ProposedObjects VotingPipeline::detect(std::size_t number, std::optional<std::size_t> later) {
   PendingScan query = std::move(pending_.front());
   pending_.pop_front();
-  Detection detection = judge(std::move(query), scans_to_ask(number, later), image(number));
-  images_.at(number - first_image_).mark_dynamic(*detection.scan, detection.object);
+  ProposedObjects proposed = judge(std::move(query), scans_to_ask(number, later), image(number));
+  images_.at(number - first_image_).mark_dynamic(*proposed.detection.scan, proposed.detection.object);
   while (first_image_ + gaps_.back() < number + 1) {  // the oldest the next detection can ask for
     images_.pop_front();
     ++first_image_;
   }
-  return detection;
+  return proposed;
 }
 
-Detection VotingPipeline::judge(PendingScan query, const std::vector<AskedScan>& asked,
+ProposedObjects VotingPipeline::judge(PendingScan query, const std::vector<AskedScan>& asked,
                                 const RayImage& own) const {
   Detection out;
   out.seconds = query.seconds;
@@ -119,7 +121,7 @@ Detection VotingPipeline::judge(PendingScan query, const std::vector<AskedScan>&
   record(out.trace, &StageTrace::growth, regions.verdict);
   out.object = std::move(regions.object);
   out.objects = regions.objects;
-  return out;
+  return {std::move(out), std::move(query.column_states), std::move(regions.advance_m)};
 }
 
 }  // namespace

@@ -116,9 +116,10 @@ void Witnesses::hear(const Witness& witness, const FreespaceProbe::Answer& answe
     votes.seen_through = true;
     votes.recently = votes.recently || witness.recent;
   } else if (answer.verdict == FreespaceVerdict::border) {
-    const bool moving = witness.recent && witness.probe.dynamic(answer);
-    count(witness, moving ? kMovingVotes : -witness.surface_votes, votes);
-    votes.moving_seen = votes.moving_seen || moving;
+    const bool moved = witness.probe.dynamic(answer);
+    if (!moved) count(witness, -witness.surface_votes, votes);
+    if (moved && witness.recent) count(witness, kMovingVotes, votes);
+    votes.moving_seen = votes.moving_seen || (moved && witness.recent);
     votes.surface_seen = true;
   } else if (answer.verdict == FreespaceVerdict::outside && answer.short_by_m <= vacated_m_ &&
              witness.probe.ended(answer)) {

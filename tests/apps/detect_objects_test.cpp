@@ -80,7 +80,7 @@ TEST_F(DetectObjectsTest, TellsOfEveryObjectOfEveryScanUnderTheNumberInItsLabels
   EXPECT_GE(oldest, 4) << "some are followed";
   EXPECT_EQ(summary()["objects"], rows.size());
   EXPECT_EQ(summary()["objects_over_time"], newest);
-  EXPECT_GE(summary()["tracking"]["median_ms"], 0.0);
+  EXPECT_GE(summary()["timing"]["tracking"]["median_ms"], 0.0);
 }
 
 // Truth of the street's velocities, as the simulator would tell it.

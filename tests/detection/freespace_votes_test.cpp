@@ -125,8 +125,8 @@ TEST(CollectVotes, WhatHidAPointAndHasLeftCountsByHowFarOffItWas) {
   expect_votes({{6, 2}, {6, 4}, {6, 8}, {6, -1}}, {0, 0, false, false, false}, parameters);
 }
 
-// A wall seen where it stands now by scans 2 and 8 back, and found moving by both then: the one of a moment
-// ago is no witness that it stands, the other is.
+// A wall seen where it stands now by scans 2 and 8 back, and found moving by both then: neither is a witness
+// that it stands, and the one of a moment ago has it go on.
 TEST(CollectVotes, WhatWasFoundMovingAMomentAgoGoesOn) {
   const CompensatedScan query = cast(standing({wall_at(7)}));
   RayImage image(query);
@@ -138,7 +138,7 @@ TEST(CollectVotes, WhatWasFoundMovingAMomentAgoGoesOn) {
   }
   image.mark_dynamic(*query.scan, std::vector<std::uint16_t>(query.points_0.size(), 1));
   for (const PointVotes& v : votes()) {
-    EXPECT_TRUE(is(v, {kMovingVotes - 3, 0, false, true, false}));
+    EXPECT_TRUE(is(v, {kMovingVotes, 0, false, true, false}));
     EXPECT_TRUE(v.moving_seen);
   }
 }

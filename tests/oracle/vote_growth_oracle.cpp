@@ -139,12 +139,11 @@ void VoteGrowthOracle::number(const std::vector<PointVotes>& votes, const std::v
   for (std::size_t i = 0; i < votes.size(); ++i) {
     if (!dynamic[i]) continue;
     const std::size_t object = objects[i];
-    if (advance_m(votes, members[object]) < parameters_.min_advance_m) {
-      result.verdict[i] = GrowthVerdict::stopped;
-      continue;
-    }
     auto& number = numbers[object];
-    if (number == 0) number = static_cast<std::uint16_t>(++result.objects);
+    if (number == 0) {
+      number = static_cast<std::uint16_t>(++result.objects);
+      result.advance_m.push_back(static_cast<float>(advance_m(votes, members[object])));
+    }
     result.object[i] = number;
   }
 }

@@ -16,7 +16,6 @@
 #include "progress.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/detection/detector.hpp>
-#include <mapless/detection/object_tracker.hpp>
 #include <mapless/evaluation/quantile.hpp>
 #include <mapless/geometry/compensated_scan.hpp>
 
@@ -30,7 +29,7 @@ constexpr int kYardstickEvery = 5;
 
 struct Times {
   std::vector<StageSeconds> stages;
-  std::vector<BusyTime> detection, objects, yardstick;
+  std::vector<BusyTime> detection, yardstick;
 };
 
 /// Everything measured of one sensor, scan by scan and side by side, so that what else the machine does meets
@@ -75,11 +74,9 @@ class SensorRun {
     std::optional<Detection> found;
     const BusyTime detection = busy_time_of([&] { found = detector_.process(scan, drive_.trajectory()); });
     if (!found) return;
-    const BusyTime objects = busy_time_of([&] { tracker_.process(*found, drive_.trajectory()); });
     if (k < kFirstScan) return;
     times_.stages.push_back(found->seconds);
     times_.detection.push_back(detection);
-    times_.objects.push_back(objects);
     if (k % kYardstickEvery == 0) take_yardstick(scan);
   }
 
@@ -92,7 +89,6 @@ class SensorRun {
   SpeedDrive drive_;
   int scans_;
   Detector detector_;
-  ObjectTracker tracker_;
   std::vector<std::unique_ptr<SpeedPipeline>> pipelines_;
   tbb::task_arena one_thread_{1};
   std::vector<Eigen::Vector3d> before_;  // points of the scan the last yardstick was taken at
@@ -156,7 +152,8 @@ Json rows(const SensorRun& run) {
                                   Stage{"backward", &StageSeconds::backward},
                                   Stage{"forward", &StageSeconds::forward},
                                   Stage{"box filter", &StageSeconds::box_filter},
-                                  Stage{"region growth", &StageSeconds::region_growth}};
+                                  Stage{"region growth", &StageSeconds::region_growth},
+                                  Stage{"tracking", &StageSeconds::tracking}};
   for (const auto& [name, stage] : kStages) {
     std::vector<double> ms;
     for (const StageSeconds& s : times.stages) ms.push_back(1e3 * s.*stage);
@@ -166,7 +163,6 @@ Json rows(const SensorRun& run) {
   all.push_back(make.of("odometry", run.pipelines()[0]->odometry_times()));
   all.push_back(make.of("pipeline", run.pipelines()[0]->times()));
   all.push_back(make.of("on two threads", run.pipelines()[1]->times()));
-  all.push_back(make.of("objects", times.objects));
   all.push_back(make.of("yardstick", times.yardstick));
   return all;
 }

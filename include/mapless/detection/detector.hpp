@@ -7,6 +7,7 @@
 
 #include <mapless/detection/parameters.hpp>
 #include <mapless/detection/stages.hpp>
+#include <mapless/detection/tracked_object.hpp>
 #include <mapless/trajectory/trajectory.hpp>
 
 namespace mapless {
@@ -21,14 +22,17 @@ struct StageSeconds {
   double forward = 0;
   double box_filter = 0;
   double region_growth = 0;
+  double tracking = 0;
 
   [[nodiscard]] double total() const {
-    return compensation + neighbours + normals + comparison + backward + forward + box_filter + region_growth;
+    return compensation + neighbours + normals + comparison + backward + forward + box_filter + region_growth +
+           tracking;
   }
   [[nodiscard]] StageSeconds operator+(const StageSeconds& o) const {
     return {compensation + o.compensation, neighbours + o.neighbours,      normals + o.normals,
             comparison + o.comparison,     backward + o.backward,          forward + o.forward,
-            box_filter + o.box_filter,     region_growth + o.region_growth};
+            box_filter + o.box_filter,     region_growth + o.region_growth,
+            tracking + o.tracking};
   }
 };
 
@@ -39,12 +43,14 @@ struct Detection {
   std::vector<StageTrace> trace;      ///< each stage's verdict
   std::vector<std::uint16_t> object;  ///< 0 for static, else 1, 2, ...: one number per object of this scan
   int objects = 0;
+  std::vector<TrackedObject> tracked;  ///< those objects over time, by number
   StageSeconds seconds;
 
   [[nodiscard]] bool dynamic(std::size_t i) const { return object[i] != 0; }
 };
 
 class DetectionPipeline;
+class MovingObjects;
 
 /// Tells, online, which returns of each scan belong to things that move now (arXiv 1809.06972).
 ///
@@ -75,6 +81,7 @@ class Detector {
 
   DetectorParameters parameters_;
   std::unique_ptr<DetectionPipeline> pipeline_;
+  std::unique_ptr<MovingObjects> moving_;
   Time newest_start_;
   std::size_t next_number_ = 0;     // of the next scan in
   std::size_t next_detection_ = 0;  // of the next detection out

@@ -148,7 +148,8 @@ struct VotingParameters {
   int seed_score = 40;
   int min_seeds = 4;
   bool grow = true;
-  double min_advance_m = 0.06;
+  double min_advance_m = 0.03;
+  double min_speed_mps = 0.2;
 
   static constexpr auto declarations() {
     using P = VotingParameters;
@@ -192,8 +193,11 @@ struct VotingParameters {
         declare(
             &P::min_advance_m, "min_advance_m", "m", 0.0, 10.0,
             "the share of an object's points that one of the nearest scans saw through, times its size, is "
-            "about how far it went since: with less it has stopped and is static",
+            "about how far it went since: with less it does not begin to move",
             "docs/method.md"),
+        declare(&P::min_speed_mps, "min_speed_mps", "m/s", 0.0, 100.0,
+                "an object that is followed and slower than this stands",
+                "docs/method.md"),
     };
   }
 };

@@ -14,6 +14,8 @@ struct RegionGrowthResult {
   std::vector<std::uint16_t>
       object;  ///< 0: static; else 1, 2, ... 65535 (shared beyond), by lowest return index
   int objects = 0;
+  /// By object number - 1, of method "voting": about how far it went since the scans of a moment ago [m].
+  std::vector<float> advance_m;
 };
 
 /// Step 5: radially bounded nearest neighbour clusters of the dynamic points (Klasing et al., ICRA 2008): two

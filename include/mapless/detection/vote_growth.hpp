@@ -20,8 +20,7 @@ namespace mapless {
 /// points that five or more of their linked neighbours in the 3 x 5 window surround. Neither reaches points
 /// with more votes against them than those of three scans that saw through. What is linked is one object,
 /// numbered in the order of its first point. The share of its points that were seen through `recently`, times
-/// twice the distance of the farthest from their centroid, is about how far it went: one for which that is
-/// less than min_advance_m has stopped, and has no number.
+/// twice the distance of the farthest from their centroid, is about how far it went: its `advance_m`.
 [[nodiscard]] RegionGrowthResult grow_votes(const LidarScan& scan, const LocalPoints& points,
                                             const std::vector<PointVotes>& votes,
                                             const std::vector<BoxVerdict>& seeds,

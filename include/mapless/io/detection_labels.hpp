@@ -5,7 +5,7 @@
 #include <vector>
 
 #include <mapless/detection/detector.hpp>
-#include <mapless/detection/object_tracker.hpp>
+#include <mapless/detection/tracked_object.hpp>
 #include <mapless/io/object_table.hpp>
 
 namespace mapless {

@@ -1,0 +1,79 @@
+#include "detection/moving_objects.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "detection/object_number.hpp"
+#include "detection/scan_trajectory.hpp"
+#include "detection/stage_record.hpp"
+
+namespace mapless {
+namespace {
+
+// Of the new objects with fewer points every second one is a border effect, and gone in the next scan.
+constexpr int kSurePoints = 15;
+
+// Numbers for those objects that `keep` their place among the old ones, 0 for the others.
+std::vector<std::uint16_t> new_numbers(const std::vector<bool>& keep) {
+  std::vector<std::uint16_t> numbers(keep.size(), 0);
+  std::uint16_t next = 0;
+  for (std::size_t old = 1; old < keep.size(); ++old) {
+    if (keep[old]) numbers[old] = ++next;
+  }
+  return numbers;
+}
+
+void renumber(const std::vector<std::uint16_t>& numbers, Detection& detection) {
+  for (std::size_t i = 0; i < detection.object.size(); ++i) {
+    const std::uint16_t old = detection.object[i];
+    if (old == 0) continue;
+    detection.object[i] = numbers[old];
+    if (numbers[old] == 0) detection.trace[i].growth = GrowthVerdict::stopped;
+  }
+  std::vector<TrackedObject>& tracked = detection.tracked;
+  for (TrackedObject& object : tracked) object.number = numbers[object.number];
+  std::erase_if(tracked, [](const TrackedObject& object) { return object.number == 0; });
+  detection.objects = static_cast<int>(tracked.size());
+}
+
+}  // namespace
+
+Detection MovingObjects::judge(ProposedObjects proposed) {
+  Detection detection = std::move(proposed.detection);
+  const Time now = detection.scan->start;
+  detection.tracked = timed(detection.seconds.tracking, [&] {
+    return tracker_.process(detection, ScanTrajectory(*detection.scan, std::move(proposed.column_states)));
+  });
+  if (parameters_.method == DetectionMethod::published) return detection;
+  // Where there are more objects than numbers the last of them share one, and move together.
+  const auto count = static_cast<std::size_t>(std::min(detection.objects, kMaxObjectNumber));
+  std::vector<bool> keep(count + 1, false);
+  for (const TrackedObject& object : detection.tracked) {
+    State& state = states_[object.id];
+    update(object, proposed.advance_m[object.number - 1U], state);
+    state.seen = now;
+    keep[object.number] = state.moves;
+  }
+  forget_absent(now);
+  renumber(new_numbers(keep), detection);
+  return detection;
+}
+
+void MovingObjects::update(const TrackedObject& object, float advance_m, State& state) const {
+  const VotingParameters& p = parameters_.voting;
+  const bool advances = static_cast<double>(advance_m) >= p.min_advance_m;
+  if (object.age == 1) {
+    state.moves = advances && object.points >= kSurePoints;
+    return;
+  }
+  const bool was_slow = std::exchange(state.slow, object.velocity_0.norm() < p.min_speed_mps);
+  state.moves = state.moves ? !(state.slow && was_slow) : !state.slow && advances;
+}
+
+void MovingObjects::forget_absent(Time now) {
+  std::erase_if(states_, [now](const auto& entry) {
+    return (now - entry.second.seen).seconds() > TrackerParameters{}.longest_absence_s;
+  });
+}
+
+}  // namespace mapless

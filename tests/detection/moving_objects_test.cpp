@@ -1,0 +1,91 @@
+#include <gtest/gtest.h>
+
+#include "detection/moving_objects.hpp"
+#include "support/toy_scene.hpp"
+#include <mapless/geometry/compensated_scan.hpp>
+#include <mapless/io/labels.hpp>
+
+namespace mapless {
+namespace {
+
+constexpr double kAdvance_m = 1;  // far more than an object needs
+
+test::ToyScene room_with_box(double speed_mps) {
+  auto room = test::toy_room("OS1-64", test::drive(0, 0));
+  room.world.push_back(test::toy_box({4, -1, 0}, {0.5, 0.5, 0.8}));
+  room.world.back().velocity_0 = {0, speed_mps, 0};
+  room.world.back().object = 1;
+  return room;
+}
+
+/// The box, proposed with an advance, and its true points but for those beyond the first `most`.
+ProposedObjects propose(const test::ToyScene& scene, int k, double advance_m, int most = 1 << 20) {
+  const auto cast = test::cast_scan(scene, k);
+  ProposedObjects proposed;
+  Detection& detection = proposed.detection;
+  detection.scan = cast.scan;
+  detection.sequence_number = static_cast<std::size_t>(k);
+  detection.trace.resize(detection.scan->returns.size());
+  int count = 0;
+  for (const LidarReturn& r : detection.scan->returns) {
+    const bool of_box = cast.labels[r.input_index] >> 16 == 1;
+    detection.object.push_back(of_box && count < most ? 1 : 0);
+    count += of_box ? 1 : 0;
+  }
+  detection.objects = 1;
+  proposed.column_states = compensate(cast.scan, *scene.trajectory).column_states;
+  proposed.advance_m = {static_cast<float>(advance_m)};
+  return proposed;
+}
+
+TEST(MovingObjects, WhatGoesOnMovesAndWhatStandsHasNoNumber) {
+  for (const double speed_mps : {0.0, 1.0}) {
+    SCOPED_TRACE(speed_mps);
+    const auto scene = room_with_box(speed_mps);
+    MovingObjects moving{DetectorParameters{}};
+    for (int k = 0; k < 6; ++k) {
+      const Detection detection = moving.judge(propose(scene, k, k < 2 ? kAdvance_m : 0));
+      if (k < 4) continue;
+      const bool moves = speed_mps > 0;
+      EXPECT_EQ(detection.objects, moves ? 1 : 0);
+      EXPECT_EQ(detection.tracked.size(), moves ? 1u : 0u);
+      for (std::size_t i = 0; i < detection.object.size(); ++i) {
+        EXPECT_FALSE(!moves && detection.dynamic(i));
+        EXPECT_EQ(detection.trace[i].growth == GrowthVerdict::stopped, !moves && propose(scene, k, 0).detection.dynamic(i));
+      }
+    }
+  }
+}
+
+// An error of registration is no motion: without an advance nothing begins to move, whatever its speed.
+TEST(MovingObjects, WithoutAdvanceNothingBeginsToMove) {
+  const auto scene = room_with_box(1);
+  MovingObjects moving{DetectorParameters{}};
+  for (int k = 0; k < 5; ++k) EXPECT_EQ(moving.judge(propose(scene, k, 0.029)).objects, 0);
+  EXPECT_EQ(moving.judge(propose(scene, 5, 0.031)).objects, 1);
+}
+
+TEST(MovingObjects, ANewObjectOfFewPointsHasToBeSeenAgain) {
+  const auto scene = room_with_box(1);
+  MovingObjects few{DetectorParameters{}};
+  EXPECT_EQ(few.judge(propose(scene, 0, kAdvance_m, 14)).objects, 0);
+  EXPECT_EQ(few.judge(propose(scene, 1, kAdvance_m, 14)).objects, 1);
+  MovingObjects many{DetectorParameters{}};
+  EXPECT_EQ(many.judge(propose(scene, 0, kAdvance_m, 15)).objects, 1);
+}
+
+// The method as published calls moving what its five steps do.
+TEST(MovingObjects, AreAllThatThePublishedMethodProposes) {
+  DetectorParameters parameters;
+  parameters.method = DetectionMethod::published;
+  MovingObjects moving{parameters};
+  const auto scene = room_with_box(0);
+  for (int k = 0; k < 3; ++k) {
+    ProposedObjects proposed = propose(scene, k, 0);
+    proposed.advance_m.clear();
+    EXPECT_EQ(moving.judge(std::move(proposed)).tracked.size(), 1u);
+  }
+}
+
+}  // namespace
+}  // namespace mapless
