@@ -25,7 +25,7 @@ using testing::HasSubstr;
 TEST(BenchmarkSpeed, TellsEveryStageBesideTheYardstick) {
   const test::TemporaryFolder folder;
   const CommandResult result = run_command({"benchmark", "--speed", "--sensors", "VLP-16", "--duration-s",
-                                            "5", "--json", "--threads", "2", "-o", folder / "speed"});
+                                            "5", "--json", "--threads", "1", "-o", folder / "speed"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const auto all = nlohmann::json::parse(result.out);
   ASSERT_EQ(all["sensors"].size(), 1u);
@@ -54,7 +54,7 @@ TEST(BenchmarkSpeed, TellsEveryStageBesideTheYardstick) {
   EXPECT_LT(rows["odometry"]["median_ms"], rows["pipeline"]["median_ms"]);
   EXPECT_GT(rows["on two threads"]["processor_ms"], 0);
   EXPECT_TRUE(rows["backward"]["processor_ms"].is_null());
-  ASSERT_EQ(sensor["threads"].size(), 3u) << "1 and 2 one after the other, 2 side by side";
+  ASSERT_EQ(sensor["threads"].size(), 2u);
   EXPECT_EQ(sensor["threads"][0]["side_by_side"], false);
   EXPECT_EQ(sensor["threads"][1]["threads"], 2);
   EXPECT_EQ(sensor["threads"][1]["median_ms"], rows["on two threads"]["median_ms"]);

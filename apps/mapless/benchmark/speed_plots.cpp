@@ -53,7 +53,9 @@ Plot time_against_rays(const Json& speed) {
     }
     lines.push_back(std::move(line));
   }
-  Axis x = axis_from_zero("thousand rays in a scan", largest(lines, &std::pair<double, double>::first));
+  // Room for the name of the last sensor.
+  Axis x =
+      axis_from_zero("thousand rays in a scan", 1.25 * largest(lines, &std::pair<double, double>::first));
   return with_axes(fmt::format("Time against rays, {}", speed["scene"].get<std::string>()), std::move(x),
                    "processor time of a scan [ms]", std::move(lines));
 }
