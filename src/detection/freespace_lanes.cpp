@@ -80,9 +80,10 @@ void FreespaceProbe::Lanes::find_columns() {
   const auto last = static_cast<float>(probe.image_.columns() - 1);
   const float turn = std::abs(probe.columns_per_rad_) * 2 * std::numbers::pi_v<float>;
   const auto stride = static_cast<float>(probe.pose_stride_);
+  const float per_stride = 1 / stride;
   for (int pass = 0; pass < kPasses; ++pass) {
-    at = truncated(clamped(column, 0, last) / stride + 0.5F) * probe.pose_stride_;
-    at = at > probe.image_.columns() - 1 ? at - probe.pose_stride_ : at;
+    const Floats nearest = to_floats(truncated(clamped(column, 0, last) * per_stride + 0.5F)) * stride;
+    at = truncated(nearest > last ? nearest - stride : nearest);
     std::array<Eigen::Vector4f, 4> q_h;
     for (std::size_t k = 0; k < 4; ++k) {
       const Eigen::Matrix4f& T_h0 = probe.image_.pose(at[k]).T_h0;
