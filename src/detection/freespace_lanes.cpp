@@ -78,11 +78,12 @@ struct FreespaceProbe::Lanes {
 // Poses of every few columns will do, and stay at hand.
 void FreespaceProbe::Lanes::find_columns() {
   const auto last = static_cast<float>(probe.image_.columns() - 1);
-  const float turn = std::abs(probe.columns_per_rad_) * 2 * std::numbers::pi_v<float>;
+  const float turn = std::abs(probe.fan_.columns_per_rad) * 2 * std::numbers::pi_v<float>;
   const auto stride = static_cast<float>(probe.pose_stride_);
+  const float per_stride = 1 / stride;
   for (int pass = 0; pass < kPasses; ++pass) {
-    at = truncated(clamped(column, 0, last) / stride + 0.5F) * probe.pose_stride_;
-    at = at > probe.image_.columns() - 1 ? at - probe.pose_stride_ : at;
+    const Floats nearest = to_floats(truncated(clamped(column, 0, last) * per_stride + 0.5F)) * stride;
+    at = truncated(nearest > last ? nearest - stride : nearest);
     std::array<Eigen::Vector4f, 4> q_h;
     for (std::size_t k = 0; k < 4; ++k) {
       const Eigen::Matrix4f& T_h0 = probe.image_.pose(at[k]).T_h0;
@@ -91,7 +92,7 @@ void FreespaceProbe::Lanes::find_columns() {
     x = Floats{q_h[0].x(), q_h[1].x(), q_h[2].x(), q_h[3].x()};
     y = Floats{q_h[0].y(), q_h[1].y(), q_h[2].y(), q_h[3].y()};
     z = Floats{q_h[0].z(), q_h[1].z(), q_h[2].z(), q_h[3].z()};
-    const Floats off = angle(y, x) * probe.columns_per_rad_;
+    const Floats off = angle(y, x) * probe.fan_.columns_per_rad;
     column = to_floats(at) + off;
     const Ints within = (column >= -0.5F) & (column < last + 0.5F);
     fine = (x >= kFar_m) & (magnitude(off) < stride) & within;
@@ -107,7 +108,7 @@ void FreespaceProbe::Lanes::follow() {
   const auto angular = members(poses, offsetof(Pose, angular));
   const Floats t = y / x;
   horizontal = x * (1 + t * t / 2);  // t is below 0.01
-  columns_per_m = probe.columns_per_rad_ / horizontal;
+  columns_per_m = probe.fan_.columns_per_rad / horizontal;
   drift_ahead = linear[0] + angular[1] * z - angular[2] * y;
   drift_columns = (linear[1] + angular[2] * x - angular[0] * z) * columns_per_m;
   drift_up = linear[2] + angular[0] * y - angular[1] * x;
@@ -128,7 +129,7 @@ Floats FreespaceProbe::Lanes::slopes_in(const Bank& bank) const {
 
 // The bank whose beams are about the points, mostly.
 std::size_t FreespaceProbe::Lanes::first_bank() const {
-  const auto& banks = probe.banks_;
+  const auto& banks = probe.fan_.banks;
   for (std::size_t b = 0; b + 1 < banks.size(); ++b) {
     const float slope = (z[0] - banks[b].centre_z_m) / (horizontal[0] - banks[b].centre_x_m);
     if (slope >= banks[b].slopes.front() && slope <= banks[b].slopes[banks[b].slopes.size() - 2]) return b;
@@ -141,9 +142,9 @@ std::size_t FreespaceProbe::Lanes::first_bank() const {
 void FreespaceProbe::Lanes::bracket(Side& below, Side& above) {
   below.height += std::numeric_limits<float>::infinity();
   above.height -= std::numeric_limits<float>::infinity();
-  for (std::size_t n = 0, b = first_bank(); n < probe.banks_.size();
-       ++n, b = b + 1 < probe.banks_.size() ? b + 1 : 0) {
-    const Bank& bank = probe.banks_[b];
+  for (std::size_t n = 0, b = first_bank(); n < probe.fan_.banks.size();
+       ++n, b = b + 1 < probe.fan_.banks.size() ? b + 1 : 0) {
+    const Bank& bank = probe.fan_.banks[b];
     const Floats slope = slopes_in(bank);
     const Floats under_all = (bank.slopes.front() - slope) * horizontal;
     const Floats over_all = (slope - bank.slopes[bank.slopes.size() - 2]) * horizontal;
@@ -249,7 +250,7 @@ std::array<FreespaceProbe::Answer, 4> FreespaceProbe::Lanes::judge(const Side& b
       (magnitude(height) <= probe.reach_at_0_m_ + probe.reach_spacings_ * spacing * expected);
   const auto all_lanes = [](FreespaceVerdict v) { return Ints{} + static_cast<int>(v); };
   Ints verdict = all_lanes(FreespaceVerdict::inside);
-  if (probe.beams_.size() > 1) {
+  if (probe.fan_.beams.size() > 1) {
     const Ints known =
         (above.found & below.found) | (magnitude(height) <= kEdgeSpacings * spacing * expected);
     verdict = known ? verdict : all_lanes(FreespaceVerdict::unobserved);

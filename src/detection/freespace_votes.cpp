@@ -1,6 +1,8 @@
 #include <algorithm>
+#include <functional>
 
 #include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/enumerable_thread_specific.h>
 #include <oneapi/tbb/parallel_for.h>
 
 #include "detection/row_votes.hpp"
@@ -46,12 +48,17 @@ std::vector<PointVotes> collect_votes(const LidarScan& scan, const LocalPoints& 
   const Witnesses witnesses(scan, points, asked, own, parameters);
   std::vector<PointVotes> votes(points.points.size());
   const std::vector<std::size_t> bounds = row_bounds(scan);
-  for (const RowVotes::Turn& turn : RowVotes::turns(scan.rows())) {
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, turn.rows.size(), 1), [&](const auto& part) {
-      RowVotes row(scan, points, witnesses, parameters);
-      for (std::size_t k = part.begin(); k != part.end(); ++k) {
-        const auto l = static_cast<std::size_t>(turn.rows[k]);
-        row.vote(turn.rows[k], turn.apart, bounds[l], bounds[l + 1], votes);
+  // Every second row and the last one, then those between.
+  const int last = scan.rows() - 1;
+  tbb::enumerable_thread_specific<RowVotes> of_thread(std::cref(scan), std::cref(points),
+                                                      std::cref(witnesses), std::cref(parameters));
+  for (const bool between : {false, true}) {
+    tbb::parallel_for(tbb::blocked_range<int>(0, scan.rows(), 1), [&](const auto& part) {
+      RowVotes& row = of_thread.local();
+      for (int l = part.begin(); l != part.end(); ++l) {
+        if (between != (l % 2 == 1 && l != last)) continue;
+        const auto k = static_cast<std::size_t>(l);
+        row.vote(l, between, bounds[k], bounds[k + 1], votes);
       }
     });
   }

@@ -12,15 +12,9 @@ using Eigen::Matrix3f;
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
-// Lasers whose origins differ less than this in height are of one bank: from 4 m on the parallax between
-// them is below the spacing of any sensor's beams, and nearer the order of two lasers matters little.
-constexpr float kBankHeight_m = 0.03F;
-constexpr int kStepsPerLaser = 8;  // of a bank's table
 constexpr int kMaxColumnSteps = 12;
 constexpr float kFarAside = 2;    // a firing that many columns off does not speak for a point
 constexpr int kPosesATurn = 256;  // that a look at four points uses
-constexpr float kHub_m = 0.5F;    // all lasers are within
-constexpr float kBeyond_m = 1e6F;
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
 // atan2(y, x); mostly the guess is good and the angle small, where a few terms of the series are exact to
@@ -55,7 +49,8 @@ float range_of_cell(const LidarScan& scan, std::int32_t cell) {
 
 }  // namespace
 
-RayImage::RayImage(const CompensatedScan& scan) : model_(scan.scan->model) {
+RayImage::RayImage(const CompensatedScan& scan)
+    : model_(scan.scan->model), fan_(std::make_shared<const BeamFan>(*model_)) {
   if (!scan.column_T_0v.empty()) origin_0_ = scan.column_T_0v.front().translation();
   poses_.resize(scan.column_states.size());
   const double period_s = scan.scan->column_period.seconds();
@@ -96,77 +91,9 @@ FreespaceProbe::FreespaceProbe(const RayImage& image, const Vector3d& origin_0,
       half_window_(parameters.window_columns / 2),
       reach_at_0_m_(static_cast<float>(parameters.max_ray_distance_m)),
       reach_spacings_(static_cast<float>(parameters.max_ray_distance_spacings)),
-      columns_per_rad_(
-          static_cast<float>(image.model().sign() * image.model().columns / (2 * std::numbers::pi))),
       origin_((origin_0 - image.origin_0()).cast<float>()),
-      pose_stride_(std::max(image.model().columns / kPosesATurn, 1)) {
-  make_beams();
-  make_banks();
-}
-
-void FreespaceProbe::make_beams() {
-  for (int l = 0; l < image_.rows(); ++l) {
-    const Laser& laser = image_.model().lasers[static_cast<std::size_t>(l)];
-    const double azimuth = laser.azimuth_offset_rad;
-    const Vector3f origin_l = (rotation_z(-azimuth) * laser.origin_h_m).cast<float>();
-    beams_.push_back({static_cast<float>(std::cos(laser.elevation_rad)),
-                      static_cast<float>(std::sin(laser.elevation_rad)), origin_l.x(), origin_l.y(),
-                      origin_l.z(), static_cast<float>(-azimuth) * columns_per_rad_,
-                      static_cast<float>(image_.model().elevation_step(l)), l,
-                      static_cast<float>(std::cos(azimuth)), static_cast<float>(std::sin(azimuth))});
-  }
-}
-
-void FreespaceProbe::make_banks() {
-  const auto no_beam = [](float height) { return Beam{1, 0, 0, 0, height, 0, 0, -1, 1, 0}; };
-  for (const Beam& beam : beams_) {
-    auto bank = std::find_if(banks_.begin(), banks_.end(),
-                             [&](const Bank& b) { return std::abs(b.height_m - beam.up_m) < kBankHeight_m; });
-    if (bank == banks_.end()) {
-      bank = banks_.insert(bank, Bank{beam.up_m, 0, 0, {no_beam(-kBeyond_m)}, {}, {}, 0});
-    }
-    bank->beams.push_back(beam);
-    bank->slopes.push_back(beam.sine / beam.cosine);
-  }
-  for (Bank& bank : banks_) {
-    const std::size_t steps = kStepsPerLaser * bank.slopes.size();
-    const float range = std::max(bank.slopes.back() - bank.slopes.front(), 1e-3F);
-    bank.steps_per_slope = static_cast<float>(steps) / range;
-    for (std::size_t k = 0; k <= steps; ++k) {
-      const float slope = bank.slopes.front() + static_cast<float>(k) / bank.steps_per_slope;
-      const auto first = std::lower_bound(bank.slopes.begin(), bank.slopes.end(), slope);
-      bank.at_least.push_back(static_cast<int>(first - bank.slopes.begin()));
-    }
-    bank.centre();
-    bank.beams.push_back(no_beam(kBeyond_m));
-    bank.slopes.push_back(std::numeric_limits<float>::infinity());
-  }
-}
-
-// Every beam is a line z = rise + slope x. Least squares of rise = z_c - slope x_c.
-void FreespaceProbe::Bank::centre() {
-  const auto rise = [&](std::size_t k) { return beams[k + 1].up_m - beams[k + 1].ahead_m * slopes[k]; };
-  const auto size = static_cast<float>(slopes.size());
-  float mean_slope = 0, mean_rise = 0, variance = 0, covariance = 0;
-  for (std::size_t k = 0; k < slopes.size(); ++k) {
-    mean_slope += slopes[k] / size;
-    mean_rise += rise(k) / size;
-  }
-  for (std::size_t k = 0; k < slopes.size(); ++k) {
-    variance += (slopes[k] - mean_slope) * (slopes[k] - mean_slope);
-    covariance += (slopes[k] - mean_slope) * (rise(k) - mean_rise);
-  }
-  centre_x_m = variance > 0 ? std::clamp(-covariance / variance, -kHub_m, kHub_m) : 0;
-  centre_z_m = mean_rise + centre_x_m * mean_slope;
-}
-
-int FreespaceProbe::Bank::below(float slope) const {
-  const auto last = static_cast<float>(at_least.size() - 1);
-  const float step = std::clamp((slope - slopes.front()) * steps_per_slope, 0.0F, last);
-  int count = at_least[static_cast<std::size_t>(step)];
-  while (slopes[static_cast<std::size_t>(count)] < slope) ++count;
-  return count;
-}
+      pose_stride_(std::max(image.model().columns / kPosesATurn, 1)),
+      fan_(image.fan()) {}
 
 void FreespaceProbe::Bracket::take(const Sighting& s) {
   if (!s.found()) return;
@@ -184,12 +111,12 @@ const FreespaceProbe::Sighting& FreespaceProbe::Bracket::nearest() const {
 // where a direction occurs twice, at its start and its end, either will do; where not at all, there is none.
 bool FreespaceProbe::find_column(const Vector3f& q, float& column, Vector3f& q_h) const {
   const auto last = static_cast<float>(image_.columns() - 1);
-  const auto turn = std::abs(columns_per_rad_) * 2 * std::numbers::pi_v<float>;
+  const auto turn = std::abs(fan_.columns_per_rad) * 2 * std::numbers::pi_v<float>;
   bool crossed = false;
   for (int i = 0; i < kMaxColumnSteps; ++i) {
     const int at = rounded(std::clamp(column, 0.0F, last));
     q_h = image_.pose(at) * q;
-    const float next = static_cast<float>(at) + angle_of(q_h.y(), q_h.x()) * columns_per_rad_;
+    const float next = static_cast<float>(at) + angle_of(q_h.y(), q_h.x()) * fan_.columns_per_rad;
     if (next >= -0.5F && next < last + 0.5F) {
       const bool settled = std::abs(next - static_cast<float>(at)) < 0.75F;
       column = next;
@@ -233,9 +160,9 @@ FreespaceProbe::Sighting FreespaceProbe::sight(const Vector3f& q, const Beam& be
 
 FreespaceProbe::Bracket FreespaceProbe::bracket(const Vector3f& q, float column, const Vector3f& q_h) const {
   const float horizontal = std::max(std::sqrt(q_h.x() * q_h.x() + q_h.y() * q_h.y()), 0.1F);
-  const float columns_per_m = columns_per_rad_ / horizontal;
+  const float columns_per_m = fan_.columns_per_rad / horizontal;
   Bracket bracket;
-  for (const Bank& bank : banks_) {
+  for (const Bank& bank : fan_.banks) {
     const int size = static_cast<int>(bank.beams.size()) - 2;
     const int first = bank.below((q_h.z() - bank.centre_z_m) / std::max(horizontal - bank.centre_x_m, 0.1F));
     const auto passes_above = [&](int k) {
@@ -287,7 +214,7 @@ FreespaceProbe::Answer FreespaceProbe::look_about_image(const Vector3f& q, float
   if (window.hides) return answer(FreespaceVerdict::unobserved);
   const bool between = rays.below.found() && rays.above.found();
   const float edge_m = kEdgeSpacings * nearest.beam->spacing_rad * nearest.range_m;
-  if (!between && beams_.size() > 1 && std::abs(nearest.height_m) > edge_m) {
+  if (!between && fan_.beams.size() > 1 && std::abs(nearest.height_m) > edge_m) {
     return answer(FreespaceVerdict::unobserved);
   }
   return answer(FreespaceVerdict::inside);
@@ -298,7 +225,7 @@ bool FreespaceProbe::ended(const Answer& answer) const {
 }
 
 Vector3f FreespaceProbe::endpoint(int laser, int column) const {
-  const Beam& beam = beams_[static_cast<std::size_t>(laser)];
+  const Beam& beam = fan_.beams[static_cast<std::size_t>(laser)];
   const Pose& pose = image_.pose(column);
   const float range = image_.range_m(laser, column);
   const float ahead = beam.ahead_m + beam.cosine * range;

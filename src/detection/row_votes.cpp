@@ -8,7 +8,6 @@ namespace mapless {
 namespace {
 
 constexpr std::size_t kLongest = 64;  // span [points]
-constexpr int kMostApart = 4;         // rows of the first turn
 
 // Votes against each of two points between which what lies is not asked about: the farthest scan alone.
 constexpr int kFirm = kMostSurfaceVotes;
@@ -49,11 +48,11 @@ RowVotes::RowVotes(const LidarScan& scan, const LocalPoints& points, const Witne
       tolerance2_(static_cast<float>(parameters.tolerance_m * parameters.tolerance_m / 4)),
       image_(scan) {}
 
-void RowVotes::vote(int laser, int apart, std::size_t begin, std::size_t end,
+void RowVotes::vote(int laser, bool between, std::size_t begin, std::size_t end,
                     std::vector<PointVotes>& votes) {
   if (begin == end) return;
-  below_ = apart > 0 ? row_beside(laser, laser - apart) : Beside{};
-  above_ = apart > 0 ? row_beside(laser, std::min(laser + apart, scan_.rows() - 1)) : Beside{};
+  below_ = between ? row_beside(laser, laser - 1) : Beside{};
+  above_ = between ? row_beside(laser, laser + 1) : Beside{};
   votes_ = &votes;
   load(begin, end);
   questions_.clear();
@@ -163,18 +162,6 @@ RowVotes::Beside RowVotes::row_beside(int laser, int row) const {
 std::ptrdiff_t RowVotes::beside(std::size_t i, const Beside& other) const {
   const int column = scan_.returns[begin_ + i].column + other.columns_on;
   return scan_.cell(other.row, column < scan_.columns ? column : column - scan_.columns);
-}
-
-std::vector<RowVotes::Turn> RowVotes::turns(int rows) {
-  std::vector<Turn> turns{{0, {}}};
-  for (int l = 0; l < rows; ++l) {
-    if (l % kMostApart == 0 || l == rows - 1) turns.front().rows.push_back(l);
-  }
-  for (int apart = kMostApart / 2; apart > 0; apart /= 2) {
-    turns.push_back({apart, {}});
-    for (int l = apart; l < rows - 1; l += 2 * apart) turns.back().rows.push_back(l);
-  }
-  return turns;
 }
 
 }  // namespace mapless

@@ -12,22 +12,16 @@ namespace mapless {
 ///
 /// A row is cut into spans between whose ends all points lie on a line. Where both ends stand, or both move,
 /// so do the points between, and have the votes of the nearer. Else the one half-way is asked, and so on.
-/// Rows between two that had their turn before do not ask about points on the line between two of those that
+/// A row between two that were asked before does not ask about points on the line between two of those that
 /// stand.
 class RowVotes {
  public:
   RowVotes(const LidarScan& scan, const LocalPoints& points, const Witnesses& witnesses,
            const VotingParameters& parameters);
 
-  /// Rows that are asked after those of the turns before, and may be side by side: so many rows from two that
-  /// were (the one above may be nearer, at the top); of the first turn 0.
-  struct Turn {
-    int apart;
-    std::vector<int> rows;
-  };
-  [[nodiscard]] static std::vector<Turn> turns(int rows);
-  /// Votes of the returns `begin` to `end` of `laser`.
-  void vote(int laser, int apart, std::size_t begin, std::size_t end, std::vector<PointVotes>& votes);
+  /// Votes of the returns `begin` to `end` of `laser`. Where it is `between`, the rows below and above were
+  /// asked before.
+  void vote(int laser, bool between, std::size_t begin, std::size_t end, std::vector<PointVotes>& votes);
 
  private:
   // Points of the row, numbered from its first: two that were asked, and those between that were not.

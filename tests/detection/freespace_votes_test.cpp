@@ -276,8 +276,8 @@ struct Scans {
   }
 };
 
-// In a room where nothing moves all points between two that stand do so too, of a row or of the rows above and
-// below; what scans that could not see a place do not vote differs here and there.
+// In a room where nothing moves all points between two that stand do so too, of a row or of the rows above
+// and below; what scans that could not see a place do not vote differs here and there.
 TEST(CollectVotes, OfSmoothSurfacesLittleIsLostByAskingSomePoints) {
   const Scans room(test::toy_room("HDL-64E-S3", test::drive(1, 0.3)), 9, {7, 5, 1, 10});
   const auto votes = room.votes();
@@ -293,8 +293,8 @@ TEST(CollectVotes, OfSmoothSurfacesLittleIsLostByAskingSomePoints) {
   EXPECT_LE(won, all.size() / 3000);
 }
 
-// On the street: of what the votes call dynamic when every point is asked, next to nothing may be missed. What
-// lies on the line between two points that move does so too, whatever a scan may say of it alone.
+// On the street: of what the votes call dynamic when every point is asked, next to nothing may be missed.
+// What lies on the line between two points that move does so too, whatever a scan may say of it alone.
 TEST(CollectVotes, OfWhatMovesLittleIsLostByAskingSomePoints) {
   const Scans street(test::toy_street("HDL-64E-S2"), 30, {28, 26, 22, 14, 31});
   const auto votes = street.votes();
@@ -328,6 +328,24 @@ TEST(CollectVotes, AsksAboutAThinThingInFrontOfAWall) {
     }
     EXPECT_GT(on_pole, 20);
   }
+}
+
+// A bar that one laser hits, or two: between rows of a wall that stands by the vote of a scan of long ago.
+TEST(CollectVotes, AsksAboutAThinThingBetweenTwoLasers) {
+  const RayImage before(cast(standing({wall_at(10)})));
+  int on_bar = 0;
+  for (double z = -0.6; z < 0; z += 0.043) {
+    SCOPED_TRACE(z);
+    const CompensatedScan query = cast(standing({wall_at(10), test::toy_box({7, 0, z}, {0.02, 1.5, 0.02})}));
+    const auto votes = collect_votes(*query.scan, local_points(query), {{&before, 16}}, RayImage(query), {});
+    for (std::size_t i = 0; i < votes.size(); ++i) {
+      if (!is_ahead(query, i)) continue;
+      const bool bar_point = query.points_0[i].x() < 8;
+      on_bar += bar_point ? 1 : 0;
+      EXPECT_EQ(votes[i].total(), bar_point ? 4 : -4) << query.points_0[i].transpose();
+    }
+  }
+  EXPECT_GT(on_bar, 500);
 }
 
 TEST(CollectVotes, ThreadsDoNotMatter) {

@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 
+#include <mapless/detection/beam_fan.hpp>
 #include <mapless/detection/parameters.hpp>
 #include <mapless/detection/stages.hpp>
 #include <mapless/geometry/compensated_scan.hpp>
@@ -32,6 +33,7 @@ class RayImage {
   };
 
   [[nodiscard]] const LidarModel& model() const { return *model_; }
+  [[nodiscard]] const BeamFan& fan() const { return *fan_; }
   [[nodiscard]] int rows() const { return static_cast<int>(model_->lasers.size()); }
   [[nodiscard]] int columns() const { return static_cast<int>(poses_.size()); }
   /// How far the cell's ray is known to have gone [m]: to its return, or to the maximum range where nothing
@@ -58,6 +60,7 @@ class RayImage {
 
  private:
   std::shared_ptr<const LidarModel> model_;
+  std::shared_ptr<const BeamFan> fan_;  // where it is stays when the image is moved
   Eigen::Vector3d origin_0_ = Eigen::Vector3d::Zero();
   std::vector<Pose> poses_;      // one per column
   std::vector<float> ranges_m_;  // row-major, with kBeside more columns before each row and after the last
@@ -108,28 +111,8 @@ class FreespaceProbe {
 
  private:
   using Pose = RayImage::Pose;
-  struct alignas(16) Beam {  // of one laser; Lanes reads the first four members and the next four at once
-    float cosine, sine;      // of its elevation
-    float ahead_m, left_m;   // where it starts in the hub, turned by the azimuth offset
-    float up_m;
-    float offset_columns;  // how much later than the hub's x axis it points somewhere
-    float spacing_rad;     // elevation to the farther of its neighbours
-    int laser;
-    float azimuth_cosine, azimuth_sine;  // of its offset
-  };
-  // Lasers that start at one height, by elevation: within a bank the beams above and below a point are
-  // neighbours.
-  struct Bank {
-    float height_m;
-    float centre_x_m, centre_z_m;  // where, in the hub, the beams come from as nearly as one place can tell
-    std::vector<Beam> beams;       // between one far below all and one far above that are of no laser
-    std::vector<float> slopes;     // tangents of their elevations, and a last one that is never reached
-    std::vector<int> at_least;     // for equal steps of the slope: how many lasers surely lie below
-    float steps_per_slope;
-    void centre();
-    /// How many of the lasers point below `slope`.
-    [[nodiscard]] int below(float slope) const;
-  };
+  using Beam = BeamFan::Beam;
+  using Bank = BeamFan::Bank;
   // A laser's firing nearest to a point.
   struct Sighting {
     const Beam* beam = nullptr;
@@ -150,8 +133,6 @@ class FreespaceProbe {
   };
   struct Lanes;  // four points at once
 
-  void make_beams();
-  void make_banks();
   // `q` from here on: about the image's origin.
   [[nodiscard]] Answer look_about_image(const Eigen::Vector3f& q, float& column) const;
   [[nodiscard]] bool find_column(const Eigen::Vector3f& q, float& column, Eigen::Vector3f& q_h) const;
@@ -167,11 +148,9 @@ class FreespaceProbe {
   int half_window_;
   float reach_at_0_m_, reach_spacings_;
   static constexpr float kEdgeSpacings = 0.1F;
-  float columns_per_rad_;
-  Eigen::Vector3f origin_;   // of the points, about the image's
-  int pose_stride_;          // look at four points uses every so many of them
-  std::vector<Beam> beams_;  // of each laser
-  std::vector<Bank> banks_;
+  Eigen::Vector3f origin_;  // of the points, about the image's
+  int pose_stride_;         // look at four points uses every so many of them
+  const BeamFan& fan_;
 };
 
 }  // namespace mapless

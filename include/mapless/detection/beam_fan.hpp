@@ -1,0 +1,44 @@
+#pragma once
+
+#include <vector>
+
+#include <mapless/lidar/lidar_model.hpp>
+
+namespace mapless {
+
+/// The beams of a sensor as they lie in its hub, in single precision, to find the nearest ones above and
+/// below a point.
+struct BeamFan {
+  explicit BeamFan(const LidarModel& model);
+
+  struct alignas(16) Beam {  // of one laser; the first four members and the next four are read at once
+    float cosine, sine;      // of its elevation
+    float ahead_m, left_m;   // where it starts in the hub, turned by the azimuth offset
+    float up_m;
+    float offset_columns;  // how much later than the hub's x axis it points somewhere
+    float spacing_rad;     // elevation to the farther of its neighbours
+    int laser;
+    float azimuth_cosine, azimuth_sine;  // of its offset
+  };
+  /// Lasers that start at one height, by elevation: within a bank the beams above and below a point are
+  /// neighbours.
+  struct Bank {
+    float height_m;
+    float centre_x_m, centre_z_m;  // where, in the hub, the beams come from as nearly as one place can tell
+    std::vector<Beam> beams;       // between one far below all and one far above that are of no laser
+    std::vector<float> slopes;     // tangents of their elevations, and a last one that is never reached
+    std::vector<int> at_least;     // for equal steps of the slope: how many lasers surely lie below
+    float steps_per_slope;
+    void centre();
+    /// Adds the last beam and slope, and the table.
+    void close();
+    /// How many of the lasers point below `slope`.
+    [[nodiscard]] int below(float slope) const;
+  };
+
+  float columns_per_rad;    ///< of the hub's turn; below 0 where it turns clockwise
+  std::vector<Beam> beams;  ///< of each laser
+  std::vector<Bank> banks;
+};
+
+}  // namespace mapless
