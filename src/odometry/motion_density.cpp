@@ -30,7 +30,7 @@ AccelerationDensity density_of(std::span<const TrajectoryKnot> knots, const Acce
     rotation += kSmoothRotation * change.tail<3>().squaredNorm() / per_density;
     count += 1;
   }
-  return {translation / count, rotation / count};
+  return {translation / count, rotation / count, expected.translation, expected.rotation};
 }
 
 }  // namespace mapless

@@ -1,5 +1,7 @@
 #include "odometry/prior_terms.hpp"
 
+#include <algorithm>
+
 #include "odometry/knot_interval.hpp"
 
 namespace mapless {
@@ -26,16 +28,22 @@ Eigen::Matrix<double, 12, 24> motion_jacobian(const TrajectoryKnot& k1, const Tr
   return J;
 }
 
+// Q^-1 of one group is that of the change of velocity, (0, 0; 0, 1/dt) / Qc, and that of what happens within
+// the interval, (12/dt^3, -6/dt^2; -6/dt^2, 3/dt) / Qc.
 Matrix12d motion_information(double dt, const AccelerationDensity& density) {
-  Vector6d inverse_density;
-  inverse_density.head<3>().setConstant(1 / density.translation);
-  inverse_density.tail<3>().setConstant(1 / density.rotation);
-  const Matrix6d Qc_inverse = inverse_density.asDiagonal();
+  const auto both = [](double translation, double rotation) {
+    Vector6d out;
+    out << Eigen::Vector3d::Constant(1 / translation), Eigen::Vector3d::Constant(1 / rotation);
+    return Matrix6d(out.asDiagonal());
+  };
+  const Matrix6d change = both(density.translation, density.rotation);
+  const Matrix6d within = both(std::min(density.translation, density.most_within_translation),
+                               std::min(density.rotation, density.most_within_rotation));
   Matrix12d out;
-  out.topLeftCorner<6, 6>() = 12 / (dt * dt * dt) * Qc_inverse;
-  out.topRightCorner<6, 6>() = -6 / (dt * dt) * Qc_inverse;
+  out.topLeftCorner<6, 6>() = 12 / (dt * dt * dt) * within;
+  out.topRightCorner<6, 6>() = -6 / (dt * dt) * within;
   out.bottomLeftCorner<6, 6>() = out.topRightCorner<6, 6>();
-  out.bottomRightCorner<6, 6>() = 4 / dt * Qc_inverse;
+  out.bottomRightCorner<6, 6>() = 3 / dt * within + 1 / dt * change;
   return out;
 }
 

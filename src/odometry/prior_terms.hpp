@@ -1,5 +1,7 @@
 #pragma once
 
+#include <limits>
+
 #include "odometry/window_solver.hpp"
 
 namespace mapless {
@@ -8,6 +10,11 @@ namespace mapless {
 struct AccelerationDensity {
   double translation;  ///< [m^2/s^3]
   double rotation;     ///< [rad^2/s^3]
+  /// At most this for what happens within an interval: how far the mean velocity is from that of the ends. No
+  /// registration sees it, as the map is bent like the scans it was made of, and however much a motion
+  /// changes from scan to scan, it is smooth within one.
+  double most_within_translation = std::numeric_limits<double>::infinity();
+  double most_within_rotation = std::numeric_limits<double>::infinity();
 };
 
 /// What is known of one knot beforehand: after marginalisation, everything before it.
@@ -21,7 +28,8 @@ struct KnotPrior {
 /// Its derivative to (pose 1, varpi 1, pose 2, varpi 2).
 [[nodiscard]] Eigen::Matrix<double, 12, 24> motion_jacobian(const TrajectoryKnot& k1,
                                                             const TrajectoryKnot& k2);
-/// Q^-1 of that error.
+/// Q^-1 of that error, with e_p / dt - e_v / 2, which is what happens within the interval, held as said
+/// above.
 [[nodiscard]] Matrix12d motion_information(double dt, const AccelerationDensity& density);
 
 /// Error of a knot from its prior, [ln(T T_mean^-1); varpi - varpi_mean].

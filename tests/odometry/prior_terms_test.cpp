@@ -36,6 +36,30 @@ TEST(PriorTerms, InformationIsTheInverseOfTheCovariance) {
   EXPECT_LT((motion_information(dt, {2, 0.3}) * Q - Matrix12d::Identity()).norm(), 1e-9);
 }
 
+// Ends that are both faster by dv than the mean between them cost dv^2 / 2 over the variance T Qc / 12 that
+// white noise has there (method.md section 6), with the smaller density; a change from one steady velocity to
+// another, here by 2 dv over the interval, costs the same whatever is held within it.
+TEST(PriorTerms, WhatHappensWithinAnIntervalIsHeldByItself) {
+  const double dt = 0.1, dv = 0.3;
+  const AccelerationDensity free = {2, 0.5}, held = {2, 0.5, 0.02, 0.01};
+  for (int axis = 0; axis < 6; ++axis) {
+    SCOPED_TRACE(axis);
+    Vector12d bent = Vector12d::Zero(), change = Vector12d::Zero();
+    bent[axis] = -dt * dv;  // xi = 0, both velocities dv
+    change[axis] = dt * dv;
+    change[axis + 6] = 2 * dv;
+    const auto cost = [&](const Vector12d& e, const AccelerationDensity& density) {
+      return 0.5 * e.dot(motion_information(dt, density) * e);
+    };
+    const double density = axis < 3 ? free.translation : free.rotation;
+    const double within = axis < 3 ? held.most_within_translation : held.most_within_rotation;
+    EXPECT_NEAR(cost(bent, free), 0.5 * dv * dv / (dt * density / 12), 1e-9);
+    EXPECT_NEAR(cost(bent, held), 0.5 * dv * dv / (dt * within / 12), 1e-9);
+    EXPECT_NEAR(cost(change, held), 0.5 * 4 * dv * dv / (dt * density), 1e-9);
+    EXPECT_NEAR(cost(change, held), cost(change, free), 1e-9);
+  }
+}
+
 TEST(PriorTerms, KnotPriorPullsToItsMean) {
   std::mt19937 generator(4);
   std::vector<TrajectoryKnot> knots = test::moving_knots(1, generator);
