@@ -101,7 +101,7 @@ ProposedObjects VotingPipeline::detect(std::size_t number, std::optional<std::si
 }
 
 ProposedObjects VotingPipeline::judge(PendingScan query, const std::vector<AskedScan>& asked,
-                                const RayImage& own) const {
+                                      const RayImage& own) const {
   Detection out;
   out.seconds = query.seconds;
   out.scan = std::move(query.scan);

@@ -1,6 +1,7 @@
+#include "detection/moving_objects.hpp"
+
 #include <gtest/gtest.h>
 
-#include "detection/moving_objects.hpp"
 #include "support/toy_scene.hpp"
 #include <mapless/geometry/compensated_scan.hpp>
 #include <mapless/io/labels.hpp>
@@ -51,7 +52,8 @@ TEST(MovingObjects, WhatGoesOnMovesAndWhatStandsHasNoNumber) {
       EXPECT_EQ(detection.tracked.size(), moves ? 1u : 0u);
       for (std::size_t i = 0; i < detection.object.size(); ++i) {
         EXPECT_FALSE(!moves && detection.dynamic(i));
-        EXPECT_EQ(detection.trace[i].growth == GrowthVerdict::stopped, !moves && propose(scene, k, 0).detection.dynamic(i));
+        EXPECT_EQ(detection.trace[i].growth == GrowthVerdict::stopped,
+                  !moves && propose(scene, k, 0).detection.dynamic(i));
       }
     }
   }

@@ -1,6 +1,7 @@
+#include "detection/scan_trajectory.hpp"
+
 #include <gtest/gtest.h>
 
-#include "detection/scan_trajectory.hpp"
 #include "support/toy_scene.hpp"
 #include <mapless/geometry/compensated_scan.hpp>
 

@@ -25,14 +25,13 @@ struct StageSeconds {
   double tracking = 0;
 
   [[nodiscard]] double total() const {
-    return compensation + neighbours + normals + comparison + backward + forward + box_filter + region_growth +
-           tracking;
+    return compensation + neighbours + normals + comparison + backward + forward + box_filter +
+           region_growth + tracking;
   }
   [[nodiscard]] StageSeconds operator+(const StageSeconds& o) const {
-    return {compensation + o.compensation, neighbours + o.neighbours,      normals + o.normals,
-            comparison + o.comparison,     backward + o.backward,          forward + o.forward,
-            box_filter + o.box_filter,     region_growth + o.region_growth,
-            tracking + o.tracking};
+    return {compensation + o.compensation, neighbours + o.neighbours,       normals + o.normals,
+            comparison + o.comparison,     backward + o.backward,           forward + o.forward,
+            box_filter + o.box_filter,     region_growth + o.region_growth, tracking + o.tracking};
   }
 };
 

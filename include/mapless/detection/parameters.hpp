@@ -196,8 +196,7 @@ struct VotingParameters {
             "about how far it went since: with less it does not begin to move",
             "docs/method.md"),
         declare(&P::min_speed_mps, "min_speed_mps", "m/s", 0.0, 100.0,
-                "an object that is followed and slower than this stands",
-                "docs/method.md"),
+                "an object that is followed and slower than this stands", "docs/method.md"),
     };
   }
 };
