@@ -37,7 +37,7 @@ TEST(BenchmarkSpeed, TellsEveryStageBesideTheYardstick) {
   std::map<std::string, nlohmann::json> rows;
   for (const auto& row : sensor["rows"]) rows[row["name"]] = row;
   for (const char* name : {"compensation", "backward", "box filter", "region growth", "detection", "odometry",
-                           "pipeline", "on two threads", "objects", "yardstick"}) {
+                           "pipeline", "on two threads", "tracking", "yardstick"}) {
     SCOPED_TRACE(name);
     ASSERT_EQ(rows.count(name), 1u);
     const nlohmann::json& row = rows[name];

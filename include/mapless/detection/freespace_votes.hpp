@@ -25,8 +25,9 @@ struct AskedScan {
 ///   effects.
 /// - It saw a surface there: 1 vote against for the nearest scans up to kMostSurfaceVotes for the farthest
 ///   (surface_votes). Slow things and surfaces that slide within themselves are where they were a moment ago,
-///   and not where they were seconds ago. But where that surface was found moving then, by a scan within
-///   kRecentGap: kMovingVotes. A thing goes on, until no scan sees through its place any more (vote_growth).
+///   and not where they were seconds ago. But where that surface was proposed to move then: none, and
+///   kMovingVotes from a scan within kRecentGap. Whether the thing still goes on, its own motion tells
+///   (MovingObjects).
 /// - Something hid the place that has left its own since, as the scan asked about shows, and that was no
 ///   farther off than VotingParameters::vacated_m: kVacatedVotes. It is the thing itself, moving away.
 /// - Else it could not see: none.

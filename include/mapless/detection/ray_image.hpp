@@ -71,10 +71,9 @@ class RayImage {
 ///
 /// Of the rays around a point q the nearest one above and below are taken, of each laser the firing that
 /// passes nearest, every ray from its own pose at its own instant (paper Eq. 1 and 2), and the firings beside
-/// those. Where any of them ends within the tolerance of q's own range, or some end short of it and some
-/// beyond, a surface passes through or near q: border. Where all go on beyond: inside. Where the nearest ends
-/// short of it: outside. A surface between two lasers is thus seen as well as one on a laser, with no normal
-/// to be known; far ground, of which one ring ends short of q and the next beyond, is border. Above the
+/// those. Where any of them ends within the tolerance of q's own range a surface passes there: border. Where
+/// all go on beyond: inside. Where the nearest ends short of it: outside. Where that goes on and others end
+/// short, far ground may pass between two rings, or a thing may end there: unobserved. Above the
 /// highest beam and below the lowest only what is on them, by a tenth of the spacing, can be inside: where a
 /// slanting surface goes there is not known.
 class FreespaceProbe {
