@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include <Eigen/Cholesky>
+
 #include "detection/object_number.hpp"
 #include "detection/scan_trajectory.hpp"
 #include "detection/stage_record.hpp"
@@ -13,6 +15,11 @@ namespace {
 // Of the new objects with fewer points every second one is a border effect, and gone in the next scan.
 constexpr int kSurePoints = 15;
 
+// A velocity tells more than the advance where its standard deviation is at most so large, or it is so many
+// of them.
+constexpr double kKnownStd_mps = 0.5;
+constexpr double kSure = 2;
+
 // Numbers for those objects that `keep` their place among the old ones, 0 for the others.
 std::vector<std::uint16_t> new_numbers(const std::vector<bool>& keep) {
   std::vector<std::uint16_t> numbers(keep.size(), 0);
@@ -21,6 +28,12 @@ std::vector<std::uint16_t> new_numbers(const std::vector<bool>& keep) {
     if (keep[old]) numbers[old] = ++next;
   }
   return numbers;
+}
+
+// What slides along itself, or is far, has no velocity that could be told from 0.
+bool velocity_is_known(const TrackedObject& object) {
+  const double square = object.velocity_0.dot(object.velocity_covariance_0.ldlt().solve(object.velocity_0));
+  return object.velocity_std_0().maxCoeff() <= kKnownStd_mps || square > kSure * kSure;
 }
 
 void renumber(const std::vector<std::uint16_t>& numbers, Detection& detection) {
@@ -66,7 +79,8 @@ void MovingObjects::update(const TrackedObject& object, float advance_m, State& 
     state.moves = advances && object.points >= kSurePoints;
     return;
   }
-  const bool was_slow = std::exchange(state.slow, object.velocity_0.norm() < p.min_speed_mps);
+  const bool slow = velocity_is_known(object) ? object.velocity_0.norm() < p.min_speed_mps : !advances;
+  const bool was_slow = std::exchange(state.slow, slow);
   state.moves = state.moves ? !(state.slow && was_slow) : !state.slow && advances;
 }
 

@@ -18,7 +18,9 @@ namespace mapless {
 ///
 /// An object begins to move with the speed `min_speed_mps` and an advance of `min_advance_m`, and a new one,
 /// whose speed is not known yet, with the advance alone, if it has 15 points; a smaller one has to be seen
-/// again. It moves until it is slower in two scans. What stands is followed on for as long as it is proposed.
+/// again. It moves until it is slower in two scans; the advance tells instead of the speed where the
+/// registration hardly does, as of a wall, which slides along itself at any speed. What stands is followed on
+/// for as long as it is proposed.
 class MovingObjects {
  public:
   explicit MovingObjects(const DetectorParameters& parameters) : parameters_(parameters) {}
