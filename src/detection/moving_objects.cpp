@@ -20,6 +20,8 @@ constexpr int kSurePoints = 15;
 constexpr double kKnownStd_mps = 0.5;
 constexpr double kSure = 2;
 
+constexpr double kMostUnproven_m = 1;  // several times what the rays tell
+
 // Numbers for those objects that `keep` their place among the old ones, 0 for the others.
 std::vector<std::uint16_t> new_numbers(const std::vector<bool>& keep) {
   std::vector<std::uint16_t> numbers(keep.size(), 0);
@@ -63,7 +65,7 @@ Detection MovingObjects::judge(ProposedObjects proposed) {
   std::vector<bool> keep(count + 1, false);
   for (const TrackedObject& object : detection.tracked) {
     State& state = states_[object.id];
-    update(object, proposed.advance_m[object.number - 1U], state);
+    update(object, proposed.advance_m[object.number - 1U], now, state);
     state.seen = now;
     keep[object.number] = state.moves;
   }
@@ -72,7 +74,7 @@ Detection MovingObjects::judge(ProposedObjects proposed) {
   return detection;
 }
 
-void MovingObjects::update(const TrackedObject& object, float advance_m, State& state) const {
+void MovingObjects::update(const TrackedObject& object, float advance_m, Time now, State& state) const {
   const VotingParameters& p = parameters_.voting;
   const bool advances = static_cast<double>(advance_m) >= p.min_advance_m;
   if (object.age == 1) {
@@ -81,7 +83,10 @@ void MovingObjects::update(const TrackedObject& object, float advance_m, State& 
   }
   const bool slow = velocity_is_known(object) ? object.velocity_0.norm() < p.min_speed_mps : !advances;
   const bool was_slow = std::exchange(state.slow, slow);
-  state.moves = state.moves ? !(state.slow && was_slow) : !state.slow && advances;
+  const double went_m = object.velocity_0.norm() * (now - state.seen).seconds();
+  state.unproven_m = advances ? 0 : state.unproven_m + went_m;
+  state.moves =
+      state.moves ? !(state.slow && was_slow) && state.unproven_m < kMostUnproven_m : !state.slow && advances;
 }
 
 void MovingObjects::forget_absent(Time now) {

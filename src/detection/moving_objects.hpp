@@ -19,8 +19,9 @@ namespace mapless {
 /// An object begins to move with the speed `min_speed_mps` and an advance of `min_advance_m`, and a new one,
 /// whose speed is not known yet, with the advance alone, if it has 15 points; a smaller one has to be seen
 /// again. It moves until it is slower in two scans; the advance tells instead of the speed where the
-/// registration hardly does, as of a wall, which slides along itself at any speed. What stands is followed on
-/// for as long as it is proposed.
+/// registration hardly does, as of a wall, which slides along itself at any speed. It stands,
+/// too, once it would have gone 1 m since any scan saw through a part of it. What stands is followed on for
+/// as long as it is proposed.
 class MovingObjects {
  public:
   explicit MovingObjects(const DetectorParameters& parameters) : parameters_(parameters) {}
@@ -31,9 +32,10 @@ class MovingObjects {
  private:
   struct State {
     bool moves = false, slow = false;
+    double unproven_m = 0;  // gone by its speed since its last advance
     Time seen;
   };
-  void update(const TrackedObject& object, float advance_m, State& state) const;
+  void update(const TrackedObject& object, float advance_m, Time now, State& state) const;
   void forget_absent(Time now);
 
   DetectorParameters parameters_;

@@ -84,6 +84,21 @@ TEST(MovingObjects, ANewObjectOfFewPointsHasToBeSeenAgain) {
   EXPECT_EQ(many.judge(propose(scene, 0, kAdvance_m, 15)).objects, 1);
 }
 
+// At 1 m/s it would have gone 1.1 m since its last advance, that of scan 1, by scan 12.
+TEST(MovingObjects, WhatNeverAdvancesStandsWhateverItsSpeed) {
+  const auto scene = room_with_box(1);
+  MovingObjects moving{DetectorParameters{}};
+  for (int k = 0; k < 14; ++k) {
+    const int objects = moving.judge(propose(scene, k, k < 2 ? kAdvance_m : 0)).objects;
+    if (k < 9) {
+      EXPECT_EQ(objects, 1) << k;
+    }
+    if (k > 12) {
+      EXPECT_EQ(objects, 0) << k;
+    }
+  }
+}
+
 // The method as published calls moving what its five steps do.
 TEST(MovingObjects, AreAllThatThePublishedMethodProposes) {
   DetectorParameters parameters;
