@@ -229,8 +229,9 @@ Floats FreespaceProbe::Lanes::look_around(const Side& side, Window& window) cons
     shortest = smaller(range, shortest);
     least_off = smaller(magnitude(range - side.range), least_off);
   }
-  window.border |= side.found & (least_off <= probe.tolerance_m_);
-  window.hides |= side.found & (shortest < side.range - probe.tolerance_m_);
+  const Floats tolerance = probe.tolerance_at_0_m_ + probe.tolerance_spacings_ * side.spacing * side.range;
+  window.border |= side.found & (least_off <= tolerance);
+  window.hides |= side.found & (shortest < side.range - tolerance);
   return Floats{cells[0][0], cells[1][0], cells[2][0], cells[3][0]};
 }
 

@@ -51,7 +51,7 @@ std::vector<PointVotes> collect_votes(const LidarScan& scan, const LocalPoints& 
   // Every second row and the last one, then those between.
   const int last = scan.rows() - 1;
   tbb::enumerable_thread_specific<RowVotes> of_thread(std::cref(scan), std::cref(points),
-                                                      std::cref(witnesses), std::cref(parameters));
+                                                      std::cref(witnesses));
   for (const bool between : {false, true}) {
     tbb::parallel_for(tbb::blocked_range<int>(0, scan.rows(), 1), [&](const auto& part) {
       RowVotes& row = of_thread.local();

@@ -87,7 +87,8 @@ void RayImage::mark_dynamic(const LidarScan& scan, const std::vector<std::uint16
 FreespaceProbe::FreespaceProbe(const RayImage& image, const Vector3d& origin_0,
                                const VotingParameters& parameters)
     : image_(image),
-      tolerance_m_(static_cast<float>(parameters.tolerance_m)),
+      tolerance_at_0_m_(static_cast<float>(parameters.tolerance_m)),
+      tolerance_spacings_(static_cast<float>(parameters.tolerance_spacings)),
       half_window_(parameters.window_columns / 2),
       reach_at_0_m_(static_cast<float>(parameters.max_ray_distance_m)),
       reach_spacings_(static_cast<float>(parameters.max_ray_distance_spacings)),
@@ -185,11 +186,12 @@ float FreespaceProbe::reach_m(const Sighting& nearest) const {
 }
 
 void FreespaceProbe::look_around(const Sighting& s, bool is_nearest, Window& window) const {
+  const float tolerance = tolerance_at_0_m_ + tolerance_spacings_ * s.beam->spacing_rad * s.range_m;
   for (int c = s.column - half_window_; c <= s.column + half_window_; ++c) {
     const float range = image_.range_m(s.beam->laser, c);  // NaN is neither
-    if (range < s.range_m - tolerance_m_) {
+    if (range < s.range_m - tolerance) {
       window.hides = true;
-    } else if (range <= s.range_m + tolerance_m_) {
+    } else if (range <= s.range_m + tolerance) {
       window.border = true;
     }
   }

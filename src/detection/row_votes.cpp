@@ -9,6 +9,10 @@ namespace {
 
 constexpr std::size_t kLongest = 64;  // span [points]
 
+// Squared, how far what lies between two points may be off their line: some standard deviations of the
+// noise of range, or every span would be cut.
+constexpr float kOffLine2_m2 = 0.1F * 0.1F;
+
 // Votes against each of two points between which what lies is not asked about: the farthest scan alone.
 constexpr int kFirm = kMostSurfaceVotes;
 
@@ -40,13 +44,8 @@ float off_line2(const Eigen::Vector3f& q, const Eigen::Vector3f& a, const Eigen:
 
 }  // namespace
 
-RowVotes::RowVotes(const LidarScan& scan, const LocalPoints& points, const Witnesses& witnesses,
-                   const VotingParameters& parameters)
-    : scan_(scan),
-      points_(points.points),
-      witnesses_(witnesses),
-      tolerance2_(static_cast<float>(parameters.tolerance_m * parameters.tolerance_m / 4)),
-      image_(scan) {}
+RowVotes::RowVotes(const LidarScan& scan, const LocalPoints& points, const Witnesses& witnesses)
+    : scan_(scan), points_(points.points), witnesses_(witnesses), image_(scan) {}
 
 void RowVotes::vote(int laser, bool between, std::size_t begin, std::size_t end,
                     std::vector<PointVotes>& votes) {
@@ -101,7 +100,7 @@ std::size_t RowVotes::farthest_off(const Span& span) const {
   const float chord_x = x_[right] - from_x, chord_y = y_[right] - from_y, chord_z = z_[right] - from_z;
   const float length2 = chord_x * chord_x + chord_y * chord_y + chord_z * chord_z;
   const float per_length2 = length2 > 0 ? 1 / length2 : 0;
-  Floats most = Floats{} + tolerance2_;
+  Floats most = Floats{} + kOffLine2_m2;
   Ints farthest = Ints{} + static_cast<int>(left);
   Ints index = Ints{0, 1, 2, 3} + static_cast<int>(left + 1);
   for (std::size_t i = left + 1; i < right; i += 4, index += 4) {
@@ -149,7 +148,7 @@ bool RowVotes::known_from_beside(std::size_t i) {
   const PointVotes& lower = (*votes_)[static_cast<std::size_t>(b)];
   if (!stands_firmly(lower) || !stands_firmly((*votes_)[static_cast<std::size_t>(a)])) return false;
   const auto& from = points_[static_cast<std::size_t>(b)];
-  if (off_line2(points_[begin_ + i], from, points_[static_cast<std::size_t>(a)]) > tolerance2_) return false;
+  if (off_line2(points_[begin_ + i], from, points_[static_cast<std::size_t>(a)]) > kOffLine2_m2) return false;
   (*votes_)[begin_ + i] = lower;
   return true;
 }

@@ -16,8 +16,7 @@ namespace mapless {
 /// stand.
 class RowVotes {
  public:
-  RowVotes(const LidarScan& scan, const LocalPoints& points, const Witnesses& witnesses,
-           const VotingParameters& parameters);
+  RowVotes(const LidarScan& scan, const LocalPoints& points, const Witnesses& witnesses);
 
   /// Votes of the returns `begin` to `end` of `laser`. Where it is `between`, the rows below and above were
   /// asked before.
@@ -46,7 +45,6 @@ class RowVotes {
   const LidarScan& scan_;
   const std::vector<Eigen::Vector3f>& points_;
   const Witnesses& witnesses_;
-  float tolerance2_;
   AlignedImage image_;
   // Of one row:
   Beside below_, above_;

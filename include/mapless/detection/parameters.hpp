@@ -137,7 +137,8 @@ constexpr std::span<const std::string_view> choice_names(DetectionMethod) { retu
 struct VotingParameters {
   int references = 10;
   int first_gap = 1;
-  double tolerance_m = 0.2;
+  double tolerance_m = 0.08;
+  double tolerance_spacings = 0.4;
   double max_ray_distance_m = 0.1;
   double max_ray_distance_spacings = 0.25;
   int window_columns = 5;
@@ -159,8 +160,14 @@ struct VotingParameters {
                 "paper step 2, 3"),
         declare(&P::first_gap, "first_gap", "scans", 1, 10, "how far back the first of them lies",
                 "paper step 2"),
-        declare(&P::tolerance_m, "tolerance_m", "m", 0.001, 10.0,
-                "a ray that ends this near a point's range ends on its surface", "paper step 3"),
+        declare(
+            &P::tolerance_m, "tolerance_m", "m", 0.001, 10.0,
+            "a ray that ends within tolerance_m + tolerance_spacings x laser spacing x range of a point's "
+            "range ends on its surface",
+            "paper step 3"),
+        declare(&P::tolerance_spacings, "tolerance_spacings", "laser spacings", 0.0, 100.0,
+                "see tolerance_m: a slanting surface is nearer on one laser than on the next",
+                "docs/method.md"),
         declare(&P::max_ray_distance_m, "max_ray_distance_m", "m", 0.0, 10.0,
                 "the nearest ray speaks for a point within max_ray_distance_m + max_ray_distance_spacings x "
                 "laser spacing x range",

@@ -143,7 +143,7 @@ class FreespaceProbe {
   void look_around(const Sighting& s, bool is_nearest, Window& window) const;
 
   const RayImage& image_;
-  float tolerance_m_;
+  float tolerance_at_0_m_, tolerance_spacings_;
   int half_window_;
   float reach_at_0_m_, reach_spacings_;
   static constexpr float kEdgeSpacings = 0.1F;
