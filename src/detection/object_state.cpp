@@ -2,7 +2,7 @@
 
 #include <Eigen/Cholesky>
 
-#include <mapless/detection/object_tracker.hpp>
+#include "detection/longest_absence.hpp"
 
 namespace mapless {
 namespace {
@@ -43,9 +43,8 @@ ObjectState next_state(const ObjectState& last, const TrackedObject& object, flo
 }
 
 void forget_absent(ObjectStates& states, Time now) {
-  std::erase_if(states, [now](const auto& entry) {
-    return (now - entry.second.seen).seconds() > TrackerParameters{}.longest_absence_s;
-  });
+  std::erase_if(states,
+                [now](const auto& entry) { return (now - entry.second.seen).seconds() > kLongestAbsence_s; });
 }
 
 }  // namespace mapless
