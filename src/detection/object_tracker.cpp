@@ -8,6 +8,7 @@
 #include <Eigen/Eigenvalues>
 #include <tbb/parallel_for.h>
 
+#include "detection/longest_absence.hpp"
 #include "detection/object_association.hpp"
 #include "detection/object_motion.hpp"
 #include "detection/object_registration.hpp"
@@ -21,6 +22,12 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
+// Standard deviation per axis of a velocity nothing is known about: traffic in a town has less than that,
+// and on a highway not three times as much.
+constexpr double kUnknownSpeed_mps = 15;
+// White noise on acceleration, per axis [m^2/s^3]: what goes on changes by sqrt(0.25) = 0.5 m/s in a second.
+// Of what brakes or turns the innovations show it, and the noise grows with them (ObjectMotion).
+constexpr double kAccelerationDensity = 0.25;
 constexpr std::size_t kViews = 5;             // earlier scans an object keeps
 constexpr double kLongestInterval_s = 0.45;   // between scans that are registered: things turn and accelerate
 constexpr double kShortestInterval_s = 0.01;  // an object cut by the seam may be there twice in a moment
@@ -144,8 +151,6 @@ TrackedObject described(const FollowedObject& track, const ObjectView& view, int
 
 class ObjectTracker::Implementation {
  public:
-  explicit Implementation(const TrackerParameters& parameters) : parameters_(parameters) {}
-
   std::vector<TrackedObject> process(const Detection& detection, const Trajectory& trajectory) {
     const Time start = detection.scan->start;
     require_usable(detection, scans_ == 0 ? std::nullopt : std::optional(newest_start_));
@@ -172,7 +177,7 @@ class ObjectTracker::Implementation {
  private:
   void forget_absent(Time now) {
     const auto gone = [&](const FollowedObject& track) {
-      return (now - track.last_scan).seconds() > parameters_.longest_absence_s;
+      return (now - track.last_scan).seconds() > kLongestAbsence_s;
     };
     tracks_.erase(std::remove_if(tracks_.begin(), tracks_.end(), gone), tracks_.end());
   }
@@ -206,14 +211,9 @@ class ObjectTracker::Implementation {
     return tracks_.back();
   }
 
-  [[nodiscard]] FollowedObject fresh(const ObjectView& view) const {
-    const double variance = parameters_.unknown_speed_mps * parameters_.unknown_speed_mps;
-    return {0,
-            0,
-            ObjectMotion(view.time, Vector3d::Zero(), variance * Matrix3d::Identity(),
-                         parameters_.acceleration_density),
-            {},
-            {}};
+  [[nodiscard]] static FollowedObject fresh(const ObjectView& view) {
+    const Matrix3d covariance = kUnknownSpeed_mps * kUnknownSpeed_mps * Matrix3d::Identity();
+    return {0, 0, ObjectMotion(view.time, Vector3d::Zero(), covariance, kAccelerationDensity), {}, {}};
   }
 
   [[nodiscard]] TrackedObject updated(FollowedObject& track, const ObjectView& view) const {
@@ -221,7 +221,6 @@ class ObjectTracker::Implementation {
     return described(track, view, static_cast<int>(scans_ - track.first_scan) + 1);
   }
 
-  TrackerParameters parameters_;
   std::deque<FollowedObject>
       tracks_;  // by increasing id; a deque's elements stay where they are when it grows
   std::uint32_t next_id_ = 1;
@@ -229,8 +228,7 @@ class ObjectTracker::Implementation {
   Time newest_start_;
 };
 
-ObjectTracker::ObjectTracker(const TrackerParameters& parameters)
-    : implementation_(std::make_unique<Implementation>(parameters)) {}
+ObjectTracker::ObjectTracker() : implementation_(std::make_unique<Implementation>()) {}
 ObjectTracker::~ObjectTracker() = default;
 ObjectTracker::ObjectTracker(ObjectTracker&&) noexcept = default;
 ObjectTracker& ObjectTracker::operator=(ObjectTracker&&) noexcept = default;

@@ -75,28 +75,107 @@ TEST(MovingObjects, WithoutAdvanceNothingBeginsToMove) {
   EXPECT_EQ(moving.judge(propose(scene, 5, 0.031)).objects, 1);
 }
 
-TEST(MovingObjects, ANewObjectOfFewPointsHasToBeSeenAgain) {
+// After more than a second an object of 14 points is a new one, which has to be seen again.
+TEST(MovingObjects, WhatWasAbsentForMoreThanASecondIsNew) {
   const auto scene = room_with_box(1);
-  MovingObjects few{DetectorParameters{}};
-  EXPECT_EQ(few.judge(propose(scene, 0, kAdvance_m, 14)).objects, 0);
-  EXPECT_EQ(few.judge(propose(scene, 1, kAdvance_m, 14)).objects, 1);
-  MovingObjects many{DetectorParameters{}};
-  EXPECT_EQ(many.judge(propose(scene, 0, kAdvance_m, 15)).objects, 1);
+  for (const int again : {10, 12}) {
+    SCOPED_TRACE(again);
+    MovingObjects moving{DetectorParameters{}};
+    const auto objects = [&](int k) { return moving.judge(propose(scene, k, kAdvance_m, 14)).objects; };
+    EXPECT_EQ(objects(0), 0);
+    EXPECT_EQ(objects(1), 1);
+    EXPECT_EQ(objects(again), again == 10 ? 1 : 0);
+    EXPECT_EQ(objects(again + 1), 1);
+  }
 }
 
-// At 1 m/s it would have gone 1.1 m since its last advance, that of scan 1, by scan 12.
-TEST(MovingObjects, WhatNeverAdvancesStandsWhateverItsSpeed) {
-  const auto scene = room_with_box(1);
-  MovingObjects moving{DetectorParameters{}};
-  for (int k = 0; k < 14; ++k) {
-    const int objects = moving.judge(propose(scene, k, k < 2 ? kAdvance_m : 0)).objects;
-    if (k < 9) {
-      EXPECT_EQ(objects, 1) << k;
+// The second half of the box is an object of its own: the one that advances moves, and has number 1.
+TEST(MovingObjects, EveryObjectHasItsOwnAdvance) {
+  const auto scene = room_with_box(0);
+  for (const bool second : {false, true}) {
+    SCOPED_TRACE(second);
+    ProposedObjects proposed = propose(scene, 0, kAdvance_m);
+    std::vector<std::uint16_t>& object = proposed.detection.object;
+    std::size_t count = 0;
+    for (std::uint16_t& number : object) {
+      if (number != 0 && ++count > 50) number = 2;
     }
-    if (k > 12) {
-      EXPECT_EQ(objects, 0) << k;
-    }
+    ASSERT_GT(count, 100u);
+    proposed.detection.objects = 2;
+    proposed.advance_m = {second ? 0 : 1.F, second ? 1.F : 0};
+    const std::vector<std::uint16_t> before = object;
+    const Detection detection = MovingObjects{DetectorParameters{}}.judge(std::move(proposed));
+    for (std::size_t i = 0; i < before.size(); ++i)
+      EXPECT_EQ(detection.object[i], before[i] == (second ? 2 : 1) ? 1 : 0);
   }
+}
+
+/// Objects 1 to 3 with two points each, between points of none.
+Detection three_objects() {
+  Detection detection;
+  detection.object = {0, 1, 2, 3, 0, 3, 2, 1};
+  detection.trace.resize(detection.object.size());
+  for (StageTrace& trace : detection.trace) trace.growth = GrowthVerdict::grown;
+  detection.objects = 3;
+  for (std::uint16_t number = 1; number <= 3; ++number) {
+    detection.tracked.emplace_back().number = number;
+    detection.tracked.back().id = 10U + number;
+  }
+  return detection;
+}
+
+TEST(KeepMoving, NumbersAnewWhatMovesAndStopsTheRest) {
+  Detection detection = three_objects();
+  keep_moving({true, false, true}, detection);
+  EXPECT_EQ(detection.object, (std::vector<std::uint16_t>{0, 1, 0, 2, 0, 2, 0, 1}));
+  EXPECT_EQ(detection.objects, 2);
+  ASSERT_EQ(detection.tracked.size(), 2u);
+  for (const std::size_t k : {0, 1}) {
+    EXPECT_EQ(detection.tracked[k].number, k + 1);
+    EXPECT_EQ(detection.tracked[k].id, k == 0 ? 11u : 13u);
+  }
+  for (std::size_t i = 0; i < detection.trace.size(); ++i) {
+    EXPECT_EQ(detection.trace[i].growth, i == 2 || i == 6 ? GrowthVerdict::stopped : GrowthVerdict::grown)
+        << i;
+  }
+}
+
+TEST(KeepMoving, LeavesNoObjectWhereNothingMoves) {
+  Detection detection = three_objects();
+  keep_moving({false, false, false}, detection);
+  EXPECT_EQ(detection.object, std::vector<std::uint16_t>(8, 0));
+  EXPECT_EQ(detection.objects, 0);
+  EXPECT_TRUE(detection.tracked.empty());
+}
+
+// The tracker sees as one object what shares the last number, 65535.
+TEST(KeepMoving, ObjectsThatShareTheLastNumberMoveTogether) {
+  Detection detection = three_objects();
+  detection.object = {65535, 1, 65535, 65535, 0, 0, 0, 0};
+  detection.objects = 65537;
+  detection.tracked.pop_back();
+  detection.tracked[1].number = 65535;
+  Detection all = detection, last = detection;
+  keep_moving({true, true}, all);
+  EXPECT_EQ(all.object, (std::vector<std::uint16_t>{2, 1, 2, 2, 0, 0, 0, 0}));
+  EXPECT_EQ(all.objects, 2);
+  keep_moving({false, true}, last);
+  EXPECT_EQ(last.object, (std::vector<std::uint16_t>{1, 0, 1, 1, 0, 0, 0, 0}));
+  EXPECT_EQ(last.objects, 1);
+}
+
+TEST(KeepMoving, HasANumberForAsManyObjectsAsThereAreNumbers) {
+  Detection detection;
+  detection.objects = 65535;
+  for (int number = 1; number <= 65535; ++number) {
+    detection.object.push_back(static_cast<std::uint16_t>(number));
+    detection.tracked.emplace_back().number = static_cast<std::uint16_t>(number);
+  }
+  detection.trace.resize(detection.object.size());
+  const std::vector<std::uint16_t> before = detection.object;
+  keep_moving(std::vector<bool>(65535, true), detection);
+  EXPECT_EQ(detection.object, before);
+  EXPECT_EQ(detection.objects, 65535);
 }
 
 // The method as published calls moving what its five steps do.

@@ -203,7 +203,7 @@ TEST(ObjectTracker, WhatIsSoonBackIsTheSame) {
   ASSERT_EQ(later.size(), 1u);
   EXPECT_EQ(later[0].id, before[0].id + 1) << "unseen for longer than a second";
   EXPECT_EQ(later[0].age, 1);
-  EXPECT_NEAR(longest_std(later[0]), TrackerParameters().unknown_speed_mps, 1e-9);
+  EXPECT_NEAR(longest_std(later[0]), 15, 1e-9) << "nothing is known of its velocity";
 }
 
 // From 8 to 2 m/s at 3 m/s^2, then on.

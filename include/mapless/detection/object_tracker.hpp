@@ -9,12 +9,6 @@
 
 namespace mapless {
 
-struct TrackerParameters {
-  double acceleration_density = 0.25;  ///< white noise on acceleration, per axis [m^2/s^3]
-  double unknown_speed_mps = 15;       ///< standard deviation per axis of a velocity nothing is known about
-  double longest_absence_s = 1;        ///< an object not seen for longer is another one when it comes back
-};
-
 /// Keeps the objects of consecutive detections apart over time and estimates their velocity.
 ///
 /// An object is looked for where its velocity says; whose points it overlaps most keeps its id, one id for
@@ -25,7 +19,7 @@ struct TrackerParameters {
 /// There is no up, no ground and no class in it.
 class ObjectTracker {
  public:
-  explicit ObjectTracker(const TrackerParameters& parameters = {});
+  ObjectTracker();
   ~ObjectTracker();
   ObjectTracker(ObjectTracker&&) noexcept;
   ObjectTracker& operator=(ObjectTracker&&) noexcept;

@@ -26,7 +26,7 @@ enum class GrowthVerdict : std::uint8_t {
   seed,
   grown,
   too_small,  ///< too few seeds
-  stopped     ///< its object moved, but not lately (method "voting")
+  stopped     ///< its object stands (method "voting")
 };
 
 /// Every stage's verdict on one point.

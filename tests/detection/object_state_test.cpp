@@ -1,0 +1,179 @@
+#include "detection/object_state.hpp"
+
+#include <gtest/gtest.h>
+
+namespace mapless {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+constexpr float kAdvance_m = 0.25F, kLess_m = 0.24F;  // parameters() asks for 0.25
+constexpr double kFast_mps = 0.5, kSlow_mps = 0.49;   // and for 0.5
+constexpr double kWell_mps = 0.1, kBadly_mps = 10;    // a velocity known by itself; known if above 20 m/s
+constexpr Time kStart = Time::from_seconds(100);
+
+VotingParameters parameters() {
+  VotingParameters p;
+  p.min_advance_m = 0.25;
+  p.min_speed_mps = 0.5;
+  return p;
+}
+
+TrackedObject object(double speed_mps, double std_mps) {
+  TrackedObject o;
+  o.age = 2;
+  o.points = 1;
+  o.velocity_0 = {0, speed_mps, 0};
+  o.velocity_covariance_0 = std_mps * std_mps * Matrix3d::Identity();
+  return o;
+}
+
+// 0.1 s after a scan at kStart.
+ObjectState next(const ObjectState& last, const TrackedObject& o, float advance_m) {
+  return next_state(last, o, advance_m, kStart + Duration::from_seconds(0.1), parameters());
+}
+
+ObjectState moving() { return {.moves = true, .slow = false, .unproven_m = 0, .seen = kStart}; }
+ObjectState standing() { return {.moves = false, .slow = true, .unproven_m = 0, .seen = kStart}; }
+
+bool new_one_moves(int points, float advance_m) {
+  TrackedObject o = object(0, kBadly_mps);
+  o.age = 1;
+  o.points = points;
+  return next({}, o, advance_m).moves;
+}
+
+TEST(NextState, ANewObjectMovesWithAnAdvanceAndFifteenPoints) {
+  EXPECT_TRUE(new_one_moves(15, kAdvance_m));
+  EXPECT_FALSE(new_one_moves(14, kAdvance_m));
+  EXPECT_FALSE(new_one_moves(15, kLess_m));
+}
+
+TEST(NextState, ASpeedOfANewObjectSaysNothing) {
+  TrackedObject o = object(0, kWell_mps);
+  o.age = 1;
+  o.points = 15;
+  const ObjectState state = next({}, o, kAdvance_m);
+  EXPECT_TRUE(state.moves);
+  EXPECT_FALSE(state.slow);
+  o.velocity_0 = {0, 20, 0};
+  EXPECT_FALSE(next({}, o, 0).moves);
+  EXPECT_EQ(next({}, o, 0).unproven_m, 0);
+}
+
+TEST(NextState, KeepsTheTimeOfTheScan) {
+  const Time now = Time::from_seconds(7);
+  EXPECT_EQ(next_state({}, object(0, 1), 0, now, parameters()).seen, now);
+  TrackedObject o = object(0, 1);
+  o.age = 1;
+  EXPECT_EQ(next_state({}, o, 0, now, parameters()).seen, now);
+}
+
+TEST(NextState, AnObjectOfAnyNumberOfPointsBeginsToMoveWithSpeedAndAdvance) {
+  EXPECT_TRUE(next(standing(), object(kFast_mps, kWell_mps), kAdvance_m).moves);
+  EXPECT_FALSE(next(standing(), object(kFast_mps, kWell_mps), kLess_m).moves);
+  EXPECT_FALSE(next(standing(), object(kSlow_mps, kWell_mps), kAdvance_m).moves);
+}
+
+TEST(NextState, AnObjectOfUnknownSpeedBeginsToMoveWithAnAdvanceAlone) {
+  EXPECT_TRUE(next(standing(), object(0, kBadly_mps), kAdvance_m).moves);
+  EXPECT_FALSE(next(standing(), object(19, kBadly_mps), kLess_m).moves);
+}
+
+TEST(NextState, AKnownSpeedTellsSlowFromFast) {
+  for (const float advance_m : {kAdvance_m, kLess_m}) {
+    EXPECT_TRUE(next(moving(), object(kSlow_mps, kWell_mps), advance_m).slow);
+    EXPECT_FALSE(next(moving(), object(kFast_mps, kWell_mps), advance_m).slow);
+  }
+}
+
+TEST(NextState, AnUnknownSpeedLeavesThatToTheAdvance) {
+  for (const double speed_mps : {0.0, 19.0}) {
+    EXPECT_TRUE(next(moving(), object(speed_mps, kBadly_mps), kLess_m).slow);
+    EXPECT_FALSE(next(moving(), object(speed_mps, kBadly_mps), kAdvance_m).slow);
+  }
+}
+
+// Without an advance what is unknown is slow; 0.99 m/s are less than two sigma either way.
+TEST(NextState, ASpeedIsKnownToHalfAMetrePerSecond) {
+  EXPECT_FALSE(next(moving(), object(0.99, 0.5), kLess_m).slow);
+  EXPECT_TRUE(next(moving(), object(0.99, 0.51), kLess_m).slow);
+}
+
+TEST(NextState, TheWorstAxisDecidesHowWellASpeedIsKnown) {
+  for (int axis = 0; axis < 3; ++axis) {
+    TrackedObject o = object(0.5, 0.26);  // less than two sigma
+    EXPECT_FALSE(next(moving(), o, kLess_m).slow);
+    o.velocity_covariance_0(axis, axis) = 0.51 * 0.51;
+    EXPECT_TRUE(next(moving(), o, kLess_m).slow) << axis;
+  }
+}
+
+TEST(NextState, ASpeedOfMoreThanTwoSigmaIsKnown) {
+  EXPECT_TRUE(next(moving(), object(7.9, 4), kLess_m).slow);
+  EXPECT_FALSE(next(moving(), object(8.1, 4), kLess_m).slow);
+}
+
+// Across a wall 0.25 m/s are known to 0.1 m/s, along it nothing is: the whole speed is known, and slow.
+TEST(NextState, SigmasAreThoseAlongTheVelocity) {
+  TrackedObject wall = object(0.25, 0.1);
+  wall.velocity_covariance_0(0, 0) = 100;
+  EXPECT_TRUE(next(moving(), wall, kAdvance_m).slow);
+  wall.velocity_0 = {0.25, 0, 0};
+  EXPECT_FALSE(next(moving(), wall, kAdvance_m).slow);
+}
+
+TEST(NextState, WhatMovesStopsWhenItIsSlowInTwoScansInARow) {
+  const TrackedObject slow = object(0, kWell_mps), fast = object(kFast_mps, kWell_mps);
+  const ObjectState once = next(moving(), slow, kLess_m);
+  EXPECT_TRUE(once.moves);
+  EXPECT_FALSE(next(once, slow, kLess_m).moves);
+  const ObjectState fast_again = next(once, fast, kLess_m);
+  EXPECT_TRUE(fast_again.moves);
+  EXPECT_TRUE(next(fast_again, slow, kLess_m).moves);
+}
+
+// 4 m/s for 0.1 s are 0.4 m; 3 of these scans are 1.2 m.
+TEST(NextState, WhatWentAMetreByItsSpeedWithoutAnAdvanceStands) {
+  const TrackedObject fast = object(4, kWell_mps);
+  ObjectState state = moving();
+  for (const double unproven_m : {0.4, 0.8}) {
+    state = next_state(state, fast, kLess_m, state.seen + Duration::from_seconds(0.1), parameters());
+    EXPECT_NEAR(state.unproven_m, unproven_m, 1e-9);
+    EXPECT_TRUE(state.moves);
+  }
+  const Time third = state.seen + Duration::from_seconds(0.1);
+  EXPECT_FALSE(next_state(state, fast, kLess_m, third, parameters()).moves);
+  const ObjectState advanced = next_state(state, fast, kAdvance_m, third, parameters());
+  EXPECT_TRUE(advanced.moves);
+  EXPECT_EQ(advanced.unproven_m, 0);
+}
+
+TEST(NextState, ThatMetreIsOneMetre) {
+  ObjectState state = moving();
+  state.unproven_m = 0.59;
+  EXPECT_TRUE(next(state, object(4, kWell_mps), kLess_m).moves);  // 0.99 m
+  state.unproven_m = 0.61;
+  EXPECT_FALSE(next(state, object(4, kWell_mps), kLess_m).moves);  // 1.01 m
+}
+
+// It is seen again after 0.3 s, in which it went 1.2 m.
+TEST(NextState, WhatItWentWhileItWasHiddenCounts) {
+  const Time now = kStart + Duration::from_seconds(0.3);
+  EXPECT_FALSE(next_state(moving(), object(4, kWell_mps), kLess_m, now, parameters()).moves);
+}
+
+TEST(ForgetAbsent, ForgetsWhatWasNotSeenForMoreThanASecond) {
+  ObjectStates states;
+  states[3].seen = kStart;
+  states[5].seen = kStart + Duration::from_nanoseconds(1);
+  forget_absent(states, kStart + Duration::from_seconds(1));
+  EXPECT_EQ(states.size(), 2u);
+  forget_absent(states, kStart + Duration::from_seconds(1) + Duration::from_nanoseconds(1));
+  ASSERT_EQ(states.size(), 1u);
+  EXPECT_EQ(states.begin()->first, 5u);
+}
+
+}  // namespace
+}  // namespace mapless
