@@ -27,7 +27,7 @@ using Eigen::Vector3d;
 constexpr double kUnknownSpeed_mps = 15;
 // White noise on acceleration, per axis [m^2/s^3]: what goes on changes by sqrt(0.25) = 0.5 m/s in a second.
 // Of what brakes or turns the innovations show it, and the noise grows with them (ObjectMotion).
-constexpr double kAccelerationDensity = 0.25;
+constexpr double kAccelerationDensity = 0.5;
 constexpr std::size_t kViews = 5;             // earlier scans an object keeps
 constexpr double kLongestInterval_s = 0.45;   // between scans that are registered: things turn and accelerate
 constexpr double kShortestInterval_s = 0.01;  // an object cut by the seam may be there twice in a moment
