@@ -25,7 +25,7 @@ using Eigen::Vector3d;
 // Standard deviation per axis of a velocity nothing is known about: traffic in a town has less than that,
 // and on a highway not three times as much.
 constexpr double kUnknownSpeed_mps = 15;
-// White noise on acceleration, per axis [m^2/s^3]: what goes on changes by sqrt(0.25) = 0.5 m/s in a second.
+// White noise on acceleration, per axis [m^2/s^3]: what goes on changes by sqrt(0.5) = 0.7 m/s in a second.
 // Of what brakes or turns the innovations show it, and the noise grows with them (ObjectMotion).
 constexpr double kAccelerationDensity = 0.5;
 constexpr std::size_t kViews = 5;             // earlier scans an object keeps
