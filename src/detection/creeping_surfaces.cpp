@@ -28,7 +28,7 @@ constexpr float kApart_m = 0.5F;  // what a ray hit farther from the point is an
 
 constexpr float kLeastAdvance_m = 0.03F, kLeastSpeed_mps = 0.12F;
 constexpr float kSigmas = 4;
-constexpr float kOfTwoScans = 1.5F;                          // of one scan's noise: the noise of a difference
+constexpr float kOfTwoScans = 1.5F;  // of one scan's noise: the noise of a difference
 constexpr float kUnsteady_m = 0.015F, kUnsteadyShare = 0.3F;  // what braking makes of a steady speed
 
 constexpr std::size_t kFewestPatches = 2;
@@ -212,7 +212,8 @@ class CreepingSurfaces {
     }
   }
 
-  // A side slides within itself and seems to stand, but what looks the same way as a face that moves does not.
+  // A side slides within itself and seems to stand, but what looks the same way as a face that moves does
+  // not.
   [[nodiscard]] bool may_belong(std::size_t from, std::size_t next) const {
     if (!patches_[next].is_plane) return false;
     const bool same_way = std::abs(patches_[from].normal.dot(patches_[next].normal)) > kSameWay;

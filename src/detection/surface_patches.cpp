@@ -64,8 +64,8 @@ SurfacePatch SurfacePatches::fitted(const std::vector<Vector3f>& points, std::si
   solver.computeDirect(squares / count);
   const Vector3f spread = solver.eigenvalues().cwiseMax(0).cwiseSqrt();
   patch.thickness_m = spread.x();
-  patch.is_plane = spread.x() <= kThickest_m && spread.y() >= kNarrowest_m &&
-                   spread.x() <= kThickestPerWidth * spread.y();
+  patch.is_plane =
+      spread.x() <= kThickest_m && spread.y() >= kNarrowest_m && spread.x() <= kThickestPerWidth * spread.y();
   patch.normal = solver.eigenvectors().col(0);
   if (patch.normal.dot(patch.centre) > 0) patch.normal = -patch.normal;
   return patch;
