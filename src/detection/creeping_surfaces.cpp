@@ -33,7 +33,6 @@ constexpr float kUnsteady_m = 0.015F, kUnsteadyShare = 0.3F;  // what braking ma
 
 constexpr std::size_t kFewestPatches = 2;
 constexpr float kLeastLater = 0.4F, kMostLater = 1.5F;  // of the advance expected until the later scan
-constexpr float kFoundShare = 0.5F;
 
 // Parallel or convex: neither rises above the other's plane. Single points are noisier than middles.
 constexpr float kRise_m = 0.03F, kPointRise_m = 0.05F, kRisePerMetre = 0.05F;
@@ -78,10 +77,14 @@ bool is_convex(const SurfacePatch& a, const SurfacePatch& b) {
   return a.normal.dot(d) <= rise && b.normal.dot(d) >= -rise;
 }
 
-std::vector<char> unsettled(const std::vector<PointVotes>& votes) {
+// Neither seen to stand for seconds nor found to move by rays.
+std::vector<char> open_questions(const std::vector<PointVotes>& votes) {
   std::vector<char> wanted(votes.size());
-  std::transform(votes.begin(), votes.end(), wanted.begin(),
-                 [](const PointVotes& v) { return is_static(v) && v.total() <= kSettled ? 0 : 1; });
+  std::transform(votes.begin(), votes.end(), wanted.begin(), [](const PointVotes& v) {
+    const bool settled = is_static(v) && v.total() <= kSettled;
+    const bool found = v.seen_through && v.total() > 0;
+    return settled || found ? 0 : 1;
+  });
   return wanted;
 }
 
@@ -89,7 +92,7 @@ class CreepingSurfaces {
  public:
   CreepingSurfaces(const LidarScan& scan, const LocalPoints& points, const std::vector<AskedScan>& asked,
                    const VotingParameters& parameters, std::vector<PointVotes>& votes)
-      : scan_(scan), points_(points.points), votes_(votes), patches_(scan, points, unsettled(votes)) {
+      : scan_(scan), points_(points.points), votes_(votes), patches_(scan, points, open_questions(votes)) {
     const auto scan_s = static_cast<float>((scan.end() - scan.start).seconds());
     const auto witness = [&](const AskedScan& a) {
       return Witness{FreespaceProbe(*a.image, points.origin_0, parameters), a.gap,
@@ -115,7 +118,7 @@ class CreepingSurfaces {
     for (std::size_t p = 0; p < patches_.size(); ++p) {
       if (!motions_[p].creeps || taken_[p]) continue;
       std::vector<std::size_t> object = linked(p);
-      if (object.size() < kFewestPatches || !goes_on(object) || found_already(object)) continue;
+      if (object.size() < kFewestPatches || !goes_on(object)) continue;
       grow(object, [&](std::size_t from, std::size_t next) { return may_belong(from, next); });
       claim(object);
     }
@@ -148,11 +151,6 @@ class CreepingSurfaces {
     return advance_of(shifts_m, count);
   }
 
-  [[nodiscard]] bool glance_says_stands(std::size_t p, const Witness& witness) const {
-    const Advance glance = advance(p, witness, kGlance);
-    return glance.heard == kGlance && std::abs(glance.mean_m) < kLeastAdvance_m / 2;
-  }
-
   [[nodiscard]] Motion motion(std::size_t p) const {
     Motion out;
     if (!patches_[p].is_plane) return out;
@@ -162,7 +160,11 @@ class CreepingSurfaces {
     std::size_t heard = 0;
     for (const Witness& w : earlier_) {
       const bool far = w.gap >= kFar;
-      if (heard == 0 && far && glance_says_stands(p, w)) return {.stands = true};
+      if (heard == 0 && far) {
+        const Advance glance = advance(p, w, kGlance);
+        if (glance.heard == 0) continue;
+        if (glance.heard == kGlance && std::abs(glance.mean_m) < kLeastAdvance_m / 2) return {.stands = true};
+      }
       Advance& a = advances[static_cast<std::size_t>(w.gap)] = advance(p, w, kMostAsked);
       if (a.heard < kFewestHeard) continue;
       if (far && std::abs(a.mean_m) < least_advance_m(p, a)) return out;
@@ -233,18 +235,6 @@ class CreepingSurfaces {
       expected += m.later_expected_m * m.later_expected_m;
     }
     return expected > 0 && agreement >= kLeastLater * expected && agreement <= kMostLater * expected;
-  }
-
-  [[nodiscard]] bool found_already(const std::vector<std::size_t>& object) const {
-    std::size_t all = 0, found = 0;
-    for (const std::size_t p : object) {
-      for (const std::int32_t i : patches_.members(p)) {
-        const PointVotes& v = votes_[static_cast<std::size_t>(i)];
-        ++all;
-        found += v.seen_through && v.total() > 0 ? 1 : 0;
-      }
-    }
-    return static_cast<float>(found) > kFoundShare * static_cast<float>(all);
   }
 
   void claim(const std::vector<std::size_t>& object) {

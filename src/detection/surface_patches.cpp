@@ -32,19 +32,23 @@ SurfacePatches::SurfacePatches(const LidarScan& scan, const LocalPoints& points,
 
 void SurfacePatches::gather(const LidarScan& scan, const std::vector<char>& wanted) {
   const AlignedImage image(scan);
-  const auto patch_of = [&](const LidarReturn& r) {
-    const int column = image.aligned_column(r.laser, r.column);
-    return static_cast<std::size_t>(r.laser / kPatchRows * across_ + column / kPatchColumns);
-  };
   begin_.assign(static_cast<std::size_t>(across_ * down_) + 1, 0);
+  std::vector<std::int32_t> patch_of(wanted.size(), -1);
+  int laser = -1, shift = 0;
   for (std::size_t i = 0; i < wanted.size(); ++i) {
-    if (wanted[i] != 0) ++begin_[patch_of(scan.returns[i]) + 1];
+    if (wanted[i] == 0) continue;
+    const LidarReturn& r = scan.returns[i];
+    if (r.laser != laser) shift = image.aligned_column(laser = r.laser, 0);
+    const int column = r.column + shift < scan.columns ? r.column + shift : r.column + shift - scan.columns;
+    patch_of[i] = laser / kPatchRows * across_ + column / kPatchColumns;
+    ++begin_[static_cast<std::size_t>(patch_of[i]) + 1];
   }
   for (std::size_t p = 1; p < begin_.size(); ++p) begin_[p] += begin_[p - 1];
   members_.resize(begin_.back());
   std::vector<std::size_t> next(begin_.begin(), begin_.end() - 1);
   for (std::size_t i = 0; i < wanted.size(); ++i) {
-    if (wanted[i] != 0) members_[next[patch_of(scan.returns[i])]++] = static_cast<std::int32_t>(i);
+    if (wanted[i] != 0)
+      members_[next[static_cast<std::size_t>(patch_of[i])]++] = static_cast<std::int32_t>(i);
   }
 }
 
