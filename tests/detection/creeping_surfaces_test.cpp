@@ -88,7 +88,7 @@ TEST_F(CreepingBox, ThatStandsIsNotFound) {
   EXPECT_EQ(share_found(false), 0);
 }
 
-// 0.08 m/s make 6.4 cm in the 0.8 s since the oldest scan: an advance, but slower than what counts.
+// 0.08 m/s make 2.4 cm in the 0.3 s since the nearest scan that has to tell: less than 3 cm.
 TEST_F(CreepingBox, ThatHardlyMovesIsNotFound) {
   see(0.08, 0.08);
   vote();
