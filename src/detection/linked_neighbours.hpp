@@ -1,10 +1,12 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numbers>
 #include <vector>
 
+#include "detection/marked_returns.hpp"
 #include <mapless/detection/freespace_votes.hpp>
 #include <mapless/lidar/aligned_image.hpp>
 
@@ -25,9 +27,9 @@ class LinkedNeighbours {
   }
 
   /// Calls `visit(j)` for every return j of the window of 2 half_rows + 1 lasers and 2 half_columns + 1
-  /// columns around return i that is `wanted(j)` and linked to it, row by row; not for i.
-  template <class Wanted, class Visit>
-  void for_each(std::int32_t i, int half_rows, int half_columns, Wanted&& wanted, Visit&& visit) const {
+  /// columns around return i that is linked to it, row by row; not for i.
+  template <class Visit>
+  void for_each(std::int32_t i, int half_rows, int half_columns, Visit&& visit) const {
     const LidarReturn& r = scan_.returns[static_cast<std::size_t>(i)];
     const Eigen::Vector3f& p = points_[static_cast<std::size_t>(i)];
     const float link = reach_m(r);
@@ -37,16 +39,41 @@ class LinkedNeighbours {
       int column = image_.scan_column(row, left);
       for (int k = 0; k <= 2 * half_columns; ++k, column = column + 1 < scan_.columns ? column + 1 : 0) {
         const std::int32_t j = scan_.cell(row, column);
-        if (j < 0 || j == i || !wanted(j)) continue;
-        const float distance2 = (points_[static_cast<std::size_t>(j)] - p).squaredNorm();
-        if (distance2 > link * link) continue;
-        const float other = reach_m(scan_.returns[static_cast<std::size_t>(j)]);
-        if (distance2 <= other * other) visit(j);
+        if (j >= 0 && j != i && linked(p, link, j)) visit(j);
       }
     }
   }
 
+  enum class Of { marked, unmarked };
+  /// The same of those that are marked, or not; `visit(j)` may change that of j.
+  template <Of which, class Visit>
+  void for_each(std::int32_t i, int half_rows, int half_columns, const MarkedReturns& marks,
+                Visit&& visit) const {
+    const LidarReturn& r = scan_.returns[static_cast<std::size_t>(i)];
+    const Eigen::Vector3f& p = points_[static_cast<std::size_t>(i)];
+    const float link = reach_m(r);
+    const int left = image_.aligned_column(r.laser, r.column) - half_columns;
+    const int last_row = std::min(r.laser + half_rows, scan_.rows() - 1);
+    const int width = 2 * half_columns + 1;
+    for (int row = std::max(r.laser - half_rows, 0); row <= last_row; ++row) {
+      std::uint64_t wanted = marks.window(row, left, width);
+      if constexpr (which == Of::unmarked) wanted ^= (std::uint64_t{1} << width) - 1;
+      for (; wanted != 0; wanted &= wanted - 1) {
+        const std::int32_t j = scan_.cell(row, image_.scan_column(row, left + std::countr_zero(wanted)));
+        if (j >= 0 && j != i && linked(p, link, j)) visit(j);
+      }
+    }
+  }
+
+  [[nodiscard]] const AlignedImage& image() const { return image_; }
+
  private:
+  [[nodiscard]] bool linked(const Eigen::Vector3f& p, float reach, std::int32_t j) const {
+    const float distance2 = (points_[static_cast<std::size_t>(j)] - p).squaredNorm();
+    if (distance2 > reach * reach) return false;
+    const float other = reach_m(scan_.returns[static_cast<std::size_t>(j)]);
+    return distance2 <= other * other;
+  }
   [[nodiscard]] float reach_m(const LidarReturn& r) const {
     return link_m_ + link_per_m_[static_cast<std::size_t>(r.laser)] * r.range_m;
   }

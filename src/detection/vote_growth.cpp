@@ -24,18 +24,25 @@ constexpr int kFillNeighbours = 5, kFillRounds = 2;
 constexpr int kFirmlyStatic = -3 * kSeenThroughVotes;
 
 class VoteGrowth {
+  using Of = LinkedNeighbours::Of;
+
  public:
-  VoteGrowth(const LinkedNeighbours& neighbours, const LocalPoints& points,
+  VoteGrowth(const LidarScan& scan, const LinkedNeighbours& neighbours, const LocalPoints& points,
              const std::vector<PointVotes>& votes, const VotingParameters& parameters)
-      : neighbours_(neighbours), points_(points), votes_(votes), parameters_(parameters) {
+      : neighbours_(neighbours),
+        points_(points),
+        votes_(votes),
+        parameters_(parameters),
+        marks_(scan, neighbours.image()) {
     result_.verdict.assign(votes.size(), GrowthVerdict::not_reached);
     result_.object.assign(votes.size(), 0);
   }
 
   RegionGrowthResult grow(const std::vector<BoxVerdict>& seeds) {
     keep_large_clusters(seeds);
+    if (parameters_.grow) spread();
+    marks_.mark_all([&](std::int32_t i) { return dynamic(i); });
     if (parameters_.grow) {
-      spread();
       for (int round = 0; round < kFillRounds; ++round) fill();
     }
     number_objects();
@@ -54,34 +61,33 @@ class VoteGrowth {
     return v.total() > 0 || (v.seen_through && v.total() >= kFirmlyStatic);
   }
 
-  // Everything that `belongs` and is linked to `first`, in front_; `claim` must make it belong no more.
-  template <class Belongs, class Claim>
-  void collect(std::int32_t first, Belongs&& belongs, Claim&& claim) {
+  // Everything marked and linked to `first`, in front_, marked no more.
+  void collect(std::int32_t first) {
     front_.assign(1, first);
-    claim(first);
+    marks_.unmark(first);
     for (std::size_t next = 0; next < front_.size(); ++next) {
-      neighbours_.for_each(front_[next], kLinkRows, kLinkColumns, belongs, [&](std::int32_t j) {
-        claim(j);
+      neighbours_.for_each<Of::marked>(front_[next], kLinkRows, kLinkColumns, marks_, [&](std::int32_t j) {
+        marks_.unmark(j);
         front_.push_back(j);
       });
     }
   }
 
   void keep_large_clusters(const std::vector<BoxVerdict>& seeds) {
-    const auto open = [&](std::int32_t i) {
-      return seeds[static_cast<std::size_t>(i)] == BoxVerdict::kept &&
-             verdict(i) == GrowthVerdict::not_reached;
+    const auto is_kept = [&](std::int32_t i) {
+      return seeds[static_cast<std::size_t>(i)] == BoxVerdict::kept;
     };
+    marks_.mark_all(is_kept);
     for (std::int32_t i = 0; i < static_cast<std::int32_t>(seeds.size()); ++i) {
-      if (!open(i)) continue;
-      collect(i, open, [&](std::int32_t j) { verdict(j) = GrowthVerdict::seed; });
-      if (static_cast<int>(front_.size()) >= parameters_.min_seeds) continue;
-      for (const std::int32_t j : front_) verdict(j) = GrowthVerdict::too_small;
+      if (!is_kept(i) || verdict(i) != GrowthVerdict::not_reached) continue;
+      collect(i);
+      const bool large = static_cast<int>(front_.size()) >= parameters_.min_seeds;
+      for (const std::int32_t j : front_) verdict(j) = large ? GrowthVerdict::seed : GrowthVerdict::too_small;
     }
   }
 
   void spread() {
-    const auto may_join = [&](std::int32_t j) { return !dynamic(j) && may_move(j); };
+    marks_.mark_all([&](std::int32_t j) { return may_move(j) && !dynamic(j); });
     front_.clear();
     for (std::int32_t i = 0; i < static_cast<std::int32_t>(votes_.size()); ++i) {
       if (verdict(i) == GrowthVerdict::seed) front_.push_back(i);
@@ -89,36 +95,38 @@ class VoteGrowth {
     while (!front_.empty()) {
       const std::int32_t i = front_.back();
       front_.pop_back();
-      neighbours_.for_each(i, kLinkRows, kLinkColumns, may_join, [&](std::int32_t j) {
+      neighbours_.for_each<Of::marked>(i, kLinkRows, kLinkColumns, marks_, [&](std::int32_t j) {
         verdict(j) = GrowthVerdict::grown;
+        marks_.unmark(j);
         front_.push_back(j);
       });
     }
   }
 
-  // Holes and rims: what no scan could look at, or few saw a surface at, moves with what surrounds it.
+  // Holes and rims: what no scan could look at, or few saw a surface at, moves with what surrounds it. The
+  // marks are on what moves.
   void fill() {
     std::vector<std::int8_t> dynamic_neighbours(votes_.size(), 0);
-    const auto may_fill = [&](std::int32_t j) {
-      return !dynamic(j) && votes_[static_cast<std::size_t>(j)].total() >= kFirmlyStatic;
-    };
     front_.clear();
     for (std::int32_t i = 0; i < static_cast<std::int32_t>(votes_.size()); ++i) {
       if (!dynamic(i)) continue;
-      neighbours_.for_each(i, kSupportRows, kSupportColumns, may_fill, [&](std::int32_t j) {
-        if (++dynamic_neighbours[static_cast<std::size_t>(j)] == kFillNeighbours) front_.push_back(j);
+      neighbours_.for_each<Of::unmarked>(i, kSupportRows, kSupportColumns, marks_, [&](std::int32_t j) {
+        const auto n = static_cast<std::size_t>(j);
+        if (votes_[n].total() < kFirmlyStatic) return;
+        if (++dynamic_neighbours[n] == kFillNeighbours) front_.push_back(j);
       });
     }
-    for (const std::int32_t i : front_) verdict(i) = GrowthVerdict::grown;
+    for (const std::int32_t i : front_) {
+      verdict(i) = GrowthVerdict::grown;
+      marks_.mark(i);
+    }
   }
 
-  // What is linked is one object.
+  // What is linked is one object. The marks are on what moves.
   void number_objects() {
-    std::vector<char> done(votes_.size(), 0);
-    const auto open = [&](std::int32_t i) { return dynamic(i) && done[static_cast<std::size_t>(i)] == 0; };
     for (std::int32_t i = 0; i < static_cast<std::int32_t>(votes_.size()); ++i) {
-      if (!open(i)) continue;
-      collect(i, open, [&](std::int32_t j) { done[static_cast<std::size_t>(j)] = 1; });
+      if (!dynamic(i) || result_.object[static_cast<std::size_t>(i)] != 0) continue;
+      collect(i);
       result_.advance_m.push_back(static_cast<float>(advance_m()));
       const auto number = static_cast<std::uint16_t>(std::min(++result_.objects, kMaxObjectNumber));
       for (const std::int32_t j : front_) result_.object[static_cast<std::size_t>(j)] = number;
@@ -148,6 +156,7 @@ class VoteGrowth {
   const std::vector<PointVotes>& votes_;
   const VotingParameters& parameters_;
   RegionGrowthResult result_;
+  MarkedReturns marks_;
   std::vector<std::int32_t> front_;
 };
 
@@ -162,9 +171,8 @@ std::vector<BoxVerdict> filter_votes(const LidarScan& scan, const LocalPoints& p
     for (std::size_t i = chunk.begin(); i != chunk.end(); ++i) {
       int score = votes[i].total();
       if (score <= 0) continue;
-      neighbours.for_each(
-          static_cast<std::int32_t>(i), kSupportRows, kSupportColumns, [](std::int32_t) { return true; },
-          [&](std::int32_t j) { score += votes[static_cast<std::size_t>(j)].total(); });
+      neighbours.for_each(static_cast<std::int32_t>(i), kSupportRows, kSupportColumns,
+                          [&](std::int32_t j) { score += votes[static_cast<std::size_t>(j)].total(); });
       verdicts[i] = score >= parameters.seed_score ? BoxVerdict::kept : BoxVerdict::removed;
     }
   });
@@ -174,7 +182,8 @@ std::vector<BoxVerdict> filter_votes(const LidarScan& scan, const LocalPoints& p
 RegionGrowthResult grow_votes(const LidarScan& scan, const LocalPoints& points,
                               const std::vector<PointVotes>& votes, const std::vector<BoxVerdict>& seeds,
                               const VotingParameters& parameters) {
-  return VoteGrowth(LinkedNeighbours(scan, points, parameters), points, votes, parameters).grow(seeds);
+  const LinkedNeighbours neighbours(scan, points, parameters);
+  return VoteGrowth(scan, neighbours, points, votes, parameters).grow(seeds);
 }
 
 }  // namespace mapless
