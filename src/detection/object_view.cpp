@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
 #include <numbers>
 #include <optional>
 
@@ -263,14 +262,18 @@ Eigen::AlignedBox3d ObjectView::box(const Vector3d& velocity_0) const {
 }
 
 std::vector<ObjectView> object_views(const Detection& detection, const Trajectory& trajectory) {
-  std::map<std::uint16_t, std::vector<std::int32_t>> members;
+  std::vector<std::vector<std::int32_t>> members;  // of each number
   for (std::size_t i = 0; i < detection.object.size(); ++i) {
-    if (detection.dynamic(i)) members[detection.object[i]].push_back(static_cast<std::int32_t>(i));
+    if (!detection.dynamic(i)) continue;
+    const std::size_t number = detection.object[i];
+    if (number >= members.size()) members.resize(number + 1);
+    members[number].push_back(static_cast<std::int32_t>(i));
   }
   ViewBuilder builder(detection, trajectory);
   std::vector<ObjectView> out;
-  for (const auto& [number, indices] : members) {
-    out.push_back(builder.view(number, indices));
+  for (std::size_t number = 0; number < members.size(); ++number) {
+    if (members[number].empty()) continue;
+    out.push_back(builder.view(static_cast<std::uint16_t>(number), members[number]));
     const TrajectoryState state = trajectory.at(out.back().time);
     out.back().sight.emplace(detection.scan, state, out.back().time);
     add_surface(state.T_v0.inverse().translation(), out.back());
