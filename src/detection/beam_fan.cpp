@@ -35,7 +35,7 @@ BeamFan::BeamFan(const LidarModel& model)
     auto bank = std::find_if(banks.begin(), banks.end(),
                              [&](const Bank& b) { return std::abs(b.height_m - beam.up_m) < kBankHeight_m; });
     if (bank == banks.end()) {
-      bank = banks.insert(bank, Bank{beam.up_m, 0, 0, {no_beam(-kBeyond_m)}, {}, {}, 0});
+      bank = banks.insert(bank, Bank{beam.up_m, 0, 0, {no_beam(-kBeyond_m)}, {}, {}, 0, 0});
     }
     bank->beams.push_back(beam);
     bank->slopes.push_back(beam.sine / beam.cosine);
@@ -43,6 +43,8 @@ BeamFan::BeamFan(const LidarModel& model)
   for (Bank& bank : banks) {
     bank.centre();
     bank.close();
+    bank.offset = static_cast<int>(banked.size());
+    banked.insert(banked.end(), bank.beams.begin(), bank.beams.end());
   }
 }
 

@@ -7,6 +7,8 @@
 namespace mapless {
 namespace {
 
+constexpr std::size_t kAtOnce = FreespaceProbe::kAtOnce;
+
 // Votes against a point that settle it: of the order in_order gives, three scans, 32, 12 and 4 back.
 constexpr int kEnough = 9;
 
@@ -62,7 +64,8 @@ void Witnesses::gather(const std::vector<std::size_t>& questions, Hearing& heari
   hearing.open.clear();
   for (const std::size_t i : questions) {
     hearing.open.push_back(hearing.questions.size());
-    hearing.questions.push_back({i, points_[i], {}});
+    hearing.questions.push_back(
+        {static_cast<std::uint32_t>(i), static_cast<float>(scan_.returns[i].column), points_[i], {}});
   }
 }
 
@@ -72,21 +75,22 @@ void Witnesses::hear_all(const Witness& witness, Hearing& hearing) const {
   hearing.hiders.clear();
   float ahead = 0;  // of the point's own column
   const std::size_t size = hearing.open.size();
-  for (std::size_t first = 0; first < size; first += 4) {
-    std::array<Question*, 4> four;  // the last one again where there are fewer
-    std::array<Eigen::Vector3f, 4> q;
-    std::array<float, 4> own, columns;
-    for (std::size_t l = 0; l < 4; ++l) {
-      four[l] = &hearing.questions[hearing.open[std::min(first + l, size - 1)]];
-      q[l] = four[l]->q;
-      own[l] = static_cast<float>(scan_.returns[four[l]->i].column);
-      columns[l] = own[l] + ahead;
+  for (std::size_t first = 0; first < size; first += kAtOnce) {
+    const std::size_t count = std::min(kAtOnce, size - first);
+    std::array<Question*, kAtOnce> heard;  // the last one again where there are fewer
+    std::array<float, kAtOnce> own;
+    FreespaceProbe::Points points;
+    for (std::size_t l = 0; l < kAtOnce; ++l) {
+      heard[l] = &hearing.questions[hearing.open[std::min(first + l, size - 1)]];
+      own[l] = heard[l]->column;
+      points.x[l] = heard[l]->q.x();
+      points.y[l] = heard[l]->q.y();
+      points.z[l] = heard[l]->q.z();
+      points.column[l] = own[l] + ahead;
     }
-    const auto answers = witness.probe.look(q, columns);
-    ahead = columns[3] - own[3];
-    for (std::size_t l = 0; l < std::min<std::size_t>(4, size - first); ++l) {
-      hear(witness, answers[l], *four[l], hearing);
-    }
+    const auto answers = witness.probe.look(points);
+    ahead = points.column[kAtOnce - 1] - own[kAtOnce - 1];
+    for (std::size_t l = 0; l < count; ++l) hear(witness, answers[l], *heard[l], hearing);
   }
   ask_whether_left(witness, hearing);
 }
@@ -133,16 +137,17 @@ void Witnesses::hear(const Witness& witness, const FreespaceProbe::Answer& answe
 // Whether what hid a point, near enough to be the same thing, is not there now.
 void Witnesses::ask_whether_left(const Witness& witness, Hearing& hearing) const {
   const auto& hiders = hearing.hiders;
-  for (std::size_t first = 0; first < hiders.size(); first += 4) {
-    std::array<Eigen::Vector3f, 4> q;
-    std::array<float, 4> columns;
-    for (std::size_t l = 0; l < 4; ++l) {
+  for (std::size_t first = 0; first < hiders.size(); first += kAtOnce) {
+    FreespaceProbe::Points points;
+    for (std::size_t l = 0; l < kAtOnce; ++l) {
       const Hearing::Hider& hider = hiders[std::min(first + l, hiders.size() - 1)];
-      q[l] = hider.place;
-      columns[l] = static_cast<float>(scan_.returns[hider.question->i].column);
+      points.x[l] = hider.place.x();
+      points.y[l] = hider.place.y();
+      points.z[l] = hider.place.z();
+      points.column[l] = hider.question->column;
     }
-    const auto answers = own_.look(q, columns);
-    for (std::size_t l = 0; l < std::min<std::size_t>(4, hiders.size() - first); ++l) {
+    const auto answers = own_.look(points);
+    for (std::size_t l = 0; l < std::min(kAtOnce, hiders.size() - first); ++l) {
       if (answers[l].verdict != FreespaceVerdict::inside) continue;
       PointVotes& votes = hiders[first + l].question->votes;
       count(witness, kVacatedVotes, votes);

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include <Eigen/Core>
@@ -25,7 +26,8 @@ class Witnesses {
   /// Room for what is known of one call, kept for the next.
   struct Hearing {
     struct Question {
-      std::size_t i;      // return of the scan
+      std::uint32_t i;    // return of the scan
+      float column;       // it was fired in
       Eigen::Vector3f q;  // its point
       PointVotes votes;
     };

@@ -29,6 +29,7 @@ struct BeamFan {
     std::vector<float> slopes;     // tangents of their elevations, and a last one that is never reached
     std::vector<int> at_least;     // for equal steps of the slope: how many lasers surely lie below
     float steps_per_slope;
+    int offset;  // of its beams in `banked`
     void centre();
     /// Adds the last beam and slope, and the table.
     void close();
@@ -39,6 +40,7 @@ struct BeamFan {
   float columns_per_rad;    ///< of the hub's turn; below 0 where it turns clockwise
   std::vector<Beam> beams;  ///< of each laser
   std::vector<Bank> banks;
+  std::vector<Beam> banked;  ///< those of all banks, one bank after another
 };
 
 }  // namespace mapless
