@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <functional>
+#include <span>
 
-#include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/enumerable_thread_specific.h>
 #include <oneapi/tbb/parallel_for.h>
 
@@ -12,15 +12,23 @@
 namespace mapless {
 namespace {
 
-// Where each laser's returns begin, and where the last one's end.
-std::vector<std::size_t> row_bounds(const LidarScan& scan) {
-  std::vector<std::size_t> bounds;
-  for (int l = 0; l <= scan.rows(); ++l) {
-    const auto first = std::partition_point(scan.returns.begin(), scan.returns.end(),
-                                            [l](const LidarReturn& r) { return r.laser < l; });
-    bounds.push_back(static_cast<std::size_t>(first - scan.returns.begin()));
+constexpr std::size_t kRowsAtOnce = 4;
+
+// Every second row and the last one, or those between.
+std::vector<RowVotes::Row> rows_of(const LidarScan& scan, bool between) {
+  const int last = scan.rows() - 1;
+  std::vector<RowVotes::Row> rows;
+  auto begin = scan.returns.begin();
+  for (int l = 0; l <= last; ++l) {
+    const auto end =
+        std::partition_point(begin, scan.returns.end(), [l](const LidarReturn& r) { return r.laser <= l; });
+    if (between == (l % 2 == 1 && l != last)) {
+      rows.push_back({l, static_cast<std::size_t>(begin - scan.returns.begin()),
+                      static_cast<std::size_t>(end - scan.returns.begin())});
+    }
+    begin = end;
   }
-  return bounds;
+  return rows;
 }
 
 }  // namespace
@@ -47,19 +55,15 @@ std::vector<PointVotes> collect_votes(const LidarScan& scan, const LocalPoints& 
                                       const VotingParameters& parameters) {
   const Witnesses witnesses(scan, points, asked, own, parameters);
   std::vector<PointVotes> votes(points.points.size());
-  const std::vector<std::size_t> bounds = row_bounds(scan);
-  // Every second row and the last one, then those between.
-  const int last = scan.rows() - 1;
   tbb::enumerable_thread_specific<RowVotes> of_thread(std::cref(scan), std::cref(points),
                                                       std::cref(witnesses));
   for (const bool between : {false, true}) {
-    tbb::parallel_for(tbb::blocked_range<int>(0, scan.rows(), 1), [&](const auto& part) {
-      RowVotes& row = of_thread.local();
-      for (int l = part.begin(); l != part.end(); ++l) {
-        if (between != (l % 2 == 1 && l != last)) continue;
-        const auto k = static_cast<std::size_t>(l);
-        row.vote(l, between, bounds[k], bounds[k + 1], votes);
-      }
+    const std::vector<RowVotes::Row> rows = rows_of(scan, between);
+    const std::size_t parts = (rows.size() + kRowsAtOnce - 1) / kRowsAtOnce;
+    tbb::parallel_for(std::size_t{0}, parts, [&](std::size_t part) {
+      const std::size_t first = part * kRowsAtOnce;
+      const std::size_t count = std::min(kRowsAtOnce, rows.size() - first);
+      of_thread.local().vote(std::span(rows).subspan(first, count), between, votes);
     });
   }
   return votes;

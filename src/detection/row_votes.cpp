@@ -1,6 +1,7 @@
 #include "detection/row_votes.hpp"
 
 #include <algorithm>
+#include <cstring>
 
 #include "detection/four_lanes.hpp"
 
@@ -47,18 +48,12 @@ float off_line2(const Eigen::Vector3f& q, const Eigen::Vector3f& a, const Eigen:
 RowVotes::RowVotes(const LidarScan& scan, const LocalPoints& points, const Witnesses& witnesses)
     : scan_(scan), points_(points.points), witnesses_(witnesses), image_(scan) {}
 
-void RowVotes::vote(int laser, bool between, std::size_t begin, std::size_t end,
-                    std::vector<PointVotes>& votes) {
-  if (begin == end) return;
-  below_ = between ? row_beside(laser, laser - 1) : Beside{};
-  above_ = between ? row_beside(laser, laser + 1) : Beside{};
+void RowVotes::vote(std::span<const Row> rows, bool between, std::vector<PointVotes>& votes) {
+  between_ = between;
   votes_ = &votes;
-  load(begin, end);
   questions_.clear();
   open_.clear();
-  question(0);
-  const std::size_t last = end - begin - 1;
-  for (std::size_t i = 0; i < last; i += kLongest) cut({i, std::min(i + kLongest, last)});
+  for (const Row& row : rows) begin(row);
   witnesses_.ask(questions_, hearing_, votes);
   while (!open_.empty()) {
     questions_.clear();
@@ -69,12 +64,20 @@ void RowVotes::vote(int laser, bool between, std::size_t begin, std::size_t end,
   }
 }
 
-void RowVotes::load(std::size_t begin, std::size_t end) {
-  begin_ = begin;
-  const std::size_t size = end - begin;
+void RowVotes::begin(const Row& row) {
+  if (row.begin == row.end) return;
+  load(row);
+  question(row.begin);
+  const std::size_t last = row.end - 1;
+  for (std::size_t i = row.begin; i < last; i += kLongest) cut({i, std::min(i + kLongest, last)});
+}
+
+void RowVotes::load(const Row& row) {
+  first_ = row.begin;
+  const std::size_t size = row.end - row.begin;
   for (std::vector<float>* v : {&x_, &y_, &z_}) v->assign(size + 4, 0);
   for (std::size_t i = 0; i < size; ++i) {
-    const Eigen::Vector3f& p = points_[begin + i];
+    const Eigen::Vector3f& p = points_[first_ + i];
     x_[i] = p.x();
     y_[i] = p.y();
     z_[i] = p.z();
@@ -95,7 +98,7 @@ void RowVotes::cut(const Span& span) {
 
 // The point between that is farthest from the line through the ends, or the left end where all are near it.
 std::size_t RowVotes::farthest_off(const Span& span) const {
-  const auto [left, right] = span;
+  const std::size_t left = span.left - first_, right = span.right - first_;
   const float from_x = x_[left], from_y = y_[left], from_z = z_[left];
   const float chord_x = x_[right] - from_x, chord_y = y_[right] - from_y, chord_z = z_[right] - from_z;
   const float length2 = chord_x * chord_x + chord_y * chord_y + chord_z * chord_z;
@@ -118,14 +121,14 @@ std::size_t RowVotes::farthest_off(const Span& span) const {
   for (std::size_t l = 1; l < 4; ++l) {
     if (most[l] > most[k] || (most[l] == most[k] && farthest[l] < farthest[k])) k = l;
   }
-  return static_cast<std::size_t>(farthest[k]);
+  return first_ + static_cast<std::size_t>(farthest[k]);
 }
 
 // Gives the points between their votes, or leaves questions to be asked and spans to be settled then.
 void RowVotes::settle(const Span& span) {
   const auto [left, right] = span;
   if (right - left < 2) return;
-  PointVotes* const votes = votes_->data() + begin_;
+  std::vector<PointVotes>& votes = *votes_;
   if ((is_static(votes[left]) && is_static(votes[right])) || same(votes[left], votes[right]) ||
       move(votes[left], votes[right])) {
     for (std::size_t i = left + 1; i < right; ++i) votes[i] = votes[i - left < right - i ? left : right];
@@ -138,29 +141,24 @@ void RowVotes::settle(const Span& span) {
 }
 
 void RowVotes::question(std::size_t i) {
-  if (!known_from_beside(i)) questions_.push_back(begin_ + i);
+  if (!between_ || !known_from_beside(i)) questions_.push_back(i);
 }
 
 bool RowVotes::known_from_beside(std::size_t i) {
-  if (below_.row < 0) return false;
-  const std::ptrdiff_t b = beside(i, below_), a = beside(i, above_);
+  const LidarReturn& r = scan_.returns[i];
+  const std::ptrdiff_t b = beside(r, r.laser - 1), a = beside(r, r.laser + 1);
   if (a < 0 || b < 0) return false;
   const PointVotes& lower = (*votes_)[static_cast<std::size_t>(b)];
   if (!stands_firmly(lower) || !stands_firmly((*votes_)[static_cast<std::size_t>(a)])) return false;
   const auto& from = points_[static_cast<std::size_t>(b)];
-  if (off_line2(points_[begin_ + i], from, points_[static_cast<std::size_t>(a)]) > kOffLine2_m2) return false;
-  (*votes_)[begin_ + i] = lower;
+  if (off_line2(points_[i], from, points_[static_cast<std::size_t>(a)]) > kOffLine2_m2) return false;
+  (*votes_)[i] = lower;
   return true;
 }
 
-RowVotes::Beside RowVotes::row_beside(int laser, int row) const {
-  return {row, image_.scan_column(row, image_.aligned_column(laser, 0))};
-}
-
 // The return of another row in the same direction, or -1.
-std::ptrdiff_t RowVotes::beside(std::size_t i, const Beside& other) const {
-  const int column = scan_.returns[begin_ + i].column + other.columns_on;
-  return scan_.cell(other.row, column < scan_.columns ? column : column - scan_.columns);
+std::ptrdiff_t RowVotes::beside(const LidarReturn& r, int row) const {
+  return scan_.cell(row, image_.scan_column(row, image_.aligned_column(r.laser, r.column)));
 }
 
 }  // namespace mapless
