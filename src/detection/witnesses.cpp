@@ -78,18 +78,16 @@ void Witnesses::hear_all(const Witness& witness, Hearing& hearing) const {
   for (std::size_t first = 0; first < size; first += kAtOnce) {
     const std::size_t count = std::min(kAtOnce, size - first);
     std::array<Question*, kAtOnce> heard;  // the last one again where there are fewer
-    std::array<float, kAtOnce> own;
     FreespaceProbe::Points points;
     for (std::size_t l = 0; l < kAtOnce; ++l) {
       heard[l] = &hearing.questions[hearing.open[std::min(first + l, size - 1)]];
-      own[l] = heard[l]->column;
       points.x[l] = heard[l]->q.x();
       points.y[l] = heard[l]->q.y();
       points.z[l] = heard[l]->q.z();
-      points.column[l] = own[l] + ahead;
     }
+    points.near = heard[0]->column + ahead;
     const auto answers = witness.probe.look(points);
-    ahead = points.column[kAtOnce - 1] - own[kAtOnce - 1];
+    ahead = points.column[kAtOnce - 1] - heard[kAtOnce - 1]->column;
     for (std::size_t l = 0; l < count; ++l) hear(witness, answers[l], *heard[l], hearing);
   }
   ask_whether_left(witness, hearing);
@@ -144,8 +142,8 @@ void Witnesses::ask_whether_left(const Witness& witness, Hearing& hearing) const
       points.x[l] = hider.place.x();
       points.y[l] = hider.place.y();
       points.z[l] = hider.place.z();
-      points.column[l] = hider.question->column;
     }
+    points.near = hiders[first].question->column;
     const auto answers = own_.look(points);
     for (std::size_t l = 0; l < std::min(kAtOnce, hiders.size() - first); ++l) {
       if (answers[l].verdict != FreespaceVerdict::inside) continue;

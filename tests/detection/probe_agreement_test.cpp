@@ -104,7 +104,7 @@ struct ProbeAgreement : testing::TestWithParam<Case> {
 using Vectors = FreespaceProbe::Vectors;
 constexpr std::size_t kAtOnce = FreespaceProbe::kAtOnce;
 
-/// From query `first` on. The guesses of every other eight are bad, those of the others good.
+/// From query `first` on. The guesses of every other eight are bad, those of the others good for one of them.
 FreespaceProbe::Points points_of(const FreespaceProbe& probe, const Vector3d& origin_0,
                                  const std::vector<Vector3d>& queries, std::size_t first) {
   FreespaceProbe::Points points;
@@ -113,9 +113,9 @@ FreespaceProbe::Points points_of(const FreespaceProbe& probe, const Vector3d& or
     points.x[k] = q.x();
     points.y[k] = q.y();
     points.z[k] = q.z();
-    points.column[k] = static_cast<float>((first + k) % 900);
-    if (first % (2 * kAtOnce) == 0) (void)probe.look(q, points.column[k]);
   }
+  points.near = static_cast<float>(first % 900);
+  if (first % (2 * kAtOnce) == 0) (void)probe.look({points.x[0], points.y[0], points.z[0]}, points.near);
   return points;
 }
 

@@ -95,8 +95,10 @@ class FreespaceProbe {
     return look(q, column).verdict;
   }
   static constexpr std::size_t kAtOnce = 8;
-  struct Points {  ///< as `q` and `column` above
-    alignas(32) std::array<float, kAtOnce> x, y, z, column;
+  struct Points {  ///< as `q` above, mostly near one another
+    alignas(32) std::array<float, kAtOnce> x, y, z;
+    float near = 0;                                 ///< guess of a column in which the scan looks that way
+    alignas(32) std::array<float, kAtOnce> column;  ///< found for each
   };
   struct Answers {
     alignas(32) std::array<std::int32_t, kAtOnce> verdict{}, laser{}, column{};
