@@ -1,7 +1,7 @@
 #include "detection/sorted_points.hpp"
 
 #include <algorithm>
-#include <tuple>
+#include <utility>
 
 #include <Eigen/Geometry>
 
@@ -9,15 +9,14 @@ namespace mapless {
 
 SortedPoints::SortedPoints(std::vector<Eigen::Vector3d> points) {
   Eigen::AlignedBox3d box;
-  entries_.reserve(points.size());
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    box.extend(points[i]);
-    entries_.push_back({points[i], i});
-  }
+  for (const Eigen::Vector3d& p : points) box.extend(p);
   if (!box.isEmpty()) box.sizes().maxCoeff(&axis_);
-  std::sort(entries_.begin(), entries_.end(), [this](const Entry& a, const Entry& b) {
-    return std::tuple(a.point[axis_], a.index) < std::tuple(b.point[axis_], b.index);
-  });
+  std::vector<std::pair<double, std::size_t>> order;
+  order.reserve(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) order.emplace_back(points[i][axis_], i);
+  std::sort(order.begin(), order.end());
+  entries_.reserve(points.size());
+  for (const auto& [along, index] : order) entries_.push_back({points[index], index});
 }
 
 SortedPoints::Nearest SortedPoints::nearest(const Eigen::Vector3d& p) const {
