@@ -21,14 +21,7 @@ class MarkedReturns {
         words_per_row_(static_cast<std::size_t>(scan.columns + 2 * kBeyond) / 64 + 2),
         words_(words_per_row_ * static_cast<std::size_t>(scan.rows()), 0) {}
 
-  /// Marks the returns that are `wanted(i)`, and no others.
-  template <class Wanted>
-  void mark_all(Wanted&& wanted) {
-    words_.assign(words_.size(), 0);
-    for (std::int32_t i = 0; i < static_cast<std::int32_t>(scan_.returns.size()); ++i) {
-      if (wanted(i)) mark(i);
-    }
-  }
+  void clear() { words_.assign(words_.size(), 0); }
   /// Where two returns share a cell, it is that of the one that shows.
   void mark(std::int32_t i) {
     each_bit(i, [](std::uint64_t& word, std::uint64_t bit) { word |= bit; });

@@ -39,9 +39,10 @@ class VoteGrowth {
   }
 
   RegionGrowthResult grow(const std::vector<BoxVerdict>& seeds) {
+    collect_candidates(seeds);
     keep_large_clusters(seeds);
     if (parameters_.grow) spread();
-    marks_.mark_all([&](std::int32_t i) { return dynamic(i); });
+    mark_dynamic();
     if (parameters_.grow) {
       for (int round = 0; round < kFillRounds; ++round) fill();
     }
@@ -61,6 +62,15 @@ class VoteGrowth {
     return v.total() > 0 || (v.seen_through && v.total() >= kFirmlyStatic);
   }
 
+  // The few that can be more than filled in.
+  void collect_candidates(const std::vector<BoxVerdict>& seeds) {
+    for (std::int32_t i = 0; i < static_cast<std::int32_t>(votes_.size()); ++i) {
+      const auto n = static_cast<std::size_t>(i);
+      if (votes_[n].total() > 0 || votes_[n].seen_through || seeds[n] == BoxVerdict::kept)
+        candidates_.push_back(i);
+    }
+  }
+
   // Everything marked and linked to `first`, in front_, marked no more.
   void collect(std::int32_t first) {
     front_.assign(1, first);
@@ -77,8 +87,10 @@ class VoteGrowth {
     const auto is_kept = [&](std::int32_t i) {
       return seeds[static_cast<std::size_t>(i)] == BoxVerdict::kept;
     };
-    marks_.mark_all(is_kept);
-    for (std::int32_t i = 0; i < static_cast<std::int32_t>(seeds.size()); ++i) {
+    for (const std::int32_t i : candidates_) {
+      if (is_kept(i)) marks_.mark(i);
+    }
+    for (const std::int32_t i : candidates_) {
       if (!is_kept(i) || verdict(i) != GrowthVerdict::not_reached) continue;
       collect(i);
       const bool large = static_cast<int>(front_.size()) >= parameters_.min_seeds;
@@ -87,10 +99,14 @@ class VoteGrowth {
   }
 
   void spread() {
-    marks_.mark_all([&](std::int32_t j) { return may_move(j) && !dynamic(j); });
+    marks_.clear();
     front_.clear();
-    for (std::int32_t i = 0; i < static_cast<std::int32_t>(votes_.size()); ++i) {
-      if (verdict(i) == GrowthVerdict::seed) front_.push_back(i);
+    for (const std::int32_t i : candidates_) {
+      if (verdict(i) == GrowthVerdict::seed) {
+        front_.push_back(i);
+      } else if (may_move(i)) {
+        marks_.mark(i);
+      }
     }
     while (!front_.empty()) {
       const std::int32_t i = front_.back();
@@ -103,29 +119,41 @@ class VoteGrowth {
     }
   }
 
+  void mark_dynamic() {
+    marks_.clear();
+    for (const std::int32_t i : candidates_) {
+      if (!dynamic(i)) continue;
+      marks_.mark(i);
+      dynamic_.push_back(i);
+    }
+  }
+
   // Holes and rims: what no scan could look at, or few saw a surface at, moves with what surrounds it. The
   // marks are on what moves.
   void fill() {
     std::vector<std::int8_t> dynamic_neighbours(votes_.size(), 0);
     front_.clear();
-    for (std::int32_t i = 0; i < static_cast<std::int32_t>(votes_.size()); ++i) {
-      if (!dynamic(i)) continue;
+    for (const std::int32_t i : dynamic_) {
       neighbours_.for_each<Of::unmarked>(i, kSupportRows, kSupportColumns, marks_, [&](std::int32_t j) {
         const auto n = static_cast<std::size_t>(j);
         if (votes_[n].total() < kFirmlyStatic) return;
         if (++dynamic_neighbours[n] == kFillNeighbours) front_.push_back(j);
       });
     }
+    std::sort(front_.begin(), front_.end());
     for (const std::int32_t i : front_) {
       verdict(i) = GrowthVerdict::grown;
       marks_.mark(i);
     }
+    const auto known = static_cast<std::ptrdiff_t>(dynamic_.size());
+    dynamic_.insert(dynamic_.end(), front_.begin(), front_.end());
+    std::inplace_merge(dynamic_.begin(), dynamic_.begin() + known, dynamic_.end());
   }
 
   // What is linked is one object. The marks are on what moves.
   void number_objects() {
-    for (std::int32_t i = 0; i < static_cast<std::int32_t>(votes_.size()); ++i) {
-      if (!dynamic(i) || result_.object[static_cast<std::size_t>(i)] != 0) continue;
+    for (const std::int32_t i : dynamic_) {
+      if (result_.object[static_cast<std::size_t>(i)] != 0) continue;
       collect(i);
       result_.advance_m.push_back(static_cast<float>(advance_m()));
       const auto number = static_cast<std::uint16_t>(std::min(++result_.objects, kMaxObjectNumber));
@@ -157,6 +185,7 @@ class VoteGrowth {
   const VotingParameters& parameters_;
   RegionGrowthResult result_;
   MarkedReturns marks_;
+  std::vector<std::int32_t> candidates_, dynamic_;  // increasing
   std::vector<std::int32_t> front_;
 };
 
