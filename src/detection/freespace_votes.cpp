@@ -12,7 +12,8 @@
 namespace mapless {
 namespace {
 
-constexpr std::size_t kRowsAtOnce = 4;
+// More stay longer with what is known of one scan; fewer are more to share among threads.
+constexpr std::size_t kMostRowsAtOnce = 9;
 
 // Every second row and the last one, or those between.
 std::vector<RowVotes::Row> rows_of(const LidarScan& scan, bool between) {
@@ -59,11 +60,10 @@ std::vector<PointVotes> collect_votes(const LidarScan& scan, const LocalPoints& 
                                                       std::cref(witnesses));
   for (const bool between : {false, true}) {
     const std::vector<RowVotes::Row> rows = rows_of(scan, between);
-    const std::size_t parts = (rows.size() + kRowsAtOnce - 1) / kRowsAtOnce;
+    const std::size_t parts = (rows.size() + kMostRowsAtOnce - 1) / kMostRowsAtOnce;
     tbb::parallel_for(std::size_t{0}, parts, [&](std::size_t part) {
-      const std::size_t first = part * kRowsAtOnce;
-      const std::size_t count = std::min(kRowsAtOnce, rows.size() - first);
-      of_thread.local().vote(std::span(rows).subspan(first, count), between, votes);
+      const std::size_t first = part * rows.size() / parts, end = (part + 1) * rows.size() / parts;
+      of_thread.local().vote(std::span(rows).subspan(first, end - first), between, votes);
     });
   }
   return votes;
