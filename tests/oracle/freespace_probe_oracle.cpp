@@ -64,11 +64,13 @@ FreespaceVerdict FreespaceProbeOracle::judge(const std::vector<Sighting>& around
                                              const Sighting& nearest) const {
   bool ends_here = false, ends_short = false;
   for (const Sighting& s : around) {
+    const double tolerance_m =
+        parameters_.tolerance_m + parameters_.tolerance_spacings * spacing_rad(s.laser) * s.range_m;
     for (int c = 0; c < reference_.columns; ++c) {
       if (std::abs(c - s.column) > parameters_.window_columns / 2) continue;
       const double beyond = ray(s.laser, c).range_m - s.range_m;
-      ends_here = ends_here || std::abs(beyond) <= parameters_.tolerance_m;
-      ends_short = ends_short || beyond < -parameters_.tolerance_m;
+      ends_here = ends_here || std::abs(beyond) <= tolerance_m;
+      ends_short = ends_short || beyond < -tolerance_m;
     }
   }
   if (ends_here) return FreespaceVerdict::border;
