@@ -55,7 +55,7 @@ FreespaceProbe::Vectors FreespaceProbe::widest_vectors() {
 #endif
 }
 
-FreespaceProbe::Answers FreespaceProbe::look(Points& points, Vectors vectors) const {
+FreespaceProbe::Answers FreespaceProbe::look(Points& points, [[maybe_unused]] Vectors vectors) const {
   Answers answers;
   if (image_.columns() == 0) return answers;
 #ifdef MAPLESS_EIGHT_LANES
