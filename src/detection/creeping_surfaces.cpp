@@ -133,18 +133,22 @@ class CreepingSurfaces {
     const std::size_t wanted = std::min(members.size(), most);
     std::array<float, kMostAsked> shifts_m{};
     std::size_t count = 0;
-    for (std::size_t first = 0; first < wanted; first += 4) {
-      std::array<Vector3f, 4> q;
-      std::array<float, 4> columns;
-      for (std::size_t l = 0; l < 4; ++l) {
+    constexpr std::size_t kStep = FreespaceProbe::kAtOnce;
+    for (std::size_t first = 0; first < wanted; first += kStep) {
+      FreespaceProbe::Points asked;
+      for (std::size_t l = 0; l < kStep; ++l) {
         const std::int32_t i = members[std::min(first + l, wanted - 1) * members.size() / wanted];
-        q[l] = point(i);
-        columns[l] = static_cast<float>(scan_.returns[static_cast<std::size_t>(i)].column);
+        asked.x[l] = point(i).x();
+        asked.y[l] = point(i).y();
+        asked.z[l] = point(i).z();
+        if (l == 0) asked.near = static_cast<float>(scan_.returns[static_cast<std::size_t>(i)].column);
       }
-      const auto answers = witness.probe.look(q, columns);
-      for (std::size_t l = 0; l < std::min<std::size_t>(4, wanted - first); ++l) {
-        if (answers[l].laser < 0 || !witness.probe.ended(answers[l])) continue;
-        const Vector3f d = q[l] - witness.probe.endpoint(answers[l].laser, answers[l].column);
+      const auto answers = witness.probe.look(asked);
+      for (std::size_t l = 0; l < std::min(kStep, wanted - first); ++l) {
+        const FreespaceProbe::Answer answer = answers[l];
+        if (answer.laser < 0 || !witness.probe.ended(answer)) continue;
+        const Vector3f d = Vector3f(asked.x[l], asked.y[l], asked.z[l]) -
+                           witness.probe.endpoint(answer.laser, answer.column);
         if (d.squaredNorm() <= kApart_m * kApart_m) shifts_m[count++] = patches_[p].normal.dot(d);
       }
     }
