@@ -101,12 +101,30 @@ TEST(FreespaceProbe, BeforeOnAndBehindAWall) {
       const double range = 10 / std::cos(elevation * kDegree);
       EXPECT_EQ(wall.at(elevation, range - 4), FreespaceVerdict::inside);
       EXPECT_EQ(wall.at(elevation, range - 0.25), FreespaceVerdict::inside);
-      EXPECT_EQ(wall.at(elevation, range - 0.15), FreespaceVerdict::border);
+      EXPECT_EQ(wall.at(elevation, range - 0.06), FreespaceVerdict::border);
       EXPECT_EQ(wall.at(elevation, range), FreespaceVerdict::border);
-      EXPECT_EQ(wall.at(elevation, range + 0.15), FreespaceVerdict::border);
+      EXPECT_EQ(wall.at(elevation, range + 0.06), FreespaceVerdict::border);
       EXPECT_EQ(wall.at(elevation, range + 0.25), FreespaceVerdict::outside);
       EXPECT_EQ(wall.at(elevation, range + 4), FreespaceVerdict::outside);
     }
+  }
+}
+
+// 0.08 m and 0.4 of the spacing at the range. VLP-16, 2 degrees: 0.22 m at 10 m, 0.36 m at 20 m. OS1-128,
+// 0.35 degrees: 0.10 m and 0.13 m. Off the beams' own elevations a wall is up to 1 cm nearer or farther.
+TEST(FreespaceProbe, ToleratesMoreWhereLasersAreFartherApart) {
+  struct Case {
+    const char* sensor;
+    double wall_m, tolerance_m;
+  };
+  for (const auto& [sensor, wall_m, tolerance_m] :
+       {Case{"VLP-16", 10, 0.22}, {"VLP-16", 20, 0.36}, {"OS1-128", 10, 0.10}, {"OS1-128", 20, 0.13}}) {
+    SCOPED_TRACE(testing::Message() << sensor << " at " << wall_m);
+    const Seen wall(sensor, {wall_at(wall_m)});
+    EXPECT_EQ(wall.at(1, wall_m - tolerance_m + 0.02), FreespaceVerdict::border);
+    EXPECT_EQ(wall.at(1, wall_m - tolerance_m - 0.02), FreespaceVerdict::inside);
+    EXPECT_EQ(wall.at(1, wall_m + tolerance_m - 0.02), FreespaceVerdict::border);
+    EXPECT_EQ(wall.at(1, wall_m + tolerance_m + 0.02), FreespaceVerdict::outside);
   }
 }
 
@@ -162,11 +180,12 @@ TEST(FreespaceProbe, OutOfSightNothingIsObserved) {
 }
 
 // Rays into the open prove free space up to the maximum range; beyond, nothing is known to be free.
+// The tolerance is 1.5 m there.
 TEST(FreespaceProbe, FreeUpToTheMaximumRangeOnly) {
   const double max_range = named_model("VLP-16").max_range_m;
   const Seen open("VLP-16", {});
-  EXPECT_EQ(open.at({max_range - 1, 0, 0.017 * max_range}), FreespaceVerdict::inside);
-  EXPECT_NE(open.at({max_range + 1, 0, 0.017 * max_range}), FreespaceVerdict::inside);
+  EXPECT_EQ(open.at({max_range - 2, 0, 0.017 * max_range}), FreespaceVerdict::inside);
+  EXPECT_NE(open.at({max_range + 2, 0, 0.017 * max_range}), FreespaceVerdict::inside);
   EXPECT_NE(open.at({1e5, 0, 0.0175e5}), FreespaceVerdict::inside);
 }
 
