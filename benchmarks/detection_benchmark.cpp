@@ -4,6 +4,7 @@
 #include <benchmark/benchmark.h>
 #include <tbb/global_control.h>
 
+#include "support/local_points.hpp"
 #include "support/prepared.hpp"
 #include "support/run_detector.hpp"
 #include <mapless/detection/box_filter.hpp>
@@ -137,7 +138,7 @@ void region_growth(benchmark::State& state) {
 /// What the default method asks for of the same scan, and what it says of it.
 struct VotingStreet {
   VotingParameters parameters;
-  LocalPoints points = local_points(Street::instance().query.compensated);
+  LocalPoints points = test::local_points(Street::instance().query.compensated);
   std::vector<RayImage> images = cast_images();  // the earlier scans, then the later one
   RayImage own = RayImage(Street::instance().query.compensated);
   std::vector<AskedScan> asked = asked_scans();

@@ -1,8 +1,9 @@
 #pragma once
 
-#include <chrono>
 #include <ctime>
 #include <utility>
+
+#include <mapless/core/timed.hpp>
 
 namespace mapless::app {
 
@@ -18,12 +19,8 @@ struct BusyTime {
   /// Adds its own life.
   class Measure {
    public:
-    explicit Measure(BusyTime& to)
-        : to_(to), start_(std::chrono::steady_clock::now()), processor_start_s_(processor_seconds()) {}
-    ~Measure() {
-      to_.wall_s += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-      to_.processor_s += processor_seconds() - processor_start_s_;
-    }
+    explicit Measure(BusyTime& to) : to_(to), wall_(to.wall_s) {}
+    ~Measure() { to_.processor_s += processor_seconds() - processor_start_s_; }
     Measure(const Measure&) = delete;
     Measure& operator=(const Measure&) = delete;
 
@@ -35,8 +32,8 @@ struct BusyTime {
     }
 
     BusyTime& to_;
-    std::chrono::steady_clock::time_point start_;
-    double processor_start_s_;
+    WallTime wall_;
+    double processor_start_s_ = processor_seconds();
   };
 };
 

@@ -1,10 +1,10 @@
 #include "detection_run.hpp"
 
-#include <chrono>
 #include <utility>
 
 #include "interrupt.hpp"
 #include "scan_poses.hpp"
+#include <mapless/core/timed.hpp>
 #include <mapless/geometry/compensated_scan.hpp>
 #include <mapless/io/atomic_file.hpp>
 #include <mapless/io/detection_labels.hpp>
@@ -14,18 +14,6 @@ namespace mapless::app {
 namespace {
 
 constexpr std::size_t kMostUnwritten = 4;
-
-/// Adds how long `step` takes.
-template <class Step>
-decltype(auto) timed(double& seconds, Step&& step) {
-  struct Measure {
-    double& seconds;
-    std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
-    ~Measure() { seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); }
-  };
-  const Measure measure{seconds};
-  return step();
-}
 
 }  // namespace
 

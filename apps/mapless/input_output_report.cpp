@@ -11,8 +11,8 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kWorthTellingShare = 0.1;
 constexpr double kWorthTelling_s = 1;
-constexpr double kComputingShare =
-    0.5;  // a thread that computes for more of its time is not held by the disk
+// A thread that computes for more of its time is not held by the disk.
+constexpr double kComputingShare = 0.5;
 
 double share(double part_s, double run_s) { return run_s > 0 ? part_s / run_s : 0; }
 

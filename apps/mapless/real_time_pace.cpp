@@ -81,8 +81,7 @@ std::string text_of(const RealTimeReport& r) {
   const auto of = [&](double q) { return quantile(r.latency_ms, q).value_or(0); };
   return fmt::format(
       "in real time: {} of {} scans late (they waited), {} dropped (of more than {} waiting, the oldest); "
-      "from "
-      "the last ray to the labels {:.1f} ms (median), {:.1f} (95 %), {:.1f} (99 %), {:.1f} (max)\n",
+      "from the last ray to the labels {:.1f} ms (median), {:.1f} (95 %), {:.1f} (99 %), {:.1f} (max)\n",
       r.late, r.scans, r.dropped, RealTimePace::kQueue, of(0.5), of(0.95), of(0.99), of(1));
 }
 

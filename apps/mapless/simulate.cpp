@@ -1,4 +1,3 @@
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -13,6 +12,7 @@
 #include "progress.hpp"
 #include "verbs.hpp"
 #include <mapless/core/errors.hpp>
+#include <mapless/core/timed.hpp>
 #include <mapless/io/atomic_file.hpp>
 #include <mapless/io/model_file.hpp>
 #include <mapless/simulation/scene.hpp>
@@ -114,9 +114,8 @@ int simulate(SimulateOptions options) {
   const RoomForTheEnd room(std::filesystem::path(options.output) / "room_for_the_end",
                            bytes_at_the_end(scene, count));
   const InterruptGuard interrupt;
-  const auto start = std::chrono::steady_clock::now();
-  const int done = write_scans(sensor, *writer, room, count);
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  double seconds = 0;
+  const int done = timed(seconds, [&] { return write_scans(sensor, *writer, room, count); });
   if (done < count) {
     fmt::print(stderr, "mapless: interrupted after {} finished scans; they are a valid shorter sequence\n",
                done);

@@ -34,17 +34,6 @@ std::vector<RowVotes::Row> rows_of(const LidarScan& scan, bool between) {
 
 }  // namespace
 
-LocalPoints local_points(const CompensatedScan& scan) {
-  LocalPoints local;
-  local.origin_0 =
-      scan.column_T_0v.empty() ? Eigen::Vector3d::Zero() : scan.column_T_0v.front().translation();
-  local.points.reserve(scan.points_0.size());
-  for (const Eigen::Vector3d& p_0 : scan.points_0) {
-    local.points.emplace_back((p_0 - local.origin_0).cast<float>());
-  }
-  return local;
-}
-
 int surface_votes(int gap) {
   int votes = 1;
   for (int reach = 4; reach <= gap && votes < kMostSurfaceVotes; reach *= 2) ++votes;

@@ -4,7 +4,7 @@
 
 #include "detection/object_number.hpp"
 #include "detection/scan_trajectory.hpp"
-#include "detection/stage_record.hpp"
+#include <mapless/core/timed.hpp>
 
 namespace mapless {
 

@@ -3,6 +3,7 @@
 
 #include "detection/detection_pipeline.hpp"
 #include "detection/stage_record.hpp"
+#include <mapless/core/timed.hpp>
 #include <mapless/detection/box_filter.hpp>
 #include <mapless/detection/freespace_check.hpp>
 #include <mapless/detection/pointcloud_comparison.hpp>

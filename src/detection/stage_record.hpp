@@ -1,22 +1,12 @@
 #pragma once
 
 #include <algorithm>
-#include <chrono>
 #include <cstdint>
 #include <vector>
 
 #include <mapless/detection/stages.hpp>
 
 namespace mapless {
-
-/// Runs `step` and tells how long it took.
-template <class Step>
-auto timed(double& seconds, Step&& step) {
-  const auto start = std::chrono::steady_clock::now();
-  auto result = step();
-  seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  return result;
-}
 
 /// One element per point: whether it is dynamic once `stage` is done.
 inline std::vector<char> dynamic_points(const std::vector<StageTrace>& trace, Stage stage) {

@@ -3,7 +3,9 @@
 
 #include "detection/creeping_surfaces.hpp"
 #include "detection/detection_pipeline.hpp"
+#include "detection/reference_gaps.hpp"
 #include "detection/stage_record.hpp"
+#include <mapless/core/timed.hpp>
 #include <mapless/detection/freespace_votes.hpp>
 #include <mapless/detection/vote_growth.hpp>
 
@@ -28,20 +30,10 @@ void record_votes(std::vector<StageTrace>& trace, const std::vector<PointVotes>&
   }
 }
 
-// 1, 2, 3, 4, 6, 8, 12, 16, ...: two to an octave, so that as many scans tell of a moment ago as of seconds
-// ago.
-int gap_steps(int k) {
-  if (k == 0) return 1;
-  return (k % 2 == 1 ? 2 : 3) << ((k - 1) / 2);
-}
-
 class VotingPipeline final : public DetectionPipeline {
  public:
-  explicit VotingPipeline(const DetectorParameters& parameters) : parameters_(parameters.voting) {
-    for (int k = 0; k < parameters_.references; ++k) {
-      gaps_.push_back(static_cast<std::size_t>(parameters_.first_gap * gap_steps(k)));
-    }
-  }
+  explicit VotingPipeline(const DetectorParameters& parameters)
+      : parameters_(parameters.voting), gaps_(reference_gaps(parameters.voting)) {}
 
   void add(std::shared_ptr<const LidarScan> scan, const Trajectory& trajectory) override;
   ProposedObjects detect(std::size_t number, std::optional<std::size_t> later) override;

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include "support/local_points.hpp"
 #include "support/toy_scene.hpp"
 #include <mapless/detection/freespace_votes.hpp>
 
@@ -15,6 +16,7 @@ namespace mapless {
 namespace {
 
 using Eigen::Vector3d;
+using test::local_points;
 
 test::ToyBody wall_at(double x) { return test::toy_box({x + 0.5, 0, 0}, {0.5, 40, 40}); }
 

@@ -42,6 +42,15 @@ std::shared_ptr<LidarScan> some_scan(const Trajectory& trajectory) {
   return std::make_shared<LidarScan>(cast_rays(awkward_model(16, 1000), kStart, trajectory, some_range));
 }
 
+// Every seventh point is far from the instant of its column.
+std::shared_ptr<LidarScan> scan_with_stray_times(const Trajectory& trajectory) {
+  auto scan = some_scan(trajectory);
+  std::mt19937 random(1);
+  std::uniform_int_distribution<std::int32_t> any_time(0, 99'999'999);
+  for (std::size_t i = 0; i < scan->returns.size(); i += 7) scan->returns[i].time_ns = any_time(random);
+  return scan;
+}
+
 double largest_error_m(const CompensatedScan& compensated, const Trajectory& trajectory) {
   double largest = 0;
   const LidarScan& scan = *compensated.scan;
@@ -62,10 +71,7 @@ TEST(Compensate, MeetsThePoseOfEveryPointWithinTenMicrometres) {
 
 TEST(Compensate, MeetsThePoseOfPointsFarFromTheInstantOfTheirColumn) {
   const ScrewTrajectory trajectory = fast_turn();
-  const auto scan = some_scan(trajectory);
-  std::mt19937 random(1);
-  std::uniform_int_distribution<std::int32_t> any_time(0, 99'999'999);
-  for (std::size_t i = 0; i < scan->returns.size(); i += 7) scan->returns[i].time_ns = any_time(random);
+  const auto scan = scan_with_stray_times(trajectory);
   EXPECT_LT(largest_error_m(compensate(scan, trajectory), trajectory), 1e-5);
 }
 
@@ -81,10 +87,7 @@ TEST(Compensate, SmoothTrajectoriesAreMetToo) {
 // A float at 100 m has steps of 8 micrometres.
 TEST(CompensateLocally, MeetsCompensateWithinSinglePrecision) {
   const ScrewTrajectory trajectory = fast_turn();
-  const auto scan = some_scan(trajectory);
-  std::mt19937 random(1);
-  std::uniform_int_distribution<std::int32_t> any_time(0, 99'999'999);
-  for (std::size_t i = 0; i < scan->returns.size(); i += 7) scan->returns[i].time_ns = any_time(random);
+  const auto scan = scan_with_stray_times(trajectory);
   const CompensatedScan expected = compensate(scan, trajectory);
   const auto [compensated, local] = compensate_locally(scan, trajectory);
   EXPECT_TRUE(compensated.points_0.empty());

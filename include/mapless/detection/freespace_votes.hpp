@@ -10,9 +10,6 @@
 
 namespace mapless {
 
-/// Of a scan that was compensated already.
-[[nodiscard]] LocalPoints local_points(const CompensatedScan& scan);
-
 /// A scan that is asked about another: so many scans before it, or after it where `gap` is below 0.
 struct AskedScan {
   const RayImage* image = nullptr;
