@@ -78,7 +78,8 @@ TEST(BenchmarkPlan, OneThresholdMovesAllOthersInProportion) {
   p.freespace.backward_threshold_m = 0.2;
   p.freespace.forward_threshold_m = 0.1;
   const DetectorParameters swept = with_error_threshold(p, 0.5);
-  EXPECT_DOUBLE_EQ(swept.voting.tolerance_m, 0.5);
+  EXPECT_DOUBLE_EQ(swept.voting.tolerance_m, 2.5 * DetectorParameters{}.voting.tolerance_m);
+  EXPECT_DOUBLE_EQ(swept.voting.tolerance_spacings, 2.5 * DetectorParameters{}.voting.tolerance_spacings);
   EXPECT_DOUBLE_EQ(swept.comparison.error_threshold_m, 0.5);
   EXPECT_DOUBLE_EQ(swept.freespace.backward_threshold_m, 0.5);
   EXPECT_DOUBLE_EQ(swept.freespace.forward_threshold_m, 0.25);

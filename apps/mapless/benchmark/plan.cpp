@@ -195,7 +195,8 @@ DetectorParameters with_error_threshold(DetectorParameters p, double threshold_m
   const double scale = threshold_m / p.comparison.error_threshold_m;
   const auto references = parameter_references(p);
   for (const auto& [key, value] :
-       {std::pair("voting.tolerance_m", threshold_m),
+       {std::pair("voting.tolerance_m", p.voting.tolerance_m * scale),
+        {"voting.tolerance_spacings", p.voting.tolerance_spacings * scale},
         {"comparison.error_threshold_m", threshold_m},
         {"freespace.backward_threshold_m", p.freespace.backward_threshold_m * scale},
         {"freespace.forward_threshold_m", p.freespace.forward_threshold_m * scale}})
