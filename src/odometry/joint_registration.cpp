@@ -11,25 +11,22 @@ constexpr int kSteps = 30;
 // the other on planes of the one: what they tell counts half.
 constexpr double kOfBothSides = 0.5;
 
-using WorldPoints = std::vector<std::vector<Eigen::Vector3d>>;  // of each scan
+using WorldPoints = std::vector<std::vector<MapPoint>>;  // of each scan
 
 WorldPoints all_in_world(const std::vector<UsableScan>& scans, const std::vector<TrajectoryKnot>& knots) {
   WorldPoints out;
-  for (const UsableScan& scan : scans)
-    out.push_back(points_in_world(scan.points, scan.start, knots[scan.interval], knots[scan.interval + 1]));
+  for (std::size_t s = 0; s < scans.size(); ++s) {
+    const UsableScan& scan = scans[s];
+    out.push_back(points_in_world(scan.points, scan.start, knots[scan.interval], knots[scan.interval + 1],
+                                  kLinesApart * static_cast<unsigned>(s)));
+  }
   return out;
 }
 
-PlaneMap map_of_others(const std::vector<UsableScan>& scans, const WorldPoints& points_0,
-                       std::size_t left_out, double sigma_m) {
+PlaneMap map_of_others(const WorldPoints& points_0, std::size_t left_out, double sigma_m) {
   PlaneMap map(sigma_m);
-  for (std::size_t s = 0; s < scans.size(); ++s) {
-    if (s == left_out) continue;
-    for (std::size_t i = 0; i < points_0[s].size(); ++i) {
-      const ScanPoint& p = scans[s].points[i];
-      (void)map.insert(points_0[s][i],
-                       kLinesApart * static_cast<unsigned>(s) + static_cast<unsigned>(p.laser), p.range_m);
-    }
+  for (std::size_t s = 0; s < points_0.size(); ++s) {
+    if (s != left_out) (void)map.insert(points_0[s]);
   }
   return map;
 }
@@ -58,7 +55,7 @@ bool improve_jointly(const KnotPrior& prior, const std::vector<UsableScan>& scan
   for (std::size_t k = 0; k + 1 < knots.size(); ++k) add_motion_prior(knots, k, settings.density, system);
   const WorldPoints points_0 = all_in_world(scans, knots);
   for (std::size_t s = 0; s < scans.size(); ++s)
-    add_scan(scans[s], map_of_others(scans, points_0, s, settings.sigma_m), settings, registration, system);
+    add_scan(scans[s], map_of_others(points_0, s, settings.sigma_m), settings, registration, system);
   const auto solution = solve(system);
   if (!solution) return false;
   for (std::size_t k = 0; k < knots.size(); ++k) knots[k] = perturbed(knots[k], solution->step[k]);

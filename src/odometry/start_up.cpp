@@ -46,8 +46,8 @@ StartUp::StartUp(const OdometryParameters& parameters, const RegistrationSetting
   candidates_.push_back({MappedTrajectory(sigma_m_), {}, 0});
 }
 
-void StartUp::append_knots(const LidarScan& scan) {
-  for (Candidate& candidate : candidates_) candidate.track.append_knots(scan);
+void StartUp::append_knots(const LidarScan& scan, Time end) {
+  for (Candidate& candidate : candidates_) candidate.track.append_knots(scan, end);
 }
 
 Matrix12d StartUp::carry_by_prior() {
