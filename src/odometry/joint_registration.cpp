@@ -1,5 +1,7 @@
 #include "odometry/joint_registration.hpp"
 
+#include <tbb/parallel_for.h>
+
 #include "odometry/degeneracy.hpp"
 #include "odometry/points_in_world.hpp"
 
@@ -31,20 +33,18 @@ PlaneMap map_of_others(const WorldPoints& points_0, std::size_t left_out, double
   return map;
 }
 
-void add_scan(const UsableScan& scan, const PlaneMap& others, const RegistrationSettings& settings,
+void add_scan(std::size_t interval, std::vector<BinSums>& sums, const RegistrationSettings& settings,
               Registration& registration, WindowSystem& system) {
-  const TrajectoryKnot& end = registration.knots[scan.interval + 1];
-  auto sums = sum_residuals(scan.bins, KnotInterval(registration.knots[scan.interval], end), others,
-                            settings.weights);
-  registration.degeneracy = find_degeneracy(sums, end.T_v0, settings.min_direction_share);
-  leave_to_prior(registration.degeneracy, end.T_v0, sums);
+  const SE3& T_v0 = registration.knots[interval + 1].T_v0;
+  registration.degeneracy = find_degeneracy(sums, T_v0, settings.min_direction_share);
+  leave_to_prior(registration.degeneracy, T_v0, sums);
   registration.matched = 0;
   registration.agreement = 0;
   for (const BinSums& bin : sums) {
     registration.matched += bin.matched;
     registration.agreement += bin.agreement;
   }
-  add_points(sums, scan.interval, kOfBothSides * kPointShare, system);
+  add_points(sums, interval, kOfBothSides * kPointShare, system);
 }
 
 bool improve_jointly(const KnotPrior& prior, const std::vector<UsableScan>& scans,
@@ -54,8 +54,14 @@ bool improve_jointly(const KnotPrior& prior, const std::vector<UsableScan>& scan
   add_knot_prior(prior, knots, 0, system);
   for (std::size_t k = 0; k + 1 < knots.size(); ++k) add_motion_prior(knots, k, settings.density, system);
   const WorldPoints points_0 = all_in_world(scans, knots);
+  std::vector<std::vector<BinSums>> sums(scans.size());
+  tbb::parallel_for(std::size_t{0}, scans.size(), [&](std::size_t s) {
+    const KnotInterval interval(knots[scans[s].interval], knots[scans[s].interval + 1]);
+    const PlaneMap others = map_of_others(points_0, s, settings.sigma_m);
+    sums[s] = sum_residuals(scans[s].bins, interval, others, settings.weights);
+  });
   for (std::size_t s = 0; s < scans.size(); ++s)
-    add_scan(scans[s], map_of_others(points_0, s, settings.sigma_m), settings, registration, system);
+    add_scan(scans[s].interval, sums[s], settings, registration, system);
   const auto solution = solve(system);
   if (!solution) return false;
   for (std::size_t k = 0; k < knots.size(); ++k) knots[k] = perturbed(knots[k], solution->step[k]);
