@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 
 #include <Eigen/Core>
@@ -10,12 +11,15 @@ namespace mapless {
 inline constexpr double kFarthestCube = 1e6;
 
 [[nodiscard]] inline bool has_cube(const Eigen::Vector3d& p, double cube_m) {
-  return p.allFinite() && p.cwiseAbs().maxCoeff() < kFarthestCube * cube_m;
+  const double most = kFarthestCube * cube_m;
+  return std::abs(p.x()) < most && std::abs(p.y()) < most && std::abs(p.z()) < most;  // false for NaN
 }
 
 /// The cube a point lies in. Floor, not truncation, which would make the cubes at 0 twice as wide.
-[[nodiscard]] inline Eigen::Array3i cube_of(const Eigen::Vector3d& p, double cube_m) {
-  return (p / cube_m).array().floor().cast<int>();
+[[nodiscard]] inline Eigen::Array3i cube_of(const Eigen::Vector3d& p, double cubes_per_m) {
+  const Eigen::Array3d at = p.array() * cubes_per_m;
+  const Eigen::Array3i truncated = at.cast<int>();
+  return truncated - (at < truncated.cast<double>()).cast<int>();
 }
 
 [[nodiscard]] inline std::uint64_t cube_key(const Eigen::Array3i& cube) {

@@ -1,5 +1,7 @@
 #include "odometry/joint_registration.hpp"
 
+#include <tbb/parallel_for.h>
+
 #include "odometry/degeneracy.hpp"
 #include "odometry/points_in_world.hpp"
 
@@ -11,43 +13,38 @@ constexpr int kSteps = 30;
 // the other on planes of the one: what they tell counts half.
 constexpr double kOfBothSides = 0.5;
 
-using WorldPoints = std::vector<std::vector<Eigen::Vector3d>>;  // of each scan
+using WorldPoints = std::vector<std::vector<MapPoint>>;  // of each scan
 
 WorldPoints all_in_world(const std::vector<UsableScan>& scans, const std::vector<TrajectoryKnot>& knots) {
   WorldPoints out;
-  for (const UsableScan& scan : scans)
-    out.push_back(points_in_world(scan.points, scan.start, knots[scan.interval], knots[scan.interval + 1]));
+  for (std::size_t s = 0; s < scans.size(); ++s) {
+    const UsableScan& scan = scans[s];
+    out.push_back(points_in_world(scan.points, scan.start, knots[scan.interval], knots[scan.interval + 1],
+                                  kLinesApart * static_cast<unsigned>(s)));
+  }
   return out;
 }
 
-PlaneMap map_of_others(const std::vector<UsableScan>& scans, const WorldPoints& points_0,
-                       std::size_t left_out, double sigma_m) {
+PlaneMap map_of_others(const WorldPoints& points_0, std::size_t left_out, double sigma_m) {
   PlaneMap map(sigma_m);
-  for (std::size_t s = 0; s < scans.size(); ++s) {
-    if (s == left_out) continue;
-    for (std::size_t i = 0; i < points_0[s].size(); ++i) {
-      const ScanPoint& p = scans[s].points[i];
-      (void)map.insert(points_0[s][i],
-                       kLinesApart * static_cast<unsigned>(s) + static_cast<unsigned>(p.laser), p.range_m);
-    }
+  for (std::size_t s = 0; s < points_0.size(); ++s) {
+    if (s != left_out) (void)map.insert(points_0[s]);
   }
   return map;
 }
 
-void add_scan(const UsableScan& scan, const PlaneMap& others, const RegistrationSettings& settings,
+void add_scan(std::size_t interval, std::vector<BinSums>& sums, const RegistrationSettings& settings,
               Registration& registration, WindowSystem& system) {
-  const TrajectoryKnot& end = registration.knots[scan.interval + 1];
-  auto sums = sum_residuals(scan.bins, KnotInterval(registration.knots[scan.interval], end), others,
-                            settings.weights);
-  registration.degeneracy = find_degeneracy(sums, end.T_v0, settings.min_direction_share);
-  leave_to_prior(registration.degeneracy, end.T_v0, sums);
+  const SE3& T_v0 = registration.knots[interval + 1].T_v0;
+  registration.degeneracy = find_degeneracy(sums, T_v0, settings.min_direction_share);
+  leave_to_prior(registration.degeneracy, T_v0, sums);
   registration.matched = 0;
   registration.agreement = 0;
   for (const BinSums& bin : sums) {
     registration.matched += bin.matched;
     registration.agreement += bin.agreement;
   }
-  add_points(sums, scan.interval, kOfBothSides * kPointShare, system);
+  add_points(sums, interval, kOfBothSides * kPointShare, system);
 }
 
 bool improve_jointly(const KnotPrior& prior, const std::vector<UsableScan>& scans,
@@ -57,8 +54,14 @@ bool improve_jointly(const KnotPrior& prior, const std::vector<UsableScan>& scan
   add_knot_prior(prior, knots, 0, system);
   for (std::size_t k = 0; k + 1 < knots.size(); ++k) add_motion_prior(knots, k, settings.density, system);
   const WorldPoints points_0 = all_in_world(scans, knots);
+  std::vector<std::vector<BinSums>> sums(scans.size());
+  tbb::parallel_for(std::size_t{0}, scans.size(), [&](std::size_t s) {
+    const KnotInterval interval(knots[scans[s].interval], knots[scans[s].interval + 1]);
+    const PlaneMap others = map_of_others(points_0, s, settings.sigma_m);
+    sums[s] = sum_residuals(scans[s].bins, interval, others, settings.weights);
+  });
   for (std::size_t s = 0; s < scans.size(); ++s)
-    add_scan(scans[s], map_of_others(scans, points_0, s, settings.sigma_m), settings, registration, system);
+    add_scan(scans[s].interval, sums[s], settings, registration, system);
   const auto solution = solve(system);
   if (!solution) return false;
   for (std::size_t k = 0; k < knots.size(); ++k) knots[k] = perturbed(knots[k], solution->step[k]);

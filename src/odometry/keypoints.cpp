@@ -34,11 +34,11 @@ class CubeSet {
   int shift_;
 };
 
-std::vector<ScanPoint> one_per_cube(const std::vector<ScanPoint>& points, double cube_m) {
+std::vector<std::uint32_t> one_per_cube(const std::vector<ScanPoint>& points, double cube_m) {
   CubeSet seen(points.size());
-  std::vector<ScanPoint> out;
-  for (const ScanPoint& point : points) {
-    if (seen.insert(cube_key(cube_of(point.position_v.cast<double>(), cube_m)))) out.push_back(point);
+  std::vector<std::uint32_t> out;
+  for (const std::uint32_t i : mixed_order(points.size())) {
+    if (seen.insert(cube_key(cube_of(points[i].position_v.cast<double>(), 1 / cube_m)))) out.push_back(i);
   }
   return out;
 }
@@ -48,12 +48,15 @@ std::vector<ScanPoint> one_per_cube(const std::vector<ScanPoint>& points, double
 std::vector<ScanPoint> select_keypoints(const std::vector<ScanPoint>& points,
                                         const OdometryParameters& parameters) {
   double cube_m = parameters.keypoint_voxel_m;
-  std::vector<ScanPoint> out = one_per_cube(points, cube_m);
-  for (int i = 0; i < kHalvings && out.size() < static_cast<std::size_t>(parameters.min_keypoints); ++i) {
+  std::vector<std::uint32_t> chosen = one_per_cube(points, cube_m);
+  for (int i = 0; i < kHalvings && chosen.size() < static_cast<std::size_t>(parameters.min_keypoints); ++i) {
     cube_m /= 2;
-    out = one_per_cube(points, cube_m);
+    chosen = one_per_cube(points, cube_m);
   }
-  std::stable_sort(out.begin(), out.end(), [](const ScanPoint& a, const ScanPoint& b) {
+  std::vector<ScanPoint> out;
+  out.reserve(chosen.size());
+  for (const std::uint32_t i : chosen) out.push_back(points[i]);
+  std::sort(out.begin(), out.end(), [](const ScanPoint& a, const ScanPoint& b) {
     return std::pair(a.time_ns, a.return_index) < std::pair(b.time_ns, b.return_index);
   });
   return out;

@@ -67,8 +67,8 @@ struct LidarOdometry::State {
   double usual_share = 0;  // the same, in the scans before
 
   [[nodiscard]] const MappedTrajectory& known() const { return start_up ? start_up->best() : track; }
-  void require_next(const LidarScan& scan) const;
-  void append_knots(const LidarScan& scan);
+  void require_next(const LidarScan& scan, Time end) const;
+  void append_knots(const LidarScan& scan, Time end);
   Matrix12d carry_by_prior();
   [[nodiscard]] UsableScan usable(const LidarScan& scan) const;
   ScanOutcome start(UsableScan scan, OdometryUpdate& update);
@@ -78,7 +78,7 @@ struct LidarOdometry::State {
   OdometryUpdate process(const std::shared_ptr<const LidarScan>& scan);
 };
 
-void LidarOdometry::State::require_next(const LidarScan& scan) const {
+void LidarOdometry::State::require_next(const LidarScan& scan, Time end) const {
   if (scan.compensated_to) {
     throw InputError({"", "scan", "already compensated for motion", "odometry needs the points as measured",
                       "give the poses the recording was compensated with (--trajectory)"});
@@ -87,16 +87,16 @@ void LidarOdometry::State::require_next(const LidarScan& scan) const {
     throw InputError({"", "scan", std::to_string(scan.columns) + " columns", "has no duration",
                       "give scans of at least one column"});
   }
-  if (knots.empty() || (scan.start > last_scan->start && end_of(scan) > knots.back().time)) return;
+  if (knots.empty() || (scan.start > last_scan->start && end > knots.back().time)) return;
   throw InputError({"", "scan start", std::to_string(scan.start.nanoseconds()) + " ns",
                     "not after the scan before it", "give scans by increasing time"});
 }
 
-void LidarOdometry::State::append_knots(const LidarScan& scan) {
+void LidarOdometry::State::append_knots(const LidarScan& scan, Time end) {
   if (start_up) {
-    start_up->append_knots(scan);
+    start_up->append_knots(scan, end);
   } else {
-    track.append_knots(scan);
+    track.append_knots(scan, end);
   }
 }
 
@@ -184,9 +184,10 @@ ScanOutcome LidarOdometry::State::estimate(const LidarScan& scan, OdometryUpdate
 }
 
 OdometryUpdate LidarOdometry::State::process(const std::shared_ptr<const LidarScan>& scan) {
-  require_next(*scan);
+  const Time end = end_of(*scan);
+  require_next(*scan, end);
   const std::size_t first_changed = start_up ? 0 : track.window_begin;
-  append_knots(*scan);
+  append_knots(*scan, end);
   OdometryUpdate update;
   update.outcome = estimate(*scan, update);
   last_scan = scan;

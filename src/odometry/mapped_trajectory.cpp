@@ -60,8 +60,7 @@ RegistrationSettings MappedTrajectory::with_own_density(RegistrationSettings set
   return settings;
 }
 
-void MappedTrajectory::append_knots(const LidarScan& scan) {
-  const Time end = end_of(scan);
+void MappedTrajectory::append_knots(const LidarScan& scan, Time end) {
   if (knots.empty()) {
     knots.push_back({start_of(scan), SE3(), Vector6d::Zero()});
     prior = prior_of_first(knots.front());
@@ -97,15 +96,14 @@ void MappedTrajectory::begin_anew_at(std::size_t interval) {
 }
 
 void MappedTrajectory::insert(const UsableScan& scan, double map_radius_m) {
-  const auto points_0 =
-      points_in_world(scan.points, scan.start, knots[scan.interval], knots[scan.interval + 1]);
-  const unsigned first_line = kLinesApart * inserted_scans_++;
+  const auto points = points_in_world(scan.points, scan.start, knots[scan.interval], knots[scan.interval + 1],
+                                      kLinesApart * inserted_scans_++);
+  const std::vector<unsigned> taken = map.insert(points);
   InsertedScan& kept = inserted_.emplace_back();
   kept.start = scan.start;
-  for (std::size_t i = 0; i < points_0.size(); ++i) {
-    const ScanPoint& p = scan.points[i];
-    const unsigned taken = map.insert(points_0[i], first_line + static_cast<unsigned>(p.laser), p.range_m);
-    if (taken != 0) kept.points.push_back({points_0[i], p.return_index, taken});
+  kept.points.reserve(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (taken[i] != 0) kept.points.push_back({points[i].p_0, scan.points[i].return_index, taken[i]});
   }
   if (inserted_.size() > kRememberedScans) inserted_.pop_front();
   const Eigen::Vector3d centre_0 = knots[scan.interval + 1].T_v0.inverse().translation();

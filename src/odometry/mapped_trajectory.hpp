@@ -61,8 +61,8 @@ struct MappedTrajectory {
   }
   /// With the density of the motion so far, the last knot not yet known.
   [[nodiscard]] RegistrationSettings with_own_density(RegistrationSettings settings) const;
-  /// A knot at the end of the scan, and one at its start where scans are missing before it.
-  void append_knots(const LidarScan& scan);
+  /// A knot at `end`, that of the scan (end_of), and one at its start where scans are missing before it.
+  void append_knots(const LidarScan& scan, Time end);
   void accept(const Registration& registration);
   /// The last knot as the prior has it; its covariance, or 0 where that cannot be told.
   Matrix12d carry_by_prior(const RegistrationSettings& settings);

@@ -86,6 +86,13 @@ void add_unless_known(std::vector<Registration>& all, const Registration& regist
   all.insert(place, registration);
 }
 
+std::vector<ScanPoint> every_so_often(const std::vector<ScanPoint>& points, std::size_t most) {
+  std::vector<ScanPoint> out;
+  const std::size_t number = std::min(points.size(), most);
+  for (std::size_t i = 0; i < number; ++i) out.push_back(points[i * points.size() / number]);
+  return out;
+}
+
 // What `function` makes of each, where it makes anything, in their order.
 template <class Start, class Function>
 std::vector<Registration> for_each(const std::vector<Start>& starts, const Function& function) {
@@ -114,9 +121,7 @@ PairOfScans::PairOfScans(std::vector<TrajectoryKnot> knots, KnotPrior prior, con
       second_(second),
       first_interval_(first.interval - first_knot),
       settings_(settings),
-      rough_(first.points) {
-  if (rough_.size() > kRoughPoints) rough_.resize(kRoughPoints);
-}
+      rough_(every_so_often(first.points, kRoughPoints)) {}
 
 KnotPrior PairOfScans::expected(const Vector6d& varpi, double speed_sigma, double turn_rate_sigma) const {
   KnotPrior out = prior_;
@@ -142,10 +147,10 @@ bool PairOfScans::improve_at(double scale, int steps, bool rough, const KnotPrio
 PlaneMap PairOfScans::map_of(const Registration& registration, double scale, bool rough) const {
   const auto& points = rough ? rough_ : first_.points;
   PlaneMap map(scale * settings_.sigma_m, scale, kGrids);
-  const auto points_0 = points_in_world(points, first_.start, registration.knots[first_interval_],
-                                        registration.knots[first_interval_ + 1]);
-  for (std::size_t i = 0; i < points.size(); ++i)
-    (void)map.insert(points_0[i], static_cast<unsigned>(points[i].laser), points[i].range_m / scale);
+  auto points_0 = points_in_world(points, first_.start, registration.knots[first_interval_],
+                                  registration.knots[first_interval_ + 1]);
+  for (MapPoint& point : points_0) point.range_m /= scale;
+  (void)map.insert(points_0);
   return map;
 }
 

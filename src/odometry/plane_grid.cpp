@@ -19,6 +19,7 @@ constexpr double kFlat = 2.5;          // the plane extends so many times its th
 constexpr double kCutSigmas = 2.5;
 // A plane is fitted anew when a cube has grown by this share.
 constexpr double kGrowth = 1.25;
+constexpr std::size_t kAhead = 12;  // points
 
 Eigen::Array3i cube_of_key(std::uint64_t key) {
   const auto axis = [&](int bit) {
@@ -31,7 +32,7 @@ Eigen::Array3i cube_of_key(std::uint64_t key) {
 }  // namespace
 
 PlaneGrid::PlaneGrid(double cube_m, double offset_m, double sigma_m)
-    : cube_m_(cube_m), offset_m_(offset_m), sigma_m_(sigma_m) {
+    : cube_m_(cube_m), cubes_per_m_(1 / cube_m), offset_m_(offset_m), sigma_m_(sigma_m) {
   rebuild_table(kFirstCapacity);
 }
 
@@ -73,7 +74,7 @@ void PlaneGrid::rebuild_table(std::size_t capacity) {
 }
 
 void PlaneGrid::add(Cube& cube, const Vector3d& offset, double sign) const {
-  cube.count += sign > 0 ? 1 : -1;
+  cube.count = static_cast<std::int16_t>(cube.count + (sign > 0 ? 1 : -1));
   const Vector3d signed_offset = sign * offset;
   cube.sum += signed_offset;
   std::size_t k = 0;
@@ -81,31 +82,66 @@ void PlaneGrid::add(Cube& cube, const Vector3d& offset, double sign) const {
     for (int j = i; j < 3; ++j) cube.products[k++] += signed_offset[i] * offset[j];
 }
 
-bool PlaneGrid::insert(const Vector3d& p_0, unsigned line) {
+PlaneGrid::Place PlaneGrid::place_of(const Vector3d& p_0) const {
   const Vector3d p = from_origin(p_0);
-  if (!has_cube(p, cube_m_)) return false;
-  const Eigen::Array3i at = cube_of(p, cube_m_);
-  const std::size_t i = find_or_add(cube_key(at));
+  if (!has_cube(p, cube_m_)) return {Eigen::Array3i::Zero(), kNowhere};
+  const Eigen::Array3i at = cube_of(p, cubes_per_m_);
+  return {at, cube_key(at)};
+}
+
+void PlaneGrid::fetch_cube(const Place& place) const {
+  if (place.key == kNowhere) return;
+  const std::int32_t cube = table_[cube_slot(place.key, shift_)].cube;
+  if (cube >= 0) __builtin_prefetch(&cubes_[static_cast<std::size_t>(cube)], 1);
+}
+
+// What a point needs lies anywhere in memory, and is asked for some points ahead.
+void PlaneGrid::insert(const std::vector<MapPoint>& points, double farthest_m, unsigned bit,
+                       std::vector<unsigned>& taken) {
+  std::vector<Place> places(points.size());
+  for (std::size_t i = 0; i < points.size() + 2 * kAhead; ++i) {
+    if (i < points.size()) {
+      places[i] =
+          points[i].range_m > farthest_m ? Place{Eigen::Array3i::Zero(), kNowhere} : place_of(points[i].p_0);
+      fetch_slot(places[i]);
+    }
+    if (i >= kAhead && i - kAhead < points.size()) fetch_cube(places[i - kAhead]);
+    if (i >= 2 * kAhead && insert(points[i - 2 * kAhead], places[i - 2 * kAhead]))
+      taken[i - 2 * kAhead] |= bit;
+  }
+  fit_planes();
+}
+
+bool PlaneGrid::insert(const MapPoint& point, const Place& place) {
+  if (place.key == kNowhere) return false;
+  const std::size_t i = find_or_add(place.key);
   Cube& cube = cubes_[i];
   if (cube.count >= kFull) return false;
-  add(cube, p - cube_m_ * at.cast<double>().matrix(), 1);
-  const bool had_lines = std::popcount(cube.lines) >= kFewestLines;
-  cube.lines |= std::uint64_t{1} << (line & 63U);
-  if (cube.count < kFewest || std::popcount(cube.lines) < kFewestLines) return true;
-  if (!had_lines || cube.count >= kGrowth * cube.fitted) fit(i);
+  add(cube, from_origin(point.p_0) - cube_m_ * place.at.cast<double>().matrix(), 1);
+  cube.lines |= std::uint64_t{1} << (point.line & 63U);
+  if (!cube.waits && cube.count >= kFewest && cube.count >= kGrowth * cube.fitted) {
+    cube.waits = true;
+    grown_.push_back(static_cast<std::uint32_t>(i));
+  }
   return true;
 }
 
+void PlaneGrid::fit_planes() {
+  for (const std::uint32_t i : grown_) {
+    cubes_[i].waits = false;
+    if (std::popcount(cubes_[i].lines) >= kFewestLines) fit(i);
+  }
+  grown_.clear();
+}
+
 void PlaneGrid::remove(const Vector3d& p_0) {
-  const Vector3d p = from_origin(p_0);
-  if (!has_cube(p, cube_m_)) return;
-  const Eigen::Array3i at = cube_of(p, cube_m_);
-  const std::int32_t found = find(cube_key(at));
+  const Place place = place_of(p_0);
+  const std::int32_t found = place.key == kNowhere ? -1 : find(place.key);
   if (found < 0) return;
   const auto i = static_cast<std::size_t>(found);
   Cube& cube = cubes_[i];
   if (cube.count == 0) return;
-  add(cube, p - cube_m_ * at.cast<double>().matrix(), -1);
+  add(cube, from_origin(p_0) - cube_m_ * place.at.cast<double>().matrix(), -1);
   fit(i);
 }
 
@@ -166,16 +202,24 @@ bool PlaneGrid::is_cut(const Plane& plane) const {
   return from_face * across < kCutSigmas * sigma_m_;
 }
 
-std::optional<MapPlane> PlaneGrid::plane_at(const Vector3d& q_0) const {
-  const Vector3d q = from_origin(q_0);
-  if (!has_cube(q, cube_m_)) return std::nullopt;
-  const Eigen::Array3i at = cube_of(q, cube_m_);
-  const std::int32_t found = find(cube_key(at));
+void PlaneGrid::fetch_slot(const Place& place) const {
+  if (place.key != kNowhere) __builtin_prefetch(&table_[cube_slot(place.key, shift_)]);
+}
+
+void PlaneGrid::fetch_plane(const Place& place) const {
+  if (place.key == kNowhere) return;
+  const std::int32_t cube = table_[cube_slot(place.key, shift_)].cube;
+  if (cube >= 0) __builtin_prefetch(&planes_[static_cast<std::size_t>(cube)]);
+}
+
+std::optional<MapPlane> PlaneGrid::plane_at(const Vector3d& q_0, const Place& place) const {
+  if (place.key == kNowhere) return std::nullopt;
+  const std::int32_t found = find(place.key);
   if (found < 0) return std::nullopt;
   const Plane& plane = planes_[static_cast<std::size_t>(found)];
   if (plane.uncertainty <= 0) return std::nullopt;
-  const Vector3d corner = cube_m_ * at.cast<double>().matrix();
-  const Eigen::Vector3f d = (q - corner).cast<float>() - plane.mean;
+  const Vector3d corner = cube_m_ * place.at.cast<double>().matrix();
+  const Eigen::Vector3f d = (from_origin(q_0) - corner).cast<float>() - plane.mean;
   const float along_middle = d.dot(plane.middle);
   const float across = d.dot(plane.normal);
   const float along_largest_squared =

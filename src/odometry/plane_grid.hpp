@@ -19,6 +19,13 @@ struct MapPlane {
   double normal_variance;  ///< of the tilt of the normal [rad^2], mean of both directions
 };
 
+struct MapPoint {
+  Eigen::Vector3d p_0;
+  /// Numbers the points of one laser in one scan, which lie on a line on whatever they hit.
+  unsigned line;
+  double range_m;  ///< from the sensor that saw it
+};
+
 /// Sums over the points of each cube of a hash table, and the plane they give. Nothing of a point is kept, so
 /// that it costs the same to ask for a plane of ten points or of a hundred. Sums are taken from the corner of
 /// the cube, so that precision does not fade far from the origin.
@@ -32,9 +39,11 @@ class PlaneGrid {
   /// noise of a point, believed like six points.
   PlaneGrid(double cube_m, double offset_m, double sigma_m);
 
-  /// `line` numbers the points of one laser in one scan, which lie on a line on whatever they hit. False, and
-  /// nothing done, where the cube is full or the point farther than 1e6 cubes from the origin.
-  bool insert(const Eigen::Vector3d& p_0, unsigned line);
+  /// Takes the points that are no farther than `farthest_m` from their sensor, and sets `bit` in `taken` of
+  /// each. Not taken are those whose cube is full, or farther than 1e6 cubes from the origin. Points that
+  /// follow one another cost least where they are near each other.
+  void insert(const std::vector<MapPoint>& points, double farthest_m, unsigned bit,
+              std::vector<unsigned>& taken);
   /// Takes out a point that `insert` took, where the cube is still there.
   void remove(const Eigen::Vector3d& p_0);
   /// Forgets the cubes whose corner is farther from `centre_0`.
@@ -43,7 +52,20 @@ class PlaneGrid {
 
   /// Plane of the points in the cube of `q_0`. None where they are too few, of too few lines, lie on a line
   /// or all about, or where the faces of the cube cut the plane's noise.
-  [[nodiscard]] std::optional<MapPlane> plane_at(const Eigen::Vector3d& q_0) const;
+  [[nodiscard]] std::optional<MapPlane> plane_at(const Eigen::Vector3d& q_0) const {
+    return plane_at(q_0, place_of(q_0));
+  }
+
+  /// The cube of a point. What is kept of a cube lies anywhere in memory: where several points are asked for,
+  /// fetch_slot of all of them, then fetch_plane, has it at hand for plane_at.
+  struct Place {
+    Eigen::Array3i at;
+    std::uint64_t key;
+  };
+  [[nodiscard]] Place place_of(const Eigen::Vector3d& p_0) const;
+  void fetch_slot(const Place& place) const;
+  void fetch_plane(const Place& place) const;
+  [[nodiscard]] std::optional<MapPlane> plane_at(const Eigen::Vector3d& q_0, const Place& place) const;
 
   [[nodiscard]] std::size_t cubes() const { return cubes_.size(); }
 
@@ -60,8 +82,9 @@ class PlaneGrid {
   struct Cube {
     std::uint64_t key;
     std::uint64_t lines = 0;  // bits, the numbers modulo 64
-    int count = 0;
-    int fitted = 0;  // count when the plane was fitted
+    std::int16_t count = 0;
+    std::int16_t fitted = 0;  // count when the plane was fitted
+    bool waits = false;       // for its plane to be fitted, in grown_
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     std::array<double, 6> products = {};  // xx, xy, xz, yy, yz, zz
   };
@@ -70,7 +93,12 @@ class PlaneGrid {
     std::int32_t cube = -1;  // index into cubes_ and planes_, -1 for empty
   };
 
+  static constexpr std::uint64_t kNowhere = ~std::uint64_t{0};  // keys have 63 bits
+
   [[nodiscard]] Eigen::Vector3d from_origin(const Eigen::Vector3d& p_0) const;
+  void fetch_cube(const Place& place) const;
+  bool insert(const MapPoint& point, const Place& place);
+  void fit_planes();
   [[nodiscard]] std::int32_t find(std::uint64_t key) const;
   std::size_t find_or_add(std::uint64_t key);
   void rebuild_table(std::size_t capacity);
@@ -78,11 +106,12 @@ class PlaneGrid {
   void fit(std::size_t i);
   [[nodiscard]] bool is_cut(const Plane& plane) const;
 
-  double cube_m_, offset_m_, sigma_m_;
+  double cube_m_, cubes_per_m_, offset_m_, sigma_m_;
   std::vector<Cube> cubes_;    // in the order they came
   std::vector<Plane> planes_;  // of each
-  std::vector<Slot> table_;    // size a power of two
-  int shift_ = 0;              // leaves the high bits of the hash
+  std::vector<std::uint32_t> grown_;
+  std::vector<Slot> table_;  // size a power of two
+  int shift_ = 0;            // leaves the high bits of the hash
 };
 
 }  // namespace mapless

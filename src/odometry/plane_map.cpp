@@ -1,5 +1,8 @@
 #include "odometry/plane_map.hpp"
 
+#include <limits>
+#include <numeric>
+
 namespace mapless {
 namespace {
 
@@ -17,11 +20,12 @@ PlaneMap::PlaneMap(double sigma_m, double scale, std::size_t grids)
     grids_.emplace_back(scale * kCubes[g], scale * kOffsets[g], sigma_m);
 }
 
-unsigned PlaneMap::insert(const Eigen::Vector3d& p_0, unsigned line, double range_m) {
-  unsigned taken = 0;
+std::vector<unsigned> PlaneMap::insert(const std::vector<MapPoint>& points) {
+  std::vector<unsigned> taken(points.size(), 0);
   for (std::size_t g = 0; g < grids_.size(); ++g) {
-    if (g + 1 < grids_.size() && range_m > kFarthestCubes * kCubes[g]) continue;
-    if (grids_[g].insert(p_0, line)) taken |= 1U << g;
+    const double farthest_m =
+        g + 1 == grids_.size() ? std::numeric_limits<double>::infinity() : kFarthestCubes * kCubes[g];
+    grids_[g].insert(points, farthest_m, 1U << g, taken);
   }
   return taken;
 }
@@ -46,12 +50,23 @@ std::size_t PlaneMap::cubes() const {
   return count;
 }
 
-std::optional<MapPlane> PlaneMap::plane_near(const Eigen::Vector3d& q_0) const {
-  std::optional<MapPlane> best;
+std::vector<std::optional<MapPlane>> PlaneMap::planes_near(
+    const std::vector<Eigen::Vector3d>& points_0) const {
+  std::vector<std::optional<MapPlane>> best(points_0.size());
+  std::vector<PlaneGrid::Place> places(points_0.size());
+  std::vector<std::size_t> open(points_0.size());  // those that still want a better one
+  std::iota(open.begin(), open.end(), std::size_t{0});
   for (const PlaneGrid& grid : grids_) {
-    const auto plane = grid.plane_at(q_0);
-    if (plane && (!best || plane->variance < best->variance)) best = plane;
-    if (best && best->variance <= good_variance_) break;
+    for (const std::size_t i : open) {
+      places[i] = grid.place_of(points_0[i]);
+      grid.fetch_slot(places[i]);
+    }
+    for (const std::size_t i : open) grid.fetch_plane(places[i]);
+    std::erase_if(open, [&](std::size_t i) {
+      const auto plane = grid.plane_at(points_0[i], places[i]);
+      if (plane && (!best[i] || plane->variance < best[i]->variance)) best[i] = plane;
+      return best[i] && best[i]->variance <= good_variance_;
+    });
   }
   return best;
 }

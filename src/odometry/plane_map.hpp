@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <vector>
 
 #include "odometry/plane_grid.hpp"
 
@@ -17,16 +18,18 @@ class PlaneMap {
   /// `scale` times the cubes, the finest `grids` of them; `sigma_m` is the noise expected of a point.
   explicit PlaneMap(double sigma_m, double scale = 1, std::size_t grids = kGrids);
 
-  /// Bits: the grids that took the point. One farther than so many cubes from the sensor (`range_m`) is too
-  /// sparse there for a fine grid and left to the coarser ones. `line` as PlaneGrid::insert.
-  unsigned insert(const Eigen::Vector3d& p_0, unsigned line, double range_m);
+  /// For each point, bits: the grids that took it. One farther than so many cubes from the sensor is too
+  /// sparse there for a fine grid and left to the coarser ones.
+  std::vector<unsigned> insert(const std::vector<MapPoint>& points);
   /// Takes out a point again; `taken` as insert returned it.
   void remove(const Eigen::Vector3d& p_0, unsigned taken);
   void keep_within(const Eigen::Vector3d& centre_0, double radius_m);
   void clear();
 
-  /// The finest plane at `q_0` that is not much worse than the noise of a point, else the best there is.
-  [[nodiscard]] std::optional<MapPlane> plane_near(const Eigen::Vector3d& q_0) const;
+  /// The finest plane at every point that is not much worse than the noise of a point, else the best there
+  /// is.
+  [[nodiscard]] std::vector<std::optional<MapPlane>> planes_near(
+      const std::vector<Eigen::Vector3d>& points_0) const;
 
   [[nodiscard]] std::size_t cubes() const;
 

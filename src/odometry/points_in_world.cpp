@@ -19,8 +19,9 @@ struct Step {
 
 }  // namespace
 
-std::vector<Eigen::Vector3d> points_in_world(const std::vector<ScanPoint>& points, Time scan_start,
-                                             const TrajectoryKnot& k1, const TrajectoryKnot& k2) {
+std::vector<MapPoint> points_in_world(const std::vector<ScanPoint>& points, Time scan_start,
+                                      const TrajectoryKnot& k1, const TrajectoryKnot& k2,
+                                      unsigned first_line) {
   std::int64_t first_ns = 0;
   std::int64_t last_ns = 0;
   for (const ScanPoint& p : points) {
@@ -35,7 +36,7 @@ std::vector<Eigen::Vector3d> points_in_world(const std::vector<ScanPoint>& point
     const TrajectoryState state = interpolate(k1, k2, t);
     steps[static_cast<std::size_t>(s)] = {state.T_v0.inverse(), state.varpi};
   }
-  std::vector<Eigen::Vector3d> out(points.size());
+  std::vector<MapPoint> out(points.size());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, out.size(), 4096), [&](const auto& range) {
     for (std::size_t i = range.begin(); i < range.end(); ++i) {
       const ScanPoint& p = points[i];
@@ -43,7 +44,9 @@ std::vector<Eigen::Vector3d> points_in_world(const std::vector<ScanPoint>& point
       const Step& step = steps[static_cast<std::size_t>(s)];
       const double dt = static_cast<double>(p.time_ns - middle_of(s)) * 1e-9;
       const Eigen::Vector3d p_v = p.position_v.cast<double>();
-      out[i] = step.T_0v * (p_v - dt * (step.varpi.head<3>() + step.varpi.tail<3>().cross(p_v)));
+      out[i].p_0 = step.T_0v * (p_v - dt * (step.varpi.head<3>() + step.varpi.tail<3>().cross(p_v)));
+      out[i].line = first_line + static_cast<unsigned>(p.laser);
+      out[i].range_m = p.range_m;
     }
   });
   return out;

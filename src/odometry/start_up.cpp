@@ -46,8 +46,8 @@ StartUp::StartUp(const OdometryParameters& parameters, const RegistrationSetting
   candidates_.push_back({MappedTrajectory(sigma_m_), {}, 0});
 }
 
-void StartUp::append_knots(const LidarScan& scan) {
-  for (Candidate& candidate : candidates_) candidate.track.append_knots(scan);
+void StartUp::append_knots(const LidarScan& scan, Time end) {
+  for (Candidate& candidate : candidates_) candidate.track.append_knots(scan, end);
 }
 
 Matrix12d StartUp::carry_by_prior() {
@@ -101,8 +101,10 @@ PairOfScans StartUp::pair() const {
 
 bool StartUp::follow_pair() {
   unmoved_ = candidates_.front().track;
+  std::vector<Registration> registrations = pair().register_all();
   std::vector<Candidate> found;
-  for (Registration& registration : pair().register_all()) {
+  found.reserve(registrations.size());
+  for (Registration& registration : registrations) {
     if (is_plausible(registration.knots.back(), unmoved_.knots.back()))
       found.push_back(candidate_of(std::move(registration)));
   }
@@ -129,6 +131,7 @@ bool StartUp::follow_all() {
   tbb::parallel_for(std::size_t{0}, candidates_.size(),
                     [&](std::size_t i) { has_place[i] = follow(scans_.back(), candidates_[i]) ? 1 : 0; });
   std::vector<Candidate> followed;
+  followed.reserve(candidates_.size());
   for (std::size_t i = 0; i < candidates_.size(); ++i) {
     if (has_place[i] != 0) followed.push_back(std::move(candidates_[i]));
   }
@@ -176,6 +179,7 @@ void StartUp::keep_best() {
   std::stable_sort(candidates_.begin(), candidates_.end(),
                    [](const Candidate& a, const Candidate& b) { return a.score > b.score; });
   std::vector<Candidate> kept;
+  kept.reserve(candidates_.size());
   const std::size_t most = std::max<std::size_t>(2, (candidates_.size() + 1) / 2);
   for (Candidate& candidate : candidates_) {
     const bool known = std::any_of(kept.begin(), kept.end(), [&](const Candidate& one) {

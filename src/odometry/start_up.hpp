@@ -19,7 +19,8 @@ class StartUp {
 
   StartUp(const OdometryParameters& parameters, const RegistrationSettings& settings);
 
-  void append_knots(const LidarScan& scan);
+  /// As MappedTrajectory has it.
+  void append_knots(const LidarScan& scan, Time end);
   /// For a scan that cannot be used; returns the covariance.
   Matrix12d carry_by_prior();
 

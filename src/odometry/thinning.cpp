@@ -1,6 +1,7 @@
 #include "odometry/thinning.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 namespace mapless {
@@ -10,28 +11,18 @@ constexpr std::size_t kSample = 1021;  // returns that tell how ranges are distr
 
 constexpr float kElevationSteps = 115;  // half a degree each
 
+constexpr std::size_t kPasses = 40;
+
 // A number in [0, 1) for a return, as good as random.
 float unit_of(std::size_t i) {
   const auto bits = static_cast<std::uint32_t>(static_cast<std::uint64_t>(i) * 0x9E3779B97F4A7C15u >> 40);
   return static_cast<float>(bits) * 0x1p-24F;
 }
 
-// A step that visits every index once, neighbours far apart: near the golden section, and prime to the size.
-std::size_t stride_through(std::size_t size) {
-  auto stride = static_cast<std::size_t>(0.618 * static_cast<double>(size)) + 1;
-  while (std::gcd(stride, size) != 1) ++stride;
-  return stride;
-}
-
-// The squared range r^2 with sum of min(1, range^2 / r^2) equal to the points wanted.
-float full_square_of(const std::vector<ScanPoint>& points, std::size_t wanted) {
-  std::vector<float> squares;
-  const std::size_t step = points.size() / kSample + 1;
-  for (std::size_t i = 0; i < points.size(); i += step)
-    squares.push_back(points[i].range_m * points[i].range_m);
+// Of squared ranges, the r^2 with sum of min(1, range^2 / r^2) equal to `target`, which is less than there
+// are.
+float full_square_of(std::vector<float> squares, double target) {
   std::sort(squares.begin(), squares.end());
-  const double share = static_cast<double>(wanted) / static_cast<double>(points.size());
-  const double target = share * static_cast<double>(squares.size());
   // With the first k below r^2: their sum / r^2 + the rest = target.
   double sum = 0;
   for (std::size_t k = 0; k < squares.size(); ++k) {
@@ -44,6 +35,28 @@ float full_square_of(const std::vector<ScanPoint>& points, std::size_t wanted) {
   return static_cast<float>(sum / std::max(target, 1e-9));
 }
 
+// Squared ranges of usable returns.
+struct Ranges {
+  explicit Ranges(const OdometryParameters& p)
+      : nearest(static_cast<float>(p.min_range_m * p.min_range_m)),
+        farthest(static_cast<float>(p.map_radius_m * p.map_radius_m)) {}
+  float nearest, farthest;
+  [[nodiscard]] bool have(float square) const { return square >= nearest && square <= farthest; }
+};
+
+// The squared range from which on all returns are used; 0 for all of them.
+float full_square(const LidarScan& scan, const Ranges& ranges, std::size_t wanted) {
+  if (scan.returns.size() <= wanted) return 0;
+  const std::size_t step = scan.returns.size() / kSample + 1;
+  std::vector<float> squares;
+  for (std::size_t i = 0; i < scan.returns.size(); i += step) {
+    const float square = scan.returns[i].position_v.squaredNorm();
+    if (ranges.have(square)) squares.push_back(square);
+  }
+  const double target = static_cast<double>(wanted) / static_cast<double>(step);
+  return target < static_cast<double>(squares.size()) ? full_square_of(std::move(squares), target) : 0;
+}
+
 // Where the recording does not tell the lasers apart, points of one elevation count as one laser's.
 void tell_lasers_apart(std::vector<ScanPoint>& points) {
   const bool known = std::any_of(points.begin(), points.end(),
@@ -53,35 +66,50 @@ void tell_lasers_apart(std::vector<ScanPoint>& points) {
     p.laser = static_cast<std::int32_t>((p.position_v.z() / p.range_m + 1) * kElevationSteps);
 }
 
+// A cube of the map that is full with the first points of a scan is to have some of all lasers, and not a few
+// lowest: the scan is gone through several times, every time for other points of each laser.
+std::vector<ScanPoint> in_passes(const std::vector<ScanPoint>& points) {
+  std::vector<ScanPoint> out;
+  out.reserve(points.size());
+  for (std::size_t pass = 0; pass < kPasses; ++pass) {
+    for (std::size_t i = pass; i < points.size(); i += kPasses) out.push_back(points[i]);
+  }
+  return out;
+}
+
 }  // namespace
 
 std::vector<ScanPoint> thin(const LidarScan& scan, const OdometryParameters& parameters) {
-  const auto nearest = static_cast<float>(parameters.min_range_m);
-  const auto farthest = static_cast<float>(parameters.map_radius_m);
-  std::vector<ScanPoint> usable;
-  usable.reserve(scan.returns.size());
+  const Ranges ranges(parameters);
+  const float full = full_square(scan, ranges, static_cast<std::size_t>(parameters.max_scan_points));
+  std::vector<ScanPoint> out;
+  out.reserve(std::min(scan.returns.size(), 2 * static_cast<std::size_t>(parameters.max_scan_points)));
   for (std::size_t i = 0; i < scan.returns.size(); ++i) {
     const LidarReturn& r = scan.returns[i];
-    const float range = r.position_v.norm();
-    if (range >= nearest && range <= farthest)
-      usable.push_back({r.position_v, range, r.time_ns, r.laser, static_cast<std::uint32_t>(i)});
+    const float square = r.position_v.squaredNorm();
+    if (ranges.have(square) && unit_of(i) * full < square)
+      out.push_back({r.position_v, std::sqrt(square), r.time_ns, r.laser, static_cast<std::uint32_t>(i)});
   }
-  tell_lasers_apart(usable);
-  const auto wanted = static_cast<std::size_t>(parameters.max_scan_points);
-  if (usable.size() > wanted) {
-    const float full = full_square_of(usable, wanted);
-    const auto out = std::remove_if(usable.begin(), usable.end(), [&](const ScanPoint& p) {
-      return unit_of(p.return_index) * full >= p.range_m * p.range_m;
-    });
-    usable.erase(out, usable.end());
-  }
-  if (usable.empty()) return usable;
-  std::vector<ScanPoint> mixed;
-  mixed.reserve(usable.size());
-  const std::size_t stride = stride_through(usable.size());
-  for (std::size_t n = 0, i = 0; n < usable.size(); ++n, i = (i + stride) % usable.size())
-    mixed.push_back(usable[i]);
-  return mixed;
+  tell_lasers_apart(out);
+  return in_passes(out);
+}
+
+std::vector<ScanPoint> some_of(const std::vector<ScanPoint>& points, std::size_t most) {
+  std::vector<ScanPoint> out;
+  const std::size_t every = points.size() / (most + 1) + 1;
+  for (std::size_t i = 0; i < points.size(); i += every) out.push_back(points[i]);
+  return out;
+}
+
+std::vector<std::uint32_t> mixed_order(std::size_t size) {
+  std::vector<std::uint32_t> out;
+  if (size == 0) return out;
+  auto stride = static_cast<std::size_t>(0.618 * static_cast<double>(size)) + 1;
+  while (std::gcd(stride, size) != 1) ++stride;
+  out.reserve(size);
+  for (std::size_t i = 0; out.size() < size; i = i + stride < size ? i + stride : i + stride - size)
+    out.push_back(static_cast<std::uint32_t>(i));
+  return out;
 }
 
 }  // namespace mapless

@@ -74,11 +74,14 @@ std::vector<BinSums> sum_residuals(const TimeBins& bins, const KnotInterval& int
       sums[b].T_v0 = at.state.T_v0;
       sums[b].pose_jacobian = at.pose_jacobian;
       const SE3 T_0v = at.state.T_v0.inverse();
+      std::vector<Eigen::Vector3d> points_v, points_0;
       for (std::size_t i = bin.begin; i < bin.end; ++i) {
-        const Eigen::Vector3d p_v = at_middle(bins.points()[i], at.state.varpi);
-        if (const auto plane = map.plane_near(T_0v * p_v)) {
-          sums[b].add(point_residual(p_v, at.state.T_v0, *plane, weights));
-        }
+        points_v.push_back(at_middle(bins.points()[i], at.state.varpi));
+        points_0.push_back(T_0v * points_v.back());
+      }
+      const auto planes = map.planes_near(points_0);
+      for (std::size_t i = 0; i < planes.size(); ++i) {
+        if (planes[i]) sums[b].add(point_residual(points_v[i], at.state.T_v0, *planes[i], weights));
       }
     }
   });

@@ -1,5 +1,6 @@
 #include "odometry/plane_grid.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -46,6 +47,12 @@ int next_fit(int count) {
   return fitted;
 }
 
+bool insert(PlaneGrid& grid, const Vector3d& p, unsigned line) {
+  std::vector<unsigned> taken = {0};
+  grid.insert({{p, line, 1}}, 10, 1, taken);
+  return taken[0] != 0;
+}
+
 TEST(PlaneGrid, GivesTheLeastSquaresPlaneOfTheCube) {
   for (unsigned seed = 1; seed <= 50; ++seed) {
     SCOPED_TRACE(seed);
@@ -55,7 +62,7 @@ TEST(PlaneGrid, GivesTheLeastSquaresPlaneOfTheCube) {
     const Patch patch = random_patch(generator, centre);
     const auto points = points_on(patch, next_fit(6 + static_cast<int>(seed)), 0.2, generator);
     PlaneGrid grid(1, 0, kSigma);
-    for (const Vector3d& p : points) ASSERT_TRUE(grid.insert(p, next_line++));
+    for (const Vector3d& p : points) ASSERT_TRUE(insert(grid, p, next_line++));
     const Vector3d q = centre + 0.1 * patch.u - 0.15 * patch.v + 0.05 * patch.normal;
     const auto plane = grid.plane_at(q);
     ASSERT_TRUE(plane);
@@ -67,15 +74,44 @@ TEST(PlaneGrid, GivesTheLeastSquaresPlaneOfTheCube) {
   }
 }
 
+// Points of a scan come together, in whatever order: cubes side by side, and some that are left out.
+TEST(PlaneGrid, ManyPointsAtOnceAreAsManyOneByOne) {
+  std::mt19937 generator(5);
+  std::vector<MapPoint> points;
+  for (int i = 0; i < 12; ++i) {
+    const Patch patch = random_patch(generator, {0.5 + i % 4, 0.5 + i / 4, 0.5});
+    for (const Vector3d& p : points_on(patch, next_fit(20 + i), 0.2, generator))
+      points.push_back({p, next_line++, 1});
+  }
+  std::shuffle(points.begin(), points.end(), generator);
+  for (std::size_t i = 0; i < points.size(); i += 40)
+    points.insert(points.begin() + static_cast<std::ptrdiff_t>(i), {{500, 0, 0}, next_line++, 11});
+  PlaneGrid together(1, 0, kSigma), one_by_one(1, 0, kSigma);
+  std::vector<unsigned> taken(points.size(), 4);
+  together.insert(points, 10, 1, taken);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    EXPECT_EQ(taken[i], points[i].range_m > 10 ? 4u : 5u);
+    if (points[i].range_m < 10) (void)insert(one_by_one, points[i].p_0, points[i].line);
+  }
+  EXPECT_EQ(together.cubes(), 12u);
+  for (int i = 0; i < 12; ++i) {
+    const auto plane = together.plane_at({0.5 + i % 4, 0.5 + i / 4, 0.5});
+    const auto expected = one_by_one.plane_at({0.5 + i % 4, 0.5 + i / 4, 0.5});
+    ASSERT_TRUE(plane && expected);
+    EXPECT_NEAR(std::abs(plane->normal_0.dot(expected->normal_0)), 1, 1e-6);
+    EXPECT_NEAR((plane->point_0 - expected->point_0).norm(), 0, 1e-6);
+  }
+}
+
 TEST(PlaneGrid, WhatIsTakenOutAgainLeavesNothing) {
   std::mt19937 generator(4);
   const Patch patch = random_patch(generator, {2.5, 0.5, 0.5});
   const auto points = points_on(patch, next_fit(30), 0.2, generator);
   const auto others = points_on(random_patch(generator, {2.5, 0.5, 0.5}), 20, 0.3, generator);
   PlaneGrid plain(1, 0, kSigma), changed(1, 0, kSigma);
-  for (const Vector3d& p : points) (void)plain.insert(p, next_line++);
-  for (const Vector3d& p : others) (void)changed.insert(p, next_line++);
-  for (const Vector3d& p : points) (void)changed.insert(p, next_line++);
+  for (const Vector3d& p : points) (void)insert(plain, p, next_line++);
+  for (const Vector3d& p : others) (void)insert(changed, p, next_line++);
+  for (const Vector3d& p : points) (void)insert(changed, p, next_line++);
   for (const Vector3d& p : others) changed.remove(p);
   const auto expected = plain.plane_at(patch.centre);
   const auto found = changed.plane_at(patch.centre);
@@ -94,10 +130,10 @@ TEST(PlaneGrid, HasNoPlaneOfFewPointsALineOrACloud) {
   std::mt19937 generator(8);
   std::uniform_real_distribution<double> uniform(0.1, 0.9);
   for (int i = 0; i + 1 < PlaneGrid::kFewest; ++i)
-    (void)few.insert({0.15 * i + 0.05, 0.3 * (i % 3) + 0.1, 0.5}, next_line++);
+    (void)insert(few, {0.15 * i + 0.05, 0.3 * (i % 3) + 0.1, 0.5}, next_line++);
   for (int i = 0; i < 60; ++i) {
-    (void)line.insert({uniform(generator), 0.5, 0.5}, next_line++);
-    (void)cloud.insert({uniform(generator), uniform(generator), uniform(generator)}, next_line++);
+    (void)insert(line, {uniform(generator), 0.5, 0.5}, next_line++);
+    (void)insert(cloud, {uniform(generator), uniform(generator), uniform(generator)}, next_line++);
   }
   for (const PlaneGrid* grid : {&few, &line, &cloud}) EXPECT_FALSE(grid->plane_at({0.5, 0.5, 0.5}));
 }
@@ -108,8 +144,8 @@ TEST(PlaneGrid, HasNoPlaneThatAFaceCuts) {
   const Patch floor = {{0.5, 0.5, 1}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   PlaneGrid cut(1, 0, kSigma), shifted(1, 0.4, kSigma);
   for (const Vector3d& p : points_on(floor, 200, 0.4, generator)) {
-    (void)cut.insert(p, next_line++);
-    (void)shifted.insert(p, next_line++);
+    (void)insert(cut, p, next_line++);
+    (void)insert(shifted, p, next_line++);
   }
   EXPECT_FALSE(cut.plane_at({0.5, 0.5, 1.01}));
   EXPECT_FALSE(cut.plane_at({0.5, 0.5, 0.99}));
@@ -120,34 +156,34 @@ TEST(PlaneGrid, HasNoPlaneThatAFaceCuts) {
 TEST(PlaneGrid, HasNoPlaneOfTwoLines) {
   PlaneGrid grid(1, 0, kSigma);
   for (int i = 0; i < 20; ++i) {
-    (void)grid.insert({0.1 + 0.04 * i, 0.3, 0.2}, 1);
-    (void)grid.insert({0.1 + 0.04 * i, 0.7, 0.6}, 2);
+    (void)insert(grid, {0.1 + 0.04 * i, 0.3, 0.2}, 1);
+    (void)insert(grid, {0.1 + 0.04 * i, 0.7, 0.6}, 2);
   }
   EXPECT_FALSE(grid.plane_at({0.5, 0.5, 0.4}));
-  for (int i = 0; i < 5; ++i) (void)grid.insert({0.1 + 0.2 * i, 0.5, 0.4}, 3);
+  for (int i = 0; i < 5; ++i) (void)insert(grid, {0.1 + 0.2 * i, 0.5, 0.4}, 3);
   EXPECT_TRUE(grid.plane_at({0.5, 0.5, 0.4}));
 }
 
 TEST(PlaneGrid, CubesAtTheOriginAreAsWideAsOthers) {
   PlaneGrid grid(1, 0, kSigma);
-  for (const double x : {-0.5, 0.5, 1.5}) (void)grid.insert({x, 0.5, 0.5}, next_line++);
+  for (const double x : {-0.5, 0.5, 1.5}) (void)insert(grid, {x, 0.5, 0.5}, next_line++);
   EXPECT_EQ(grid.cubes(), 3u);
 }
 
 TEST(PlaneGrid, AFullCubeTakesNoMore) {
   PlaneGrid grid(1, 0, kSigma);
-  for (int i = 0; i < PlaneGrid::kFull; ++i) EXPECT_TRUE(grid.insert({0.5, 0.5, 0.5}, next_line++));
-  EXPECT_FALSE(grid.insert({0.5, 0.5, 0.5}, next_line++));
+  for (int i = 0; i < PlaneGrid::kFull; ++i) EXPECT_TRUE(insert(grid, {0.5, 0.5, 0.5}, next_line++));
+  EXPECT_FALSE(insert(grid, {0.5, 0.5, 0.5}, next_line++));
 }
 
 TEST(PlaneGrid, ForgetsWhatIsFar) {
   PlaneGrid grid(1, 0, kSigma);
-  for (int x = 0; x < 3000; ++x) (void)grid.insert({x + 0.5, 0.5, 0.5}, next_line++);
+  for (int x = 0; x < 3000; ++x) (void)insert(grid, {x + 0.5, 0.5, 0.5}, next_line++);
   grid.keep_within({1000, 0, 0}, 100);
   EXPECT_EQ(grid.cubes(), 201u);
-  (void)grid.insert({1000.9, 0.5, 0.5}, next_line++);
+  (void)insert(grid, {1000.9, 0.5, 0.5}, next_line++);
   EXPECT_EQ(grid.cubes(), 201u) << "the table still finds them";
-  for (int x = -3000; x < 0; ++x) (void)grid.insert({x + 0.5, -0.5, 0.5}, next_line++);
+  for (int x = -3000; x < 0; ++x) (void)insert(grid, {x + 0.5, -0.5, 0.5}, next_line++);
   grid.keep_within({-1000, 0, 0}, 100);
   EXPECT_EQ(grid.cubes(), 199u) << "on the negative side, their corners 1 m aside";
 }
@@ -155,9 +191,9 @@ TEST(PlaneGrid, ForgetsWhatIsFar) {
 TEST(PlaneGrid, IgnoresPointsThatAreNowhere) {
   PlaneGrid grid(1, 0, kSigma);
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_FALSE(grid.insert({nan, 0, 0}, next_line++));
-  EXPECT_FALSE(grid.insert({0, 1e300, 0}, next_line++));
-  EXPECT_FALSE(grid.insert({0, 0, -std::numeric_limits<double>::infinity()}, next_line++));
+  EXPECT_FALSE(insert(grid, {nan, 0, 0}, next_line++));
+  EXPECT_FALSE(insert(grid, {0, 1e300, 0}, next_line++));
+  EXPECT_FALSE(insert(grid, {0, 0, -std::numeric_limits<double>::infinity()}, next_line++));
   EXPECT_EQ(grid.cubes(), 0u);
   EXPECT_FALSE(grid.plane_at({nan, 0, 0}));
 }
@@ -166,11 +202,12 @@ TEST(PlaneMap, AFarSparseWallHasACoarsePlaneAndANearOneAFinePlane) {
   std::mt19937 generator(10);
   PlaneMap map(kSigma);
   const Patch wall = {{41.8, 1.8, 1.8}, {0, 1, 0}, {0, 0, 1}, {1, 0, 0}};
-  for (const Vector3d& p : points_on(wall, 8, 0.8, generator)) EXPECT_EQ(map.insert(p, next_line++, 90), 12u);
-  EXPECT_TRUE(map.plane_near(wall.centre));
+  for (const Vector3d& p : points_on(wall, 8, 0.8, generator))
+    EXPECT_EQ(map.insert({{p, next_line++, 90}}), std::vector{12u});
+  EXPECT_TRUE(map.planes_near({wall.centre})[0]);
   for (const Vector3d& p : points_on(wall, 60, 0.8, generator))
-    EXPECT_EQ(map.insert(p, next_line++, 10), 15u);
-  const auto plane = map.plane_near(wall.centre);
+    EXPECT_EQ(map.insert({{p, next_line++, 10}}), std::vector{15u});
+  const auto plane = map.planes_near({wall.centre})[0];
   ASSERT_TRUE(plane);
   EXPECT_LT(plane->variance, 2.25 * kSigma * kSigma);
   EXPECT_NEAR(std::abs(plane->normal_0.x()), 1, 0.01);
