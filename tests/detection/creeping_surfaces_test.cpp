@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "support/local_points.hpp"
 #include "support/toy_scene.hpp"
 
 namespace mapless {
@@ -46,7 +47,7 @@ class CreepingBox : public testing::Test {
     asked_.push_back({&images_.back(), gap});
   }
 
-  void vote() { vote_for_creeping(*query_.scan, local_points(query_), asked_, {}, votes_); }
+  void vote() { vote_for_creeping(*query_.scan, test::local_points(query_), asked_, {}, votes_); }
 
   // Above the ground by more than the noise.
   [[nodiscard]] bool is_box(std::size_t i) const { return query_.points_0[i].z() > -1.6; }

@@ -100,18 +100,18 @@ TEST(FreespaceProbe, BeforeOnAndBehindAWall) {
       SCOPED_TRACE(testing::Message() << sensor << " at " << elevation);
       const double range = 10 / std::cos(elevation * kDegree);
       EXPECT_EQ(wall.at(elevation, range - 4), FreespaceVerdict::inside);
-      EXPECT_EQ(wall.at(elevation, range - 0.25), FreespaceVerdict::inside);
+      EXPECT_EQ(wall.at(elevation, range - 0.3), FreespaceVerdict::inside);
       EXPECT_EQ(wall.at(elevation, range - 0.06), FreespaceVerdict::border);
       EXPECT_EQ(wall.at(elevation, range), FreespaceVerdict::border);
       EXPECT_EQ(wall.at(elevation, range + 0.06), FreespaceVerdict::border);
-      EXPECT_EQ(wall.at(elevation, range + 0.25), FreespaceVerdict::outside);
+      EXPECT_EQ(wall.at(elevation, range + 0.3), FreespaceVerdict::outside);
       EXPECT_EQ(wall.at(elevation, range + 4), FreespaceVerdict::outside);
     }
   }
 }
 
 // 0.08 m and 0.4 of the spacing at the range. VLP-16, 2 degrees: 0.22 m at 10 m, 0.36 m at 20 m. OS1-128,
-// 0.35 degrees: 0.10 m and 0.13 m. Off the beams' own elevations a wall is up to 1 cm nearer or farther.
+// 0.35 degrees: 0.10 m and 0.13 m. On the beam above a flat wall is up to 4 cm farther.
 TEST(FreespaceProbe, ToleratesMoreWhereLasersAreFartherApart) {
   struct Case {
     const char* sensor;
@@ -121,10 +121,10 @@ TEST(FreespaceProbe, ToleratesMoreWhereLasersAreFartherApart) {
        {Case{"VLP-16", 10, 0.22}, {"VLP-16", 20, 0.36}, {"OS1-128", 10, 0.10}, {"OS1-128", 20, 0.13}}) {
     SCOPED_TRACE(testing::Message() << sensor << " at " << wall_m);
     const Seen wall(sensor, {wall_at(wall_m)});
-    EXPECT_EQ(wall.at(1, wall_m - tolerance_m + 0.02), FreespaceVerdict::border);
-    EXPECT_EQ(wall.at(1, wall_m - tolerance_m - 0.02), FreespaceVerdict::inside);
-    EXPECT_EQ(wall.at(1, wall_m + tolerance_m - 0.02), FreespaceVerdict::border);
-    EXPECT_EQ(wall.at(1, wall_m + tolerance_m + 0.02), FreespaceVerdict::outside);
+    EXPECT_EQ(wall.at(1, wall_m - tolerance_m + 0.05), FreespaceVerdict::border);
+    EXPECT_EQ(wall.at(1, wall_m - tolerance_m - 0.05), FreespaceVerdict::inside);
+    EXPECT_EQ(wall.at(1, wall_m + tolerance_m - 0.05), FreespaceVerdict::border);
+    EXPECT_EQ(wall.at(1, wall_m + tolerance_m + 0.05), FreespaceVerdict::outside);
   }
 }
 

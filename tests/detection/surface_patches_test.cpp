@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "support/local_points.hpp"
 #include "support/toy_scene.hpp"
 #include <mapless/detection/freespace_votes.hpp>
 
@@ -30,7 +31,7 @@ std::vector<char> all_of(const CompensatedScan& scan) {
 
 TEST(SurfacePatches, OfAWallLieOnItAndLookAtTheSensor) {
   const CompensatedScan scan = corner();
-  const LocalPoints points = local_points(scan);
+  const LocalPoints points = test::local_points(scan);
   const SurfacePatches patches(*scan.scan, points, all_of(scan));
   std::size_t planes = 0;
   for (std::size_t p = 0; p < patches.size(); ++p) {
@@ -52,7 +53,7 @@ TEST(SurfacePatches, WhereTwoWallsMeetAreNoPlanes) {
   for (const double left_m : {6.0, 6.15, 6.3, 6.45, 6.6}) {
     SCOPED_TRACE(testing::Message() << "to the left: " << left_m << " m");
     const CompensatedScan scan = corner(left_m);
-    const LocalPoints points = local_points(scan);
+    const LocalPoints points = test::local_points(scan);
     const SurfacePatches patches(*scan.scan, points, all_of(scan));
     for (std::size_t p = 0; p < patches.size(); ++p) {
       const auto members = patches.members(p);
@@ -72,7 +73,7 @@ TEST(SurfacePatches, HaveEveryWantedReturnOnce) {
   const CompensatedScan scan = corner();
   std::vector<char> wanted = all_of(scan);
   for (std::size_t i = 0; i < wanted.size(); i += 3) wanted[i] = 0;
-  const SurfacePatches patches(*scan.scan, local_points(scan), wanted);
+  const SurfacePatches patches(*scan.scan, test::local_points(scan), wanted);
   std::vector<char> seen(wanted.size(), 0);
   for (std::size_t p = 0; p < patches.size(); ++p) {
     for (const std::int32_t i : patches.members(p)) ++seen[static_cast<std::size_t>(i)];
@@ -83,7 +84,7 @@ TEST(SurfacePatches, HaveEveryWantedReturnOnce) {
 // Rows end at the lowest and the highest laser, columns go round.
 TEST(SurfacePatches, AreBesideEightOthersOrFive) {
   const CompensatedScan scan = corner();
-  const SurfacePatches patches(*scan.scan, local_points(scan), all_of(scan));
+  const SurfacePatches patches(*scan.scan, test::local_points(scan), all_of(scan));
   const auto across = patches.size() / (64 / kPatchRows);
   const auto beside = [&](std::size_t p) {
     std::vector<std::size_t> out;
