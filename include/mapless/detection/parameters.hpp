@@ -149,7 +149,7 @@ struct VotingParameters {
   int seed_score = 40;
   int min_seeds = 4;
   bool grow = true;
-  bool creeping = true;
+  bool creeping = false;
   double min_advance_m = 0.03;
   double min_speed_mps = 0.2;
 
