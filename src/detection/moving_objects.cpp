@@ -17,7 +17,7 @@ Detection MovingObjects::judge(ProposedObjects proposed) {
   if (parameters_.method == DetectionMethod::published) return detection;
   std::vector<bool> moves;
   for (const TrackedObject& object : detection.tracked) {
-    ObjectState& state = states_[object.id];
+    MotionState& state = states_[object.id];
     state = next_state(state, object, proposed.advance_m[object.number - 1U], now, parameters_.voting);
     moves.push_back(state.moves);
   }

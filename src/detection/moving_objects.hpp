@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "detection/detection_pipeline.hpp"
-#include "detection/object_state.hpp"
+#include "detection/motion_state.hpp"
 #include <mapless/detection/detector.hpp>
 #include <mapless/detection/object_tracker.hpp>
 
@@ -23,7 +23,7 @@ class MovingObjects {
  private:
   DetectorParameters parameters_;
   ObjectTracker tracker_;
-  ObjectStates states_;
+  MotionStates states_;
 };
 
 /// Leaves those of detection.tracked that move (one element each), numbered 1, 2, ... in their order; the

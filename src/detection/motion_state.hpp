@@ -10,7 +10,7 @@
 namespace mapless {
 
 /// Whether an object that is followed moves, and what of its last scan the next one has to know.
-struct ObjectState {
+struct MotionState {
   bool moves = false;
   bool slow = false;
   double unproven_m = 0;  ///< gone by its speed since its last advance
@@ -25,12 +25,12 @@ struct ObjectState {
 /// be seen again. It moves until it is slower in two of its scans in a row; the advance tells instead of the
 /// speed where the registration hardly does, as of a wall, which slides along itself at any speed. It stands,
 /// too, once it would have gone 1 m by its speed since its last advance.
-ObjectState next_state(const ObjectState& last, const TrackedObject& object, float advance_m, Time now,
+MotionState next_state(const MotionState& last, const TrackedObject& object, float advance_m, Time now,
                        const VotingParameters& parameters);
 
-using ObjectStates = std::map<std::uint32_t, ObjectState>;  // by id
+using MotionStates = std::map<std::uint32_t, MotionState>;  // by id
 
 /// Drops those that ObjectTracker has forgotten: their ids do not come back.
-void forget_absent(ObjectStates& states, Time now);
+void forget_absent(MotionStates& states, Time now);
 
 }  // namespace mapless

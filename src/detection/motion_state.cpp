@@ -1,4 +1,4 @@
-#include "detection/object_state.hpp"
+#include "detection/motion_state.hpp"
 
 #include <Eigen/Cholesky>
 
@@ -25,9 +25,9 @@ bool velocity_is_known(const TrackedObject& object) {
 
 }  // namespace
 
-ObjectState next_state(const ObjectState& last, const TrackedObject& object, float advance_m, Time now,
+MotionState next_state(const MotionState& last, const TrackedObject& object, float advance_m, Time now,
                        const VotingParameters& parameters) {
-  ObjectState next;
+  MotionState next;
   next.seen = now;
   const bool advances = static_cast<double>(advance_m) >= parameters.min_advance_m;
   if (object.age == 1) {
@@ -42,7 +42,7 @@ ObjectState next_state(const ObjectState& last, const TrackedObject& object, flo
   return next;
 }
 
-void forget_absent(ObjectStates& states, Time now) {
+void forget_absent(MotionStates& states, Time now) {
   std::erase_if(states,
                 [now](const auto& entry) { return (now - entry.second.seen).seconds() > kLongestAbsence_s; });
 }

@@ -1,4 +1,4 @@
-#include "detection/object_state.hpp"
+#include "detection/motion_state.hpp"
 
 #include <gtest/gtest.h>
 
@@ -30,12 +30,12 @@ TrackedObject object(double speed_mps, double std_mps) {
 }
 
 // 0.1 s after a scan at kStart.
-ObjectState next(const ObjectState& last, const TrackedObject& o, float advance_m) {
+MotionState next(const MotionState& last, const TrackedObject& o, float advance_m) {
   return next_state(last, o, advance_m, kStart + Duration::from_seconds(0.1), parameters());
 }
 
-ObjectState moving() { return {.moves = true, .slow = false, .unproven_m = 0, .seen = kStart}; }
-ObjectState standing() { return {.moves = false, .slow = true, .unproven_m = 0, .seen = kStart}; }
+MotionState moving() { return {.moves = true, .slow = false, .unproven_m = 0, .seen = kStart}; }
+MotionState standing() { return {.moves = false, .slow = true, .unproven_m = 0, .seen = kStart}; }
 
 bool new_one_moves(int points, float advance_m) {
   TrackedObject o = object(0, kBadly_mps);
@@ -54,7 +54,7 @@ TEST(NextState, ASpeedOfANewObjectSaysNothing) {
   TrackedObject o = object(0, kWell_mps);
   o.age = 1;
   o.points = 15;
-  const ObjectState state = next({}, o, kAdvance_m);
+  const MotionState state = next({}, o, kAdvance_m);
   EXPECT_TRUE(state.moves);
   EXPECT_FALSE(state.slow);
   o.velocity_0 = {0, 20, 0};
@@ -126,10 +126,10 @@ TEST(NextState, SigmasAreThoseAlongTheVelocity) {
 
 TEST(NextState, WhatMovesStopsWhenItIsSlowInTwoScansInARow) {
   const TrackedObject slow = object(0, kWell_mps), fast = object(kFast_mps, kWell_mps);
-  const ObjectState once = next(moving(), slow, kLess_m);
+  const MotionState once = next(moving(), slow, kLess_m);
   EXPECT_TRUE(once.moves);
   EXPECT_FALSE(next(once, slow, kLess_m).moves);
-  const ObjectState fast_again = next(once, fast, kLess_m);
+  const MotionState fast_again = next(once, fast, kLess_m);
   EXPECT_TRUE(fast_again.moves);
   EXPECT_TRUE(next(fast_again, slow, kLess_m).moves);
 }
@@ -137,7 +137,7 @@ TEST(NextState, WhatMovesStopsWhenItIsSlowInTwoScansInARow) {
 // 4 m/s for 0.1 s are 0.4 m; 3 of these scans are 1.2 m.
 TEST(NextState, WhatWentAMetreByItsSpeedWithoutAnAdvanceStands) {
   const TrackedObject fast = object(4, kWell_mps);
-  ObjectState state = moving();
+  MotionState state = moving();
   for (const double unproven_m : {0.4, 0.8}) {
     state = next_state(state, fast, kLess_m, state.seen + Duration::from_seconds(0.1), parameters());
     EXPECT_NEAR(state.unproven_m, unproven_m, 1e-9);
@@ -145,13 +145,13 @@ TEST(NextState, WhatWentAMetreByItsSpeedWithoutAnAdvanceStands) {
   }
   const Time third = state.seen + Duration::from_seconds(0.1);
   EXPECT_FALSE(next_state(state, fast, kLess_m, third, parameters()).moves);
-  const ObjectState advanced = next_state(state, fast, kAdvance_m, third, parameters());
+  const MotionState advanced = next_state(state, fast, kAdvance_m, third, parameters());
   EXPECT_TRUE(advanced.moves);
   EXPECT_EQ(advanced.unproven_m, 0);
 }
 
 TEST(NextState, ThatMetreIsOneMetre) {
-  ObjectState state = moving();
+  MotionState state = moving();
   state.unproven_m = 0.59;
   EXPECT_TRUE(next(state, object(4, kWell_mps), kLess_m).moves);  // 0.99 m
   state.unproven_m = 0.61;
@@ -165,7 +165,7 @@ TEST(NextState, WhatItWentWhileItWasHiddenCounts) {
 }
 
 TEST(ForgetAbsent, ForgetsWhatWasNotSeenForMoreThanASecond) {
-  ObjectStates states;
+  MotionStates states;
   states[3].seen = kStart;
   states[5].seen = kStart + Duration::from_nanoseconds(1);
   forget_absent(states, kStart + Duration::from_seconds(1));
