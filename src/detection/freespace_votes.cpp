@@ -24,7 +24,7 @@ std::vector<RowVotes::Row> rows_of(const LidarScan& scan, bool between) {
     const auto end =
         std::partition_point(begin, scan.returns.end(), [l](const LidarReturn& r) { return r.laser <= l; });
     if (between == (l % 2 == 1 && l != last)) {
-      rows.push_back({l, static_cast<std::size_t>(begin - scan.returns.begin()),
+      rows.push_back({static_cast<std::size_t>(begin - scan.returns.begin()),
                       static_cast<std::size_t>(end - scan.returns.begin())});
     }
     begin = end;

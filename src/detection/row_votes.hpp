@@ -21,7 +21,6 @@ class RowVotes {
 
   /// A laser's returns.
   struct Row {
-    int laser;
     std::size_t begin, end;
   };
   /// Votes of rows, asked together. Where they are `between`, the rows below and above each were asked

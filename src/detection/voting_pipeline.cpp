@@ -1,7 +1,6 @@
 #include <deque>
 #include <utility>
 
-#include "detection/creeping_surfaces.hpp"
 #include "detection/detection_pipeline.hpp"
 #include "detection/reference_gaps.hpp"
 #include "detection/stage_record.hpp"
@@ -101,11 +100,8 @@ ProposedObjects VotingPipeline::judge(PendingScan query, const std::vector<Asked
   out.trace.resize(out.scan->returns.size());
 
   // 2., 3. Comparison and freespace check, of every point, against several earlier scans and a later one.
-  const auto votes = timed(out.seconds.backward, [&] {
-    auto all = collect_votes(*out.scan, query.points, asked, own, parameters_);
-    if (parameters_.creeping) vote_for_creeping(*out.scan, query.points, asked, parameters_, all);
-    return all;
-  });
+  const auto votes = timed(out.seconds.backward,
+                           [&] { return collect_votes(*out.scan, query.points, asked, own, parameters_); });
   record_votes(out.trace, votes);
   // 4. Border effects have no neighbours that say the same.
   const auto seeds = timed(out.seconds.box_filter,

@@ -94,13 +94,6 @@ std::vector<ScanPoint> thin(const LidarScan& scan, const OdometryParameters& par
   return in_passes(out);
 }
 
-std::vector<ScanPoint> some_of(const std::vector<ScanPoint>& points, std::size_t most) {
-  std::vector<ScanPoint> out;
-  const std::size_t every = points.size() / (most + 1) + 1;
-  for (std::size_t i = 0; i < points.size(); i += every) out.push_back(points[i]);
-  return out;
-}
-
 std::vector<std::uint32_t> mixed_order(std::size_t size) {
   std::vector<std::uint32_t> out;
   if (size == 0) return out;

@@ -24,9 +24,6 @@ struct ScanPoint {
 /// are of the whole scan, by laser. Returns nearer than `min_range_m` or beyond `map_radius_m` are not used.
 [[nodiscard]] std::vector<ScanPoint> thin(const LidarScan& scan, const OdometryParameters& parameters);
 
-/// About `most` of them, or all where there are fewer; in their order.
-[[nodiscard]] std::vector<ScanPoint> some_of(const std::vector<ScanPoint>& points, std::size_t most);
-
 /// Every index once, neighbours far apart: a step near the golden section, and prime to the size.
 [[nodiscard]] std::vector<std::uint32_t> mixed_order(std::size_t size);
 

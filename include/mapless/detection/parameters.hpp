@@ -149,7 +149,6 @@ struct VotingParameters {
   int seed_score = 40;
   int min_seeds = 4;
   bool grow = true;
-  bool creeping = false;
   double min_advance_m = 0.03;
   double min_speed_mps = 0.2;
 
@@ -198,10 +197,6 @@ struct VotingParameters {
                 "seeds grow over linked points whose votes are above 0, or that some scan saw through unless "
                 "most saw a surface there, and fill holes",
                 "paper step 5"),
-        declare(&P::creeping, "creeping",
-                "faces that advance by centimetres along their own normals move too, though no scan saw "
-                "through them",
-                "docs/method.md"),
         declare(
             &P::min_advance_m, "min_advance_m", "m", 0.0, 10.0,
             "the share of an object's points that one of the nearest scans saw through, times its size, is "
