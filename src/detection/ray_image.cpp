@@ -186,7 +186,7 @@ float FreespaceProbe::reach_m(const Sighting& nearest) const {
 }
 
 void FreespaceProbe::look_around(const Sighting& s, bool is_nearest, Window& window) const {
-  const float tolerance = tolerance_at_0_m_ + tolerance_spacings_ * s.beam->spacing_rad * s.range_m;
+  const float tolerance = tolerance_m(s.beam->laser, s.range_m);
   for (int c = s.column - half_window_; c <= s.column + half_window_; ++c) {
     const float range = image_.range_m(s.beam->laser, c);  // NaN is neither
     if (range < s.range_m - tolerance) {

@@ -9,7 +9,8 @@ namespace {
 
 constexpr std::size_t kAtOnce = FreespaceProbe::kAtOnce;
 
-// Votes against a point that settle it: of the order in_order gives, three scans, 32, 12 and 4 back.
+// Votes against a point that settle it, if no scan saw through: of the order in_order gives, three scans, 32,
+// 12 and 4 back.
 constexpr int kEnough = 9;
 
 // The farthest first, and every third: those tell of seconds ago and of a moment ago. Where all of them saw a
@@ -30,9 +31,6 @@ int recent_gap(const std::vector<AskedScan>& asked) {
   return std::max(nearest, kRecentGap);
 }
 
-// Seen by scans enough, and by none seen through.
-bool stands(const PointVotes& v) { return is_static(v) && v.total() <= -kEnough; }
-
 }  // namespace
 
 Witnesses::Witnesses(const LidarScan& scan, const LocalPoints& points, const std::vector<AskedScan>& asked,
@@ -44,7 +42,7 @@ Witnesses::Witnesses(const LidarScan& scan, const LocalPoints& points, const std
   const int recent = recent_gap(asked);
   for (const AskedScan& a : in_order(asked)) {
     witnesses_.push_back({FreespaceProbe(*a.image, points.origin_0, parameters), surface_votes(a.gap),
-                          a.gap < 0, std::abs(a.gap) <= recent});
+                          a.gap < 0, std::abs(a.gap) <= recent, std::abs(a.gap)});
   }
 }
 
@@ -56,12 +54,14 @@ void Witnesses::ask(const std::vector<std::size_t>& questions, Hearing& hearing,
     hear_all(witnesses_[k], hearing);
     settle(k + 1, hearing);
   }
+  count_leavers(hearing);
   for (const Question& question : hearing.questions) votes[question.i] = question.votes;
 }
 
 void Witnesses::gather(const std::vector<std::size_t>& questions, Hearing& hearing) const {
   hearing.questions.clear();
   hearing.open.clear();
+  hearing.leavers.clear();
   for (const std::size_t i : questions) {
     hearing.open.push_back(hearing.questions.size());
     hearing.questions.push_back(
@@ -97,7 +97,8 @@ void Witnesses::hear_all(const Witness& witness, Hearing& hearing) const {
 void Witnesses::settle(std::size_t next, Hearing& hearing) const {
   std::erase_if(hearing.open, [&](std::size_t n) {
     PointVotes& votes = hearing.questions[n].votes;
-    if (!stands(votes)) return false;
+    const bool stands = is_static(votes) && votes.total() <= -kEnough && !hearing.questions[n].hider_left;
+    if (!stands) return false;
     for (std::size_t k = next; k < witnesses_.size(); ++k) {
       count(witnesses_[k], -witnesses_[k].surface_votes, votes);
     }
@@ -123,6 +124,7 @@ void Witnesses::hear(const Witness& witness, const FreespaceProbe::Answer& answe
     if (moved && witness.recent) count(witness, kMovingVotes, votes);
     votes.moving_seen = votes.moving_seen || (moved && witness.recent);
     votes.surface_seen = true;
+    question.seen_next = question.seen_next || witness.later;
   } else if (answer.verdict == FreespaceVerdict::outside && answer.short_by_m <= vacated_m_ &&
              witness.probe.ended(answer)) {
     const Eigen::Vector3f place = witness.probe.endpoint(answer.laser, answer.column);
@@ -147,12 +149,30 @@ void Witnesses::ask_whether_left(const Witness& witness, Hearing& hearing) const
     const auto answers = own_.look(points);
     for (std::size_t l = 0; l < std::min(kAtOnce, hiders.size() - first); ++l) {
       if (answers[l].verdict != FreespaceVerdict::inside) continue;
-      PointVotes& votes = hiders[first + l].question->votes;
-      count(witness, kVacatedVotes, votes);
-      votes.vacated = true;
-      votes.recently = votes.recently || witness.recent;
+      const auto& [question, place] = hiders[first + l];
+      question->hider_left = true;
+      hearing.leavers.push_back({question, &witness, (place - question->q).norm()});
     }
   }
+}
+
+void Witnesses::count_leavers(Hearing& hearing) const {
+  for (const Hearing::Leaver& leaver : hearing.leavers) {
+    if (!goes_on(leaver)) continue;
+    PointVotes& votes = leaver.question->votes;
+    count(*leaver.witness, kVacatedVotes, votes);
+    votes.vacated = true;
+    votes.recently = votes.recently || leaver.witness->recent;
+  }
+}
+
+// Whether the point may be of what left: that goes on, and where it clearly does the later scan finds no
+// surface at the point.
+bool Witnesses::goes_on(const Hearing::Leaver& leaver) const {
+  if (leaver.witness->later || !leaver.question->seen_next) return true;
+  const LidarReturn& r = scan_.returns[leaver.question->i];
+  const float advance_m = leaver.distance_m / static_cast<float>(leaver.witness->scans_off);
+  return advance_m <= kClearlyGone * own_.tolerance_m(r.laser, r.range_m);
 }
 
 }  // namespace mapless

@@ -18,6 +18,8 @@ namespace mapless {
 
 /// The scans asked about the points of one scan, and what they say.
 class Witnesses {
+  struct Witness;
+
  public:
   /// Keeps references to all but `asked`.
   Witnesses(const LidarScan& scan, const LocalPoints& points, const std::vector<AskedScan>& asked,
@@ -30,6 +32,8 @@ class Witnesses {
       float column;       // it was fired in
       Eigen::Vector3f q;  // its point
       PointVotes votes;
+      bool seen_next = false;   // as a surface, by the later scan
+      bool hider_left = false;  // of some scan
     };
     std::vector<Question> questions;
     std::vector<std::size_t> open;  // those not settled yet
@@ -39,6 +43,13 @@ class Witnesses {
       Eigen::Vector3f place;
     };
     std::vector<Hider> hiders;
+    // What has left, of all scans.
+    struct Leaver {
+      Question* question;
+      const Witness* witness;
+      float distance_m;  // from where it was to the point
+    };
+    std::vector<Leaver> leavers;
   };
   /// Asks about returns of the scan, best neighbours of a row, and enters the answers in `votes`.
   void ask(const std::vector<std::size_t>& questions, Hearing& hearing, std::vector<PointVotes>& votes) const;
@@ -50,6 +61,7 @@ class Witnesses {
     int surface_votes;
     bool later;
     bool recent;
+    int scans_off;
   };
 
   void gather(const std::vector<std::size_t>& questions, Hearing& hearing) const;
@@ -57,6 +69,8 @@ class Witnesses {
   void hear(const Witness& witness, const FreespaceProbe::Answer& answer, Question& question,
             Hearing& hearing) const;
   void ask_whether_left(const Witness& witness, Hearing& hearing) const;
+  void count_leavers(Hearing& hearing) const;
+  [[nodiscard]] bool goes_on(const Hearing::Leaver& leaver) const;
   static void count(const Witness& witness, int number, PointVotes& votes);
   void settle(std::size_t next, Hearing& hearing) const;
 

@@ -26,12 +26,15 @@ struct AskedScan {
 ///   kMovingVotes from a scan within kRecentGap. Whether the thing still goes on, its own motion tells
 ///   (MovingObjects).
 /// - Something hid the place that has left its own since, as the scan asked about shows, and that was no
-///   farther off than VotingParameters::vacated_m: kVacatedVotes. It is the thing itself, moving away.
+///   farther off than VotingParameters::vacated_m: kVacatedVotes. It is the thing itself, moving away. But
+///   not where the later scan sees a surface at the point that would have gone on by more than kClearlyGone
+///   tolerances by then, by how far the hider had been off: such a point was uncovered.
 /// - Else it could not see: none.
 inline constexpr int kSeenThroughVotes = 4;
 inline constexpr int kVacatedVotes = 2;
 inline constexpr int kMovingVotes = 1;
 inline constexpr int kMostSurfaceVotes = 4;
+inline constexpr float kClearlyGone = 2;
 [[nodiscard]] int surface_votes(int gap);
 /// A scan no farther off than this tells whether something moves now; where all are farther, the nearest
 /// does.

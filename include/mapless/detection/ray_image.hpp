@@ -120,6 +120,12 @@ class FreespaceProbe {
   /// within rounding, or a tenth of a millimetre a metre, of the limit between two answers.
   [[nodiscard]] Answers look(Points& points, Vectors vectors = widest_vectors()) const;
 
+  /// How far a surface at `range_m` may be from a ray's end and still be what it hit.
+  [[nodiscard]] float tolerance_m(int laser, float range_m) const {
+    return tolerance_at_0_m_ +
+           tolerance_spacings_ * fan_.beams[static_cast<std::size_t>(laser)].spacing_rad * range_m;
+  }
+
   /// Whether the firing named hit something; what met nothing goes to the maximum range and hides nothing.
   [[nodiscard]] bool ended(const Answer& answer) const;
   /// Whether what the firing named hit was found dynamic.
