@@ -27,6 +27,14 @@ inline constexpr double kFarthestCube = 1e6;
   return bits(cube.x()) << 42 | bits(cube.y()) << 21 | bits(cube.z());
 }
 
+[[nodiscard]] inline Eigen::Array3i cube_of_key(std::uint64_t key) {
+  const auto axis = [&](int bit) {
+    const auto bits = static_cast<std::int32_t>(key >> bit & 0x1FFFFFu);
+    return (bits ^ 0x100000) - 0x100000;  // the highest bit is the sign
+  };
+  return {axis(42), axis(21), axis(0)};
+}
+
 /// Multiplicative hash. Only the high bits of the product depend on all bits of the key: shift by 64 less the
 /// number of bits wanted.
 [[nodiscard]] inline std::size_t cube_slot(std::uint64_t key, int shift) {

@@ -21,14 +21,6 @@ constexpr double kCutSigmas = 2.5;
 constexpr double kGrowth = 1.25;
 constexpr std::size_t kAhead = 12;  // points
 
-Eigen::Array3i cube_of_key(std::uint64_t key) {
-  const auto axis = [&](int bit) {
-    const auto c = static_cast<std::int32_t>(key >> bit & 0x1FFFFFu);
-    return c < 0x100000 ? c : c - 0x200000;
-  };
-  return {axis(42), axis(21), axis(0)};
-}
-
 }  // namespace
 
 PlaneGrid::PlaneGrid(double cube_m, double offset_m, double sigma_m)
@@ -84,15 +76,16 @@ void PlaneGrid::add(Cube& cube, const Vector3d& offset, double sign) const {
 
 PlaneGrid::Place PlaneGrid::place_of(const Vector3d& p_0) const {
   const Vector3d p = from_origin(p_0);
-  if (!has_cube(p, cube_m_)) return {Eigen::Array3i::Zero(), kNowhere};
-  const Eigen::Array3i at = cube_of(p, cubes_per_m_);
-  return {at, cube_key(at)};
+  return {has_cube(p, cube_m_) ? cube_key(cube_of(p, cubes_per_m_)) : kNowhere};
 }
 
 void PlaneGrid::fetch_cube(const Place& place) const {
   if (place.key == kNowhere) return;
   const std::int32_t cube = table_[cube_slot(place.key, shift_)].cube;
-  if (cube >= 0) __builtin_prefetch(&cubes_[static_cast<std::size_t>(cube)], 1);
+  if (cube < 0) return;
+  const Cube* at = &cubes_[static_cast<std::size_t>(cube)];
+  __builtin_prefetch(at, 1);
+  __builtin_prefetch(&at->products.back(), 1);  // often in another line of the cache
 }
 
 // What a point needs lies anywhere in memory, and is asked for some points ahead.
@@ -101,8 +94,7 @@ void PlaneGrid::insert(const std::vector<MapPoint>& points, double farthest_m, u
   std::vector<Place> places(points.size());
   for (std::size_t i = 0; i < points.size() + 2 * kAhead; ++i) {
     if (i < points.size()) {
-      places[i] =
-          points[i].range_m > farthest_m ? Place{Eigen::Array3i::Zero(), kNowhere} : place_of(points[i].p_0);
+      places[i] = points[i].range_m > farthest_m ? Place{kNowhere} : place_of(points[i].p_0);
       fetch_slot(places[i]);
     }
     if (i >= kAhead && i - kAhead < points.size()) fetch_cube(places[i - kAhead]);
@@ -117,7 +109,7 @@ bool PlaneGrid::insert(const MapPoint& point, const Place& place) {
   const std::size_t i = find_or_add(place.key);
   Cube& cube = cubes_[i];
   if (cube.count >= kFull) return false;
-  add(cube, from_origin(point.p_0) - cube_m_ * place.at.cast<double>().matrix(), 1);
+  add(cube, from_origin(point.p_0) - cube_m_ * cube_of_key(place.key).cast<double>().matrix(), 1);
   cube.lines |= std::uint64_t{1} << (point.line & 63U);
   if (!cube.waits && cube.count >= kFewest && cube.count >= kGrowth * cube.fitted) {
     cube.waits = true;
@@ -141,7 +133,7 @@ void PlaneGrid::remove(const Vector3d& p_0) {
   const auto i = static_cast<std::size_t>(found);
   Cube& cube = cubes_[i];
   if (cube.count == 0) return;
-  add(cube, from_origin(p_0) - cube_m_ * place.at.cast<double>().matrix(), -1);
+  add(cube, from_origin(p_0) - cube_m_ * cube_of_key(place.key).cast<double>().matrix(), -1);
   fit(i);
 }
 
@@ -218,7 +210,7 @@ std::optional<MapPlane> PlaneGrid::plane_at(const Vector3d& q_0, const Place& pl
   if (found < 0) return std::nullopt;
   const Plane& plane = planes_[static_cast<std::size_t>(found)];
   if (plane.uncertainty <= 0) return std::nullopt;
-  const Vector3d corner = cube_m_ * place.at.cast<double>().matrix();
+  const Vector3d corner = cube_m_ * cube_of_key(place.key).cast<double>().matrix();
   const Eigen::Vector3f d = (from_origin(q_0) - corner).cast<float>() - plane.mean;
   const float along_middle = d.dot(plane.middle);
   const float across = d.dot(plane.normal);

@@ -59,7 +59,6 @@ class PlaneGrid {
   /// The cube of a point. What is kept of a cube lies anywhere in memory: where several points are asked for,
   /// fetch_slot of all of them, then fetch_plane, has it at hand for plane_at.
   struct Place {
-    Eigen::Array3i at;
     std::uint64_t key;
   };
   [[nodiscard]] Place place_of(const Eigen::Vector3d& p_0) const;
