@@ -19,22 +19,6 @@ float unit_of(std::size_t i) {
   return static_cast<float>(bits) * 0x1p-24F;
 }
 
-// Of squared ranges, the r^2 with sum of min(1, range^2 / r^2) equal to `target`, which is less than there
-// are.
-float full_square_of(std::vector<float> squares, double target) {
-  std::sort(squares.begin(), squares.end());
-  // With the first k below r^2: their sum / r^2 + the rest = target.
-  double sum = 0;
-  for (std::size_t k = 0; k < squares.size(); ++k) {
-    const double rest = static_cast<double>(squares.size() - k);
-    if (rest <= target) break;
-    sum += squares[k];
-    const double r2 = sum / std::max(target - (rest - 1), 1e-9);
-    if (target > rest - 1 && (k + 1 == squares.size() || r2 <= squares[k + 1])) return static_cast<float>(r2);
-  }
-  return static_cast<float>(sum / std::max(target, 1e-9));
-}
-
 // Squared ranges of usable returns.
 struct Ranges {
   explicit Ranges(const OdometryParameters& p)
@@ -54,7 +38,8 @@ float full_square(const LidarScan& scan, const Ranges& ranges, std::size_t wante
     if (ranges.have(square)) squares.push_back(square);
   }
   const double target = static_cast<double>(wanted) / static_cast<double>(step);
-  return target < static_cast<double>(squares.size()) ? full_square_of(std::move(squares), target) : 0;
+  if (target >= static_cast<double>(squares.size())) return 0;
+  return static_cast<float>(full_square_of(std::move(squares), target));
 }
 
 // Where the recording does not tell the lasers apart, points of one elevation count as one laser's.
@@ -78,6 +63,19 @@ std::vector<ScanPoint> in_passes(const std::vector<ScanPoint>& points) {
 }
 
 }  // namespace
+
+// With the first k below r^2, their sum / r^2 + the rest = target. The left side falls as r^2 grows: the
+// first k whose r^2 is not beyond the next of them is right.
+double full_square_of(std::vector<float> squares, double target) {
+  std::sort(squares.begin(), squares.end());
+  double sum = 0;
+  for (std::size_t k = 1; k < squares.size(); ++k) {
+    sum += squares[k - 1];
+    const double left = target - static_cast<double>(squares.size() - k);
+    if (left > 0 && sum <= left * squares[k]) return sum / left;
+  }
+  return (sum + squares.back()) / target;
+}
 
 std::vector<ScanPoint> thin(const LidarScan& scan, const OdometryParameters& parameters) {
   const Ranges ranges(parameters);

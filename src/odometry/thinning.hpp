@@ -24,6 +24,10 @@ struct ScanPoint {
 /// are of the whole scan, by laser. Returns nearer than `min_range_m` or beyond `map_radius_m` are not used.
 [[nodiscard]] std::vector<ScanPoint> thin(const LidarScan& scan, const OdometryParameters& parameters);
 
+/// Of squared ranges [m^2], the r^2 for which the sum of min(1, square / r^2) is `target`, which is more than
+/// 0 and less than there are: beyond r all returns are used, of nearer ones that share.
+[[nodiscard]] double full_square_of(std::vector<float> squares, double target);
+
 /// Every index once, neighbours far apart: a step near the golden section, and prime to the size.
 [[nodiscard]] std::vector<std::uint32_t> mixed_order(std::size_t size);
 

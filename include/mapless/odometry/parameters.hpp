@@ -8,7 +8,7 @@ namespace mapless {
 
 /// Everything the lidar odometry can be told.
 struct OdometryParameters {
-  int max_scan_points = 12000;
+  int max_scan_points = 16000;
   double keypoint_voxel_m = 1.5;
   int min_keypoints = 1500;
   double min_range_m = 1.0;
