@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/parallel_for.h>
@@ -155,7 +156,7 @@ class VoteGrowth {
     for (const std::int32_t i : dynamic_) {
       if (result_.object[static_cast<std::size_t>(i)] != 0) continue;
       collect(i);
-      result_.advance_m.push_back(static_cast<float>(advance_m()));
+      result_.evidence.push_back({static_cast<float>(advance_m()), votes_in_front()});
       const auto number = static_cast<std::uint16_t>(std::min(++result_.objects, kMaxObjectNumber));
       for (const std::int32_t j : front_) result_.object[static_cast<std::size_t>(j)] = number;
     }
@@ -177,6 +178,12 @@ class VoteGrowth {
       radius2 = std::max(radius2, (points_.points[static_cast<std::size_t>(j)] - centre).squaredNorm());
     }
     return 2 * std::sqrt(radius2) * static_cast<float>(recent) / count;
+  }
+
+  [[nodiscard]] int votes_in_front() const {
+    return std::accumulate(front_.begin(), front_.end(), 0, [&](int sum, std::int32_t j) {
+      return sum + votes_[static_cast<std::size_t>(j)].total();
+    });
   }
 
   const LinkedNeighbours& neighbours_;

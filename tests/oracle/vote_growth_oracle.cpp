@@ -142,7 +142,9 @@ void VoteGrowthOracle::number(const std::vector<PointVotes>& votes, const std::v
     auto& number = numbers[object];
     if (number == 0) {
       number = static_cast<std::uint16_t>(++result.objects);
-      result.advance_m.push_back(static_cast<float>(advance_m(votes, members[object])));
+      int sum = 0;
+      for (const std::size_t member : members[object]) sum += votes[member].total();
+      result.evidence.push_back({static_cast<float>(advance_m(votes, members[object])), sum});
     }
     result.object[i] = number;
   }
