@@ -44,8 +44,8 @@ MotionState next_state(const MotionState& last, const TrackedObject& object, con
     next.unproven_m = advances ? 0 : last.unproven_m + speed_mps * (now - last.seen).seconds();
   }
   const bool believed = next.velocity_known || object.age <= kYoung;
-  const bool stops =
-      (next.slow && (last.slow || evidence.advance_m <= 0)) || next.unproven_m >= kMostUnproven_m;
+  const bool twice = last.slow || (known && !advances);  // or both say so
+  const bool stops = (next.slow && twice) || next.unproven_m >= kMostUnproven_m;
   const bool begins = advances && !next.slow && next.evidence >= parameters.min_evidence;
   next.moves = believed && (last.moves ? !stops : begins);
   return next;

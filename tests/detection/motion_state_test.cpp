@@ -178,16 +178,18 @@ TEST(NextState, SigmasAreThoseAlongTheVelocity) {
 
 TEST(NextState, WhatMovesStopsWhenItIsSlowInTwoScansInARow) {
   const TrackedObject slow = object(0, kWell_mps), fast = object(kFast_mps, kWell_mps);
-  const MotionState once = next(moving(), slow, kLess_m);
+  const MotionState once = next(moving(), slow, kAdvance_m);
   EXPECT_TRUE(once.moves);
-  EXPECT_FALSE(next(once, slow, kLess_m).moves);
-  const MotionState fast_again = next(once, fast, kLess_m);
+  EXPECT_FALSE(next(once, slow, kAdvance_m).moves);
+  const MotionState fast_again = next(once, fast, kAdvance_m);
   EXPECT_TRUE(fast_again.moves);
-  EXPECT_TRUE(next(fast_again, slow, kLess_m).moves);
+  EXPECT_TRUE(next(fast_again, slow, kAdvance_m).moves);
 }
 
-TEST(NextState, WhatIsSlowAndUncoveredNothingStopsAtOnce) {
-  EXPECT_FALSE(next(moving(), object(0, kWell_mps), 0).moves);
+TEST(NextState, WhatIsKnownToBeSlowAndDoesNotAdvanceStopsAtOnce) {
+  EXPECT_FALSE(next(moving(), object(0, kWell_mps), kLess_m).moves);
+  EXPECT_TRUE(next(moving(), object(0, kBadly_mps), kLess_m).moves);
+  EXPECT_TRUE(next(moving(), object(0, kWell_mps), kAdvance_m).moves);
   EXPECT_TRUE(next(moving(), object(kFast_mps, kWell_mps), 0).moves);
 }
 
