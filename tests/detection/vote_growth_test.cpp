@@ -187,6 +187,21 @@ TEST_F(VoteImage, FillsHolesAndRims) {
   EXPECT_EQ(grow().verdict[at(2, 7)], GrowthVerdict::not_reached);
 }
 
+// A straight end of it goes on by a column a round, in the middle: twice, and six times more over what four
+// scans of a moment ago can have seen.
+TEST_F(VoteImage, FillsOnOverWhatSlides) {
+  for (const int votes : {-4, -5}) {
+    SCOPED_TRACE(votes);
+    for (int r = 0; r < 5; ++r) {
+      for (int c = 0; c < 20; ++c) set(r, c, c < 6 ? 3 : votes);
+    }
+    EXPECT_EQ(grow().object[at(2, 7)], 1);
+    EXPECT_EQ(grow().object[at(2, 8)], votes == -4 ? 1 : 0);
+    EXPECT_EQ(grow().object[at(2, 10)], votes == -4 ? 1 : 0);
+    EXPECT_EQ(grow().object[at(2, 14)], 0);
+  }
+}
+
 // Of two points d apart one was seen through lately: they went on by about d / 2; both: by d.
 TEST_F(VoteImage, TellsHowFarAnObjectAdvanced) {
   parameters_.grow = false;  // which would fill its rims
