@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <mapless/detection/detector.hpp>
+#include <mapless/detection/region_growth.hpp>
 
 namespace mapless {
 
@@ -12,7 +13,7 @@ namespace mapless {
 struct ProposedObjects {
   Detection detection;
   std::vector<TrajectoryState> column_states;  ///< of the sensor, CompensatedScan::column_states
-  std::vector<float> advance_m;                ///< RegionGrowthResult::advance_m
+  std::vector<ObjectEvidence> evidence;        ///< RegionGrowthResult::evidence
 };
 
 /// How scans are remembered and judged; Detector says when. Scans are numbered from 0 in the order they come.

@@ -1,5 +1,8 @@
 #include "detection/motion_state.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include <Eigen/Cholesky>
 
 #include "detection/longest_absence.hpp"
@@ -7,8 +10,9 @@
 namespace mapless {
 namespace {
 
-// Of the new objects with fewer points every second one is a border effect, and gone in the next scan.
-constexpr int kSurePoints = 15;
+// Scans an object may move in without its velocity being known: one has nothing to be registered to, the
+// next has little.
+constexpr int kYoung = 2;
 
 // A velocity tells more than the advance where its standard deviation is at most so large, or it is more
 // than so many of them.
@@ -25,20 +29,25 @@ bool velocity_is_known(const TrackedObject& object) {
 
 }  // namespace
 
-MotionState next_state(const MotionState& last, const TrackedObject& object, float advance_m, Time now,
-                       const VotingParameters& parameters) {
+MotionState next_state(const MotionState& last, const TrackedObject& object, const ObjectEvidence& evidence,
+                       Time now, const VotingParameters& parameters) {
+  const bool advances = static_cast<double>(evidence.advance_m) >= parameters.min_advance_m;
+  const bool known = velocity_is_known(object);
   MotionState next;
   next.seen = now;
-  const bool advances = static_cast<double>(advance_m) >= parameters.min_advance_m;
-  if (object.age == 1) {
-    next.moves = advances && object.points >= kSurePoints;
-    return next;
+  next.age = object.age;
+  next.velocity_known = last.velocity_known || known;
+  next.evidence = std::ldexp(last.evidence, last.age - object.age) + std::max(evidence.votes, 0);
+  if (object.age > 1) {
+    const double speed_mps = object.velocity_0.norm();
+    next.slow = known ? speed_mps < parameters.min_speed_mps : !advances;
+    next.unproven_m = advances ? 0 : last.unproven_m + speed_mps * (now - last.seen).seconds();
   }
-  const double speed_mps = object.velocity_0.norm();
-  next.slow = velocity_is_known(object) ? speed_mps < parameters.min_speed_mps : !advances;
-  next.unproven_m = advances ? 0 : last.unproven_m + speed_mps * (now - last.seen).seconds();
-  const bool stops = (last.slow && next.slow) || next.unproven_m >= kMostUnproven_m;
-  next.moves = last.moves ? !stops : advances && !next.slow;
+  const bool believed = next.velocity_known || object.age <= kYoung;
+  const bool twice = last.slow || (known && !advances);  // or both say so
+  const bool stops = (next.slow && twice) || next.unproven_m >= kMostUnproven_m;
+  const bool begins = advances && !next.slow && next.evidence >= parameters.min_evidence;
+  next.moves = believed && (last.moves ? !stops : begins);
   return next;
 }
 

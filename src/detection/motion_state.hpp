@@ -5,6 +5,7 @@
 
 #include <mapless/core/time.hpp>
 #include <mapless/detection/parameters.hpp>
+#include <mapless/detection/region_growth.hpp>
 #include <mapless/detection/tracked_object.hpp>
 
 namespace mapless {
@@ -13,20 +14,23 @@ namespace mapless {
 struct MotionState {
   bool moves = false;
   bool slow = false;
-  double unproven_m = 0;  ///< gone by its speed since its last advance
-  Time seen;              ///< start of the scan
+  bool velocity_known = false;  ///< it was once
+  double evidence = 0;          ///< votes of its scans, those of the last in full, of each before half
+  int age = 0;                  ///< TrackedObject::age
+  double unproven_m = 0;        ///< gone by its speed since its last advance
+  Time seen;                    ///< start of the scan
 };
 
-/// The state once the scan that starts at `now` showed the object, with an advance
-/// (RegionGrowthResult::advance_m).
+/// The state once the scan that starts at `now` showed the object, with what rays told of it then.
 ///
-/// An object begins to move with the speed `min_speed_mps` and an advance of `min_advance_m`, and a new one
-/// (age 1), whose speed is not known yet, with the advance alone, if it has 15 points; a smaller one has to
-/// be seen again. It moves until it is slower in two of its scans in a row; the advance tells instead of the
-/// speed where the registration hardly does, as of a wall, which slides along itself at any speed. It stands,
-/// too, once it would have gone 1 m by its speed since its last advance.
-MotionState next_state(const MotionState& last, const TrackedObject& object, float advance_m, Time now,
-                       const VotingParameters& parameters);
+/// An object begins to move with the speed `min_speed_mps`, an advance of `min_advance_m` and votes of
+/// `min_evidence`, to which those of earlier scans count half for each scan they are back: border effects are
+/// small and gone in the next scan. It moves until it is slower in two of its scans in a row, or in one that
+/// shows no such advance either; the advance tells instead of the speed where the registration hardly does,
+/// as of a wall, which slides along itself at any speed. It stands, too, once it would have gone 1 m by its
+/// speed since its last advance, and from its third scan on while its velocity was never known.
+MotionState next_state(const MotionState& last, const TrackedObject& object, const ObjectEvidence& evidence,
+                       Time now, const VotingParameters& parameters);
 
 using MotionStates = std::map<std::uint32_t, MotionState>;  // by id
 

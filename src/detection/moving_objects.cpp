@@ -18,7 +18,7 @@ Detection MovingObjects::judge(ProposedObjects proposed) {
   std::vector<bool> moves;
   for (const TrackedObject& object : detection.tracked) {
     MotionState& state = states_[object.id];
-    state = next_state(state, object, proposed.advance_m[object.number - 1U], now, parameters_.voting);
+    state = next_state(state, object, proposed.evidence[object.number - 1U], now, parameters_.voting);
     moves.push_back(state.moves);
   }
   forget_absent(states_, now);

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/parallel_for.h>
@@ -16,12 +17,16 @@ namespace {
 constexpr int kSupportRows = 1, kSupportColumns = 2;
 constexpr int kLinkRows = 2, kLinkColumns = 4;
 
-// Holes are filled where more than a third of the support window is dynamic, twice.
-constexpr int kFillNeighbours = 5, kFillRounds = 2;
+// Holes are filled where more than a third of the support window is dynamic: twice whatever is not firmly
+// static, and on where no scan but those of a moment ago saw a surface, as sliding sides look.
+constexpr int kFillNeighbours = 5, kFillRounds = 2, kSlidingRounds = 6;
 
 // Neither fill nor growth reaches points against which there are more votes than three scans that see through
 // would make good.
 constexpr int kFirmlyStatic = -3 * kSeenThroughVotes;
+
+// All votes against of the three scans before and of the later one.
+constexpr int kSliding = -4;
 
 class VoteGrowth {
   using Of = LinkedNeighbours::Of;
@@ -43,9 +48,7 @@ class VoteGrowth {
     keep_large_clusters(seeds);
     if (parameters_.grow) spread();
     mark_dynamic();
-    if (parameters_.grow) {
-      for (int round = 0; round < kFillRounds; ++round) fill();
-    }
+    if (parameters_.grow) fill();
     number_objects();
     return std::move(result_);
   }
@@ -132,22 +135,30 @@ class VoteGrowth {
   // marks are on what moves.
   void fill() {
     std::vector<std::int8_t> dynamic_neighbours(votes_.size(), 0);
+    std::vector<std::int32_t> added = dynamic_;
+    for (int round = 0; round < kFillRounds + kSlidingRounds && !added.empty(); ++round) {
+      count_beside(added, round < kFillRounds ? kFirmlyStatic : kSliding, dynamic_neighbours);
+      for (const std::int32_t i : front_) {
+        verdict(i) = GrowthVerdict::grown;
+        marks_.mark(i);
+      }
+      dynamic_.insert(dynamic_.end(), front_.begin(), front_.end());
+      added.swap(front_);
+    }
+    std::sort(dynamic_.begin(), dynamic_.end());
+  }
+
+  // Counts what was added beside its neighbours; those for whom it makes enough, in front_.
+  void count_beside(const std::vector<std::int32_t>& added, int least,
+                    std::vector<std::int8_t>& dynamic_neighbours) {
     front_.clear();
-    for (const std::int32_t i : dynamic_) {
+    for (const std::int32_t i : added) {
       neighbours_.for_each<Of::unmarked>(i, kSupportRows, kSupportColumns, marks_, [&](std::int32_t j) {
         const auto n = static_cast<std::size_t>(j);
-        if (votes_[n].total() < kFirmlyStatic) return;
+        if (votes_[n].total() < least) return;
         if (++dynamic_neighbours[n] == kFillNeighbours) front_.push_back(j);
       });
     }
-    std::sort(front_.begin(), front_.end());
-    for (const std::int32_t i : front_) {
-      verdict(i) = GrowthVerdict::grown;
-      marks_.mark(i);
-    }
-    const auto known = static_cast<std::ptrdiff_t>(dynamic_.size());
-    dynamic_.insert(dynamic_.end(), front_.begin(), front_.end());
-    std::inplace_merge(dynamic_.begin(), dynamic_.begin() + known, dynamic_.end());
   }
 
   // What is linked is one object. The marks are on what moves.
@@ -155,7 +166,7 @@ class VoteGrowth {
     for (const std::int32_t i : dynamic_) {
       if (result_.object[static_cast<std::size_t>(i)] != 0) continue;
       collect(i);
-      result_.advance_m.push_back(static_cast<float>(advance_m()));
+      result_.evidence.push_back({static_cast<float>(advance_m()), votes_in_front()});
       const auto number = static_cast<std::uint16_t>(std::min(++result_.objects, kMaxObjectNumber));
       for (const std::int32_t j : front_) result_.object[static_cast<std::size_t>(j)] = number;
     }
@@ -177,6 +188,12 @@ class VoteGrowth {
       radius2 = std::max(radius2, (points_.points[static_cast<std::size_t>(j)] - centre).squaredNorm());
     }
     return 2 * std::sqrt(radius2) * static_cast<float>(recent) / count;
+  }
+
+  [[nodiscard]] int votes_in_front() const {
+    return std::accumulate(front_.begin(), front_.end(), 0, [&](int sum, std::int32_t j) {
+      return sum + votes_[static_cast<std::size_t>(j)].total();
+    });
   }
 
   const LinkedNeighbours& neighbours_;

@@ -113,7 +113,7 @@ ProposedObjects VotingPipeline::judge(PendingScan query, const std::vector<Asked
   record(out.trace, &StageTrace::growth, regions.verdict);
   out.object = std::move(regions.object);
   out.objects = regions.objects;
-  return {std::move(out), std::move(query.column_states), std::move(regions.advance_m)};
+  return {std::move(out), std::move(query.column_states), std::move(regions.evidence)};
 }
 
 }  // namespace

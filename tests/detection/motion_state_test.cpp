@@ -11,49 +11,101 @@ using Eigen::Vector3d;
 constexpr float kAdvance_m = 0.25F, kLess_m = 0.24F;  // parameters() asks for 0.25
 constexpr double kFast_mps = 0.5, kSlow_mps = 0.49;   // and for 0.5
 constexpr double kWell_mps = 0.1, kBadly_mps = 10;    // a velocity known by itself; known if above 20 m/s
+constexpr int kVotes = 100;                           // and for 100
 constexpr Time kStart = Time::from_seconds(100);
 
 VotingParameters parameters() {
   VotingParameters p;
   p.min_advance_m = 0.25;
   p.min_speed_mps = 0.5;
+  p.min_evidence = kVotes;
   return p;
 }
 
 TrackedObject object(double speed_mps, double std_mps) {
   TrackedObject o;
   o.age = 2;
-  o.points = 1;
   o.velocity_0 = {0, speed_mps, 0};
   o.velocity_covariance_0 = std_mps * std_mps * Matrix3d::Identity();
   return o;
 }
 
 // 0.1 s after a scan at kStart.
-MotionState next(const MotionState& last, const TrackedObject& o, float advance_m) {
-  return next_state(last, o, advance_m, kStart + Duration::from_seconds(0.1), parameters());
+MotionState next(const MotionState& last, const TrackedObject& o, float advance_m, int votes = kVotes) {
+  return next_state(last, o, {advance_m, votes}, kStart + Duration::from_seconds(0.1), parameters());
 }
 
-MotionState moving() { return {.moves = true, .slow = false, .unproven_m = 0, .seen = kStart}; }
-MotionState standing() { return {.moves = false, .slow = true, .unproven_m = 0, .seen = kStart}; }
+MotionState moving() {
+  MotionState state;
+  state.moves = true;
+  state.age = 1;
+  state.seen = kStart;
+  return state;
+}
+MotionState standing() {
+  MotionState state = moving();
+  state.moves = false;
+  state.slow = true;
+  return state;
+}
 
-bool new_one_moves(int points, float advance_m) {
+bool new_one_moves(float advance_m, int votes) {
   TrackedObject o = object(0, kBadly_mps);
   o.age = 1;
-  o.points = points;
-  return next({}, o, advance_m).moves;
+  return next({}, o, advance_m, votes).moves;
 }
 
-TEST(NextState, ANewObjectMovesWithAnAdvanceAndFifteenPoints) {
-  EXPECT_TRUE(new_one_moves(15, kAdvance_m));
-  EXPECT_FALSE(new_one_moves(14, kAdvance_m));
-  EXPECT_FALSE(new_one_moves(15, kLess_m));
+TEST(NextState, ANewObjectMovesWithAnAdvanceAndVotes) {
+  EXPECT_TRUE(new_one_moves(kAdvance_m, kVotes));
+  EXPECT_FALSE(new_one_moves(kAdvance_m, kVotes - 1));
+  EXPECT_FALSE(new_one_moves(kLess_m, kVotes));
+}
+
+// 40 / 2 / 2 + 60 / 2 + 60 = 100, and 99 with one vote less in the last scan; what one scan says against is
+// not taken from what others said.
+TEST(NextState, VotesCountHalfForEveryScanTheyAreBack) {
+  for (const int last_votes : {60, 59}) {
+    TrackedObject o = object(kFast_mps, kWell_mps);
+    o.age = 1;
+    MotionState state = next({}, o, kAdvance_m, 40);
+    for (const int votes : {60, last_votes}) {
+      EXPECT_FALSE(state.moves);
+      ++o.age;
+      state = next(state, o, kAdvance_m, votes);
+    }
+    EXPECT_DOUBLE_EQ(state.evidence, 40 + last_votes);
+    EXPECT_EQ(state.moves, last_votes == 60);
+    ++o.age;
+    EXPECT_DOUBLE_EQ(next(state, o, kAdvance_m, -5).evidence, (40 + last_votes) / 2.0);
+  }
+}
+
+TEST(NextState, VotesOfScansItWasNotSeenInAreNone) {
+  TrackedObject o = object(kFast_mps, kWell_mps);
+  o.age = 1;
+  const MotionState first = next({}, o, kAdvance_m, 80);
+  o.age = 4;
+  EXPECT_DOUBLE_EQ(next(first, o, kAdvance_m, 90).evidence, 100);
+}
+
+TEST(NextState, WhatMovesNeedsNoMoreVotes) {
+  EXPECT_TRUE(next(moving(), object(kFast_mps, kWell_mps), kAdvance_m, 0).moves);
+}
+
+// In its second scan it may; once it was known, it may go on unknown.
+TEST(NextState, AnObjectWhoseVelocityIsNeverKnownStandsFromItsThirdScanOn) {
+  TrackedObject o = object(0, kBadly_mps);
+  const MotionState second = next(moving(), o, kAdvance_m);
+  EXPECT_TRUE(second.moves);
+  o.age = 3;
+  EXPECT_FALSE(next(second, o, kAdvance_m).moves);
+  const MotionState known = next(second, object(kFast_mps, kWell_mps), kAdvance_m);
+  EXPECT_TRUE(next(known, o, kAdvance_m).moves);
 }
 
 TEST(NextState, ASpeedOfANewObjectSaysNothing) {
   TrackedObject o = object(0, kWell_mps);
   o.age = 1;
-  o.points = 15;
   const MotionState state = next({}, o, kAdvance_m);
   EXPECT_TRUE(state.moves);
   EXPECT_FALSE(state.slow);
@@ -64,13 +116,13 @@ TEST(NextState, ASpeedOfANewObjectSaysNothing) {
 
 TEST(NextState, KeepsTheTimeOfTheScan) {
   const Time now = Time::from_seconds(7);
-  EXPECT_EQ(next_state({}, object(0, 1), 0, now, parameters()).seen, now);
+  EXPECT_EQ(next_state({}, object(0, 1), {}, now, parameters()).seen, now);
   TrackedObject o = object(0, 1);
   o.age = 1;
-  EXPECT_EQ(next_state({}, o, 0, now, parameters()).seen, now);
+  EXPECT_EQ(next_state({}, o, {}, now, parameters()).seen, now);
 }
 
-TEST(NextState, AnObjectOfAnyNumberOfPointsBeginsToMoveWithSpeedAndAdvance) {
+TEST(NextState, AnObjectBeginsToMoveWithSpeedAndAdvance) {
   EXPECT_TRUE(next(standing(), object(kFast_mps, kWell_mps), kAdvance_m).moves);
   EXPECT_FALSE(next(standing(), object(kFast_mps, kWell_mps), kLess_m).moves);
   EXPECT_FALSE(next(standing(), object(kSlow_mps, kWell_mps), kAdvance_m).moves);
@@ -126,12 +178,19 @@ TEST(NextState, SigmasAreThoseAlongTheVelocity) {
 
 TEST(NextState, WhatMovesStopsWhenItIsSlowInTwoScansInARow) {
   const TrackedObject slow = object(0, kWell_mps), fast = object(kFast_mps, kWell_mps);
-  const MotionState once = next(moving(), slow, kLess_m);
+  const MotionState once = next(moving(), slow, kAdvance_m);
   EXPECT_TRUE(once.moves);
-  EXPECT_FALSE(next(once, slow, kLess_m).moves);
-  const MotionState fast_again = next(once, fast, kLess_m);
+  EXPECT_FALSE(next(once, slow, kAdvance_m).moves);
+  const MotionState fast_again = next(once, fast, kAdvance_m);
   EXPECT_TRUE(fast_again.moves);
-  EXPECT_TRUE(next(fast_again, slow, kLess_m).moves);
+  EXPECT_TRUE(next(fast_again, slow, kAdvance_m).moves);
+}
+
+TEST(NextState, WhatIsKnownToBeSlowAndDoesNotAdvanceStopsAtOnce) {
+  EXPECT_FALSE(next(moving(), object(0, kWell_mps), kLess_m).moves);
+  EXPECT_TRUE(next(moving(), object(0, kBadly_mps), kLess_m).moves);
+  EXPECT_TRUE(next(moving(), object(0, kWell_mps), kAdvance_m).moves);
+  EXPECT_TRUE(next(moving(), object(kFast_mps, kWell_mps), 0).moves);
 }
 
 // 4 m/s for 0.1 s are 0.4 m; 3 of these scans are 1.2 m.
@@ -139,13 +198,13 @@ TEST(NextState, WhatWentAMetreByItsSpeedWithoutAnAdvanceStands) {
   const TrackedObject fast = object(4, kWell_mps);
   MotionState state = moving();
   for (const double unproven_m : {0.4, 0.8}) {
-    state = next_state(state, fast, kLess_m, state.seen + Duration::from_seconds(0.1), parameters());
+    state = next_state(state, fast, {kLess_m, 0}, state.seen + Duration::from_seconds(0.1), parameters());
     EXPECT_NEAR(state.unproven_m, unproven_m, 1e-9);
     EXPECT_TRUE(state.moves);
   }
   const Time third = state.seen + Duration::from_seconds(0.1);
-  EXPECT_FALSE(next_state(state, fast, kLess_m, third, parameters()).moves);
-  const MotionState advanced = next_state(state, fast, kAdvance_m, third, parameters());
+  EXPECT_FALSE(next_state(state, fast, {kLess_m, 0}, third, parameters()).moves);
+  const MotionState advanced = next_state(state, fast, {kAdvance_m, 0}, third, parameters());
   EXPECT_TRUE(advanced.moves);
   EXPECT_EQ(advanced.unproven_m, 0);
 }
@@ -161,7 +220,7 @@ TEST(NextState, ThatMetreIsOneMetre) {
 // It is seen again after 0.3 s, in which it went 1.2 m.
 TEST(NextState, WhatItWentWhileItWasHiddenCounts) {
   const Time now = kStart + Duration::from_seconds(0.3);
-  EXPECT_FALSE(next_state(moving(), object(4, kWell_mps), kLess_m, now, parameters()).moves);
+  EXPECT_FALSE(next_state(moving(), object(4, kWell_mps), {kLess_m, 0}, now, parameters()).moves);
 }
 
 TEST(ForgetAbsent, ForgetsWhatWasNotSeenForMoreThanASecond) {

@@ -9,6 +9,7 @@ namespace mapless {
 namespace {
 
 constexpr double kAdvance_m = 1;  // far more than an object needs
+constexpr int kVotes = 1000;      // and so is this
 
 test::ToyScene room_with_box(double speed_mps) {
   auto room = test::toy_room("OS1-64", test::drive(0, 0));
@@ -26,23 +27,19 @@ bool is_of_box(const test::ToyScene& scene, const LidarScan& scan, const LidarRe
   return off.cwiseAbs().maxCoeff() < 0.9 && off.head<2>().cwiseAbs().maxCoeff() < 0.6;
 }
 
-/// The box, proposed with an advance, and its true points but for those beyond the first `most`.
-ProposedObjects propose(const test::ToyScene& scene, int k, double advance_m, int most = 1 << 20) {
+/// The box, proposed with an advance and votes.
+ProposedObjects propose(const test::ToyScene& scene, int k, double advance_m, int votes = kVotes) {
   const auto cast = test::cast_scan(scene, k);
   ProposedObjects proposed;
   Detection& detection = proposed.detection;
   detection.scan = cast.scan;
   detection.sequence_number = static_cast<std::size_t>(k);
   detection.trace.resize(detection.scan->returns.size());
-  int count = 0;
-  for (const LidarReturn& r : detection.scan->returns) {
-    const bool of_box = is_of_box(scene, *cast.scan, r);
-    detection.object.push_back(of_box && count < most ? 1 : 0);
-    count += of_box ? 1 : 0;
-  }
+  for (const LidarReturn& r : detection.scan->returns)
+    detection.object.push_back(is_of_box(scene, *cast.scan, r) ? 1 : 0);
   detection.objects = 1;
   proposed.column_states = compensate(cast.scan, *scene.trajectory).column_states;
-  proposed.advance_m = {static_cast<float>(advance_m)};
+  proposed.evidence = {{static_cast<float>(advance_m), votes}};
   return proposed;
 }
 
@@ -75,16 +72,17 @@ TEST(MovingObjects, WithoutAdvanceNothingBeginsToMove) {
   EXPECT_EQ(moving.judge(propose(scene, 5, 0.031)).objects, 1);
 }
 
-// After more than a second an object of 14 points is a new one, which has to be seen again.
+// After more than a second an object is a new one: the votes it had before are forgotten. (Ten scans later
+// they would count 1 / 1024.)
 TEST(MovingObjects, WhatWasAbsentForMoreThanASecondIsNew) {
   const auto scene = room_with_box(1);
-  for (const int again : {10, 12}) {
+  for (const int again : {11, 13}) {
     SCOPED_TRACE(again);
     MovingObjects moving{DetectorParameters{}};
-    const auto objects = [&](int k) { return moving.judge(propose(scene, k, kAdvance_m, 14)).objects; };
-    EXPECT_EQ(objects(0), 0);
-    EXPECT_EQ(objects(1), 1);
-    EXPECT_EQ(objects(again), again == 10 ? 1 : 0);
+    const auto objects = [&](int k) { return moving.judge(propose(scene, k, kAdvance_m, 120)).objects; };
+    EXPECT_EQ(objects(0), 0);  // 120 votes of 160
+    EXPECT_EQ(objects(1), 1);  // 180
+    EXPECT_EQ(objects(again), again == 11 ? 1 : 0);
     EXPECT_EQ(objects(again + 1), 1);
   }
 }
@@ -102,7 +100,7 @@ TEST(MovingObjects, EveryObjectHasItsOwnAdvance) {
     }
     ASSERT_GT(count, 100u);
     proposed.detection.objects = 2;
-    proposed.advance_m = {second ? 0 : 1.F, second ? 1.F : 0};
+    proposed.evidence = {{second ? 0 : 1.F, kVotes}, {second ? 1.F : 0, kVotes}};
     const std::vector<std::uint16_t> before = object;
     const Detection detection = MovingObjects{DetectorParameters{}}.judge(std::move(proposed));
     for (std::size_t i = 0; i < before.size(); ++i)
@@ -186,7 +184,7 @@ TEST(MovingObjects, AreAllThatThePublishedMethodProposes) {
   const auto scene = room_with_box(0);
   for (int k = 0; k < 3; ++k) {
     ProposedObjects proposed = propose(scene, k, 0);
-    proposed.advance_m.clear();
+    proposed.evidence.clear();
     EXPECT_EQ(moving.judge(std::move(proposed)).tracked.size(), 1u);
   }
 }

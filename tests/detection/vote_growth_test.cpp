@@ -187,6 +187,21 @@ TEST_F(VoteImage, FillsHolesAndRims) {
   EXPECT_EQ(grow().verdict[at(2, 7)], GrowthVerdict::not_reached);
 }
 
+// A straight end of it goes on by a column a round, in the middle: twice, and six times more over what four
+// scans of a moment ago can have seen.
+TEST_F(VoteImage, FillsOnOverWhatSlides) {
+  for (const int votes : {-4, -5}) {
+    SCOPED_TRACE(votes);
+    for (int r = 0; r < 5; ++r) {
+      for (int c = 0; c < 20; ++c) set(r, c, c < 6 ? 3 : votes);
+    }
+    EXPECT_EQ(grow().object[at(2, 7)], 1);
+    EXPECT_EQ(grow().object[at(2, 8)], votes == -4 ? 1 : 0);
+    EXPECT_EQ(grow().object[at(2, 10)], votes == -4 ? 1 : 0);
+    EXPECT_EQ(grow().object[at(2, 14)], 0);
+  }
+}
+
 // Of two points d apart one was seen through lately: they went on by about d / 2; both: by d.
 TEST_F(VoteImage, TellsHowFarAnObjectAdvanced) {
   parameters_.grow = false;  // which would fill its rims
@@ -195,12 +210,12 @@ TEST_F(VoteImage, TellsHowFarAnObjectAdvanced) {
   set(1, 5, 3);
   make_old(1, 5);
   const float d = (points_.points[at(1, 4)] - points_.points[at(1, 5)]).norm();
-  ASSERT_EQ(grow().advance_m.size(), 1u);
-  EXPECT_NEAR(grow().advance_m[0], d / 2, 1e-5);
+  ASSERT_EQ(grow().evidence.size(), 1u);
+  EXPECT_NEAR(grow().evidence[0].advance_m, d / 2, 1e-5);
   make_old(1, 4);
-  EXPECT_EQ(grow().advance_m[0], 0);
+  EXPECT_EQ(grow().evidence[0].advance_m, 0);
   votes_[at(1, 4)].recently = votes_[at(1, 5)].recently = true;
-  EXPECT_NEAR(grow().advance_m[0], d, 1e-5);
+  EXPECT_NEAR(grow().evidence[0].advance_m, d, 1e-5);
 }
 
 // Ten times as large, ten times as far.
@@ -210,10 +225,10 @@ TEST_F(VoteImage, TheSameShareOfALongerThingIsFarther) {
     set(0, c, 3);
     if (c > 2) make_old(0, c);
   }
-  const float advance_m = grow().advance_m.at(0);
+  const float advance_m = grow().evidence.at(0).advance_m;
   EXPECT_GT(advance_m, 0);
   for (Eigen::Vector3f& p : points_.points) p *= 0.1F;
-  EXPECT_NEAR(grow().advance_m.at(0), 0.1F * advance_m, 1e-5);
+  EXPECT_NEAR(grow().evidence.at(0).advance_m, 0.1F * advance_m, 1e-5);
 }
 
 // Growth and filled holes count with the rest of their object; there is one for each, in their order.
@@ -224,11 +239,22 @@ TEST_F(VoteImage, EveryObjectHasItsOwnAdvance) {
   }
   for (int c : {12, 13, 14}) set(0, c, 3);
   RegionGrowthResult result = grow();
-  ASSERT_EQ(result.advance_m.size(), 2u);
-  EXPECT_EQ(result.advance_m[0], 0);
-  EXPECT_GT(result.advance_m[1], 0);
+  ASSERT_EQ(result.evidence.size(), 2u);
+  EXPECT_EQ(result.evidence[0].advance_m, 0);
+  EXPECT_GT(result.evidence[1].advance_m, 0);
   see_through(1, 5);  // one of four, linked to the first
-  EXPECT_GT(grow().advance_m.at(0), 0);
+  EXPECT_GT(grow().evidence.at(0).advance_m, 0);
+}
+
+TEST_F(VoteImage, SumsTheVotesOfEveryObject) {
+  parameters_.grow = false;  // which would add points
+  for (int c : {2, 3, 4}) set(0, c, 3);
+  for (int c : {12, 13, 14}) set(0, c, 5);
+  votes_[at(0, 13)].later = -1;
+  const RegionGrowthResult result = grow();
+  ASSERT_EQ(result.evidence.size(), 2u);
+  EXPECT_EQ(result.evidence[0].votes, 9);
+  EXPECT_EQ(result.evidence[1].votes, 14);
 }
 
 TEST_F(VoteImage, HasNothingToDoWithoutPointsOrWithoutSeeds) {
@@ -288,9 +314,11 @@ TEST(VoteGrowth, AgreesWithAllPairs) {
     ASSERT_EQ(result.verdict, expected.verdict);
     ASSERT_EQ(result.object, expected.object);
     ASSERT_EQ(result.objects, expected.objects);
-    ASSERT_EQ(result.advance_m.size(), expected.advance_m.size());
-    for (std::size_t n = 0; n < expected.advance_m.size(); ++n)
-      ASSERT_NEAR(result.advance_m[n], expected.advance_m[n], 1e-4);
+    ASSERT_EQ(result.evidence.size(), expected.evidence.size());
+    for (std::size_t n = 0; n < expected.evidence.size(); ++n) {
+      ASSERT_NEAR(result.evidence[n].advance_m, expected.evidence[n].advance_m, 1e-4);
+      ASSERT_EQ(result.evidence[n].votes, expected.evidence[n].votes);
+    }
     kept += static_cast<int>(std::count(seeds.begin(), seeds.end(), BoxVerdict::kept));
     grown += static_cast<int>(std::count(result.verdict.begin(), result.verdict.end(), GrowthVerdict::grown));
     objects += result.objects;

@@ -66,14 +66,14 @@ std::vector<std::size_t> VoteGrowthOracle::sets(const std::vector<char>& chosen)
   return lowest;
 }
 
-void VoteGrowthOracle::fill(const std::vector<PointVotes>& votes, std::vector<char>& dynamic,
+void VoteGrowthOracle::fill(const std::vector<PointVotes>& votes, int least, std::vector<char>& dynamic,
                             RegionGrowthResult& result) const {
   const std::vector<char> before = dynamic;
   for (std::size_t i = 0; i < votes.size(); ++i) {
     int neighbours = 0;
     for (std::size_t j = 0; j < votes.size(); ++j)
       if (j != i && before[j] && linked(i, j, 1, 2)) ++neighbours;
-    if (before[i] || votes[i].total() < -12 || neighbours < 5) continue;
+    if (before[i] || votes[i].total() < least || neighbours < 5) continue;
     dynamic[i] = 1;
     result.verdict[i] = GrowthVerdict::grown;
   }
@@ -108,7 +108,8 @@ RegionGrowthResult VoteGrowthOracle::grow(const std::vector<PointVotes>& votes,
     if (result.verdict[i] != GrowthVerdict::seed) result.verdict[i] = GrowthVerdict::grown;
     dynamic[i] = 1;
   }
-  for (int round = 0; parameters_.grow && round < 2; ++round) fill(votes, dynamic, result);
+  for (int round = 0; parameters_.grow && round < 8; ++round)
+    fill(votes, round < 2 ? -12 : -4, dynamic, result);
   number(votes, dynamic, result);
   return result;
 }
@@ -142,7 +143,9 @@ void VoteGrowthOracle::number(const std::vector<PointVotes>& votes, const std::v
     auto& number = numbers[object];
     if (number == 0) {
       number = static_cast<std::uint16_t>(++result.objects);
-      result.advance_m.push_back(static_cast<float>(advance_m(votes, members[object])));
+      int sum = 0;
+      for (const std::size_t member : members[object]) sum += votes[member].total();
+      result.evidence.push_back({static_cast<float>(advance_m(votes, members[object])), sum});
     }
     result.object[i] = number;
   }

@@ -20,7 +20,7 @@ class VoteGrowthOracle {
                                         const std::vector<BoxVerdict>& seeds) const;
 
  private:
-  void fill(const std::vector<PointVotes>& votes, std::vector<char>& dynamic,
+  void fill(const std::vector<PointVotes>& votes, int least, std::vector<char>& dynamic,
             RegionGrowthResult& result) const;
   /// Numbers the sets of `dynamic` points, and stops those of which too few were seen through lately.
   void number(const std::vector<PointVotes>& votes, const std::vector<char>& dynamic,

@@ -151,6 +151,7 @@ struct VotingParameters {
   bool grow = true;
   double min_advance_m = 0.03;
   double min_speed_mps = 0.2;
+  int min_evidence = 160;
 
   static constexpr auto declarations() {
     using P = VotingParameters;
@@ -204,6 +205,10 @@ struct VotingParameters {
             "docs/method.md"),
         declare(&P::min_speed_mps, "min_speed_mps", "m/s", 0.0, 100.0,
                 "an object that is followed and slower than this stands", "docs/method.md"),
+        declare(&P::min_evidence, "min_evidence", "votes", 0, 100000,
+                "an object begins to move when the votes of its points, summed, with those of its earlier "
+                "scans, which count half for every scan they are back, are this many",
+                "docs/method.md"),
     };
   }
 };

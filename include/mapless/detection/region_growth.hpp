@@ -9,13 +9,18 @@
 
 namespace mapless {
 
+/// What rays tell of the whole of an object, of method "voting".
+struct ObjectEvidence {
+  float advance_m = 0;  ///< about how far it went since the scans of a moment ago
+  int votes = 0;        ///< of its points, summed (PointVotes::total)
+};
+
 struct RegionGrowthResult {
   std::vector<GrowthVerdict> verdict;  ///< one per return
   std::vector<std::uint16_t>
       object;  ///< 0: static; else 1, 2, ... 65535 (shared beyond), by lowest return index
   int objects = 0;
-  /// By object number - 1, of method "voting": about how far it went since the scans of a moment ago [m].
-  std::vector<float> advance_m;
+  std::vector<ObjectEvidence> evidence;  ///< by object number - 1, of method "voting"
 };
 
 /// Step 5: radially bounded nearest neighbour clusters of the dynamic points (Klasing et al., ICRA 2008): two
