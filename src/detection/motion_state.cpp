@@ -21,10 +21,13 @@ constexpr double kSure = 2;
 
 constexpr double kMostUnproven_m = 1;  // several times what the rays tell
 
-// What slides along itself, or is far, has no velocity that could be told from 0.
+bool differs_from_zero(const TrackedObject& object) {
+  return object.velocity_0.dot(object.velocity_covariance_0.ldlt().solve(object.velocity_0)) > kSure * kSure;
+}
+
+// That of what slides along itself, or is far, is not.
 bool velocity_is_known(const TrackedObject& object) {
-  const double square = object.velocity_0.dot(object.velocity_covariance_0.ldlt().solve(object.velocity_0));
-  return object.velocity_std_0().maxCoeff() <= kKnownStd_mps || square > kSure * kSure;
+  return object.velocity_std_0().maxCoeff() <= kKnownStd_mps || differs_from_zero(object);
 }
 
 }  // namespace
@@ -46,7 +49,8 @@ MotionState next_state(const MotionState& last, const TrackedObject& object, con
   const bool believed = next.velocity_known || object.age <= kYoung;
   const bool twice = last.slow || (known && !advances);  // or both say so
   const bool stops = (next.slow && twice) || next.unproven_m >= kMostUnproven_m;
-  const bool begins = advances && !next.slow && next.evidence >= parameters.min_evidence;
+  const bool may_stand = object.age > 1 && known && !differs_from_zero(object);
+  const bool begins = advances && !next.slow && !may_stand && next.evidence >= parameters.min_evidence;
   next.moves = believed && (last.moves ? !stops : begins);
   return next;
 }

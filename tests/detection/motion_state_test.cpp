@@ -128,6 +128,13 @@ TEST(NextState, AnObjectBeginsToMoveWithSpeedAndAdvance) {
   EXPECT_FALSE(next(standing(), object(kSlow_mps, kWell_mps), kAdvance_m).moves);
 }
 
+// 0.59 m/s, known to 0.3 m/s, may be none; what moves already goes on with it.
+TEST(NextState, AnObjectThatMayStandDoesNotBeginToMove) {
+  EXPECT_FALSE(next(standing(), object(0.59, 0.3), kAdvance_m).moves);
+  EXPECT_TRUE(next(standing(), object(0.61, 0.3), kAdvance_m).moves);
+  EXPECT_TRUE(next(moving(), object(0.59, 0.3), kAdvance_m).moves);
+}
+
 TEST(NextState, AnObjectOfUnknownSpeedBeginsToMoveWithAnAdvanceAlone) {
   EXPECT_TRUE(next(standing(), object(0, kBadly_mps), kAdvance_m).moves);
   EXPECT_FALSE(next(standing(), object(19, kBadly_mps), kLess_m).moves);
