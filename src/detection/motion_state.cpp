@@ -12,7 +12,7 @@ namespace {
 
 // Scans an object may move in without its velocity being known: one has nothing to be registered to, the
 // next has little.
-constexpr int kYoung = 2;
+constexpr int kUntoldScans = 2;
 
 // A velocity tells more than the advance where its standard deviation is at most so large, or it is more
 // than so many of them.
@@ -46,7 +46,7 @@ MotionState next_state(const MotionState& last, const TrackedObject& object, con
     next.slow = known ? speed_mps < parameters.min_speed_mps : !advances;
     next.unproven_m = advances ? 0 : last.unproven_m + speed_mps * (now - last.seen).seconds();
   }
-  const bool believed = next.velocity_known || object.age <= kYoung;
+  const bool believed = next.velocity_known || object.age <= kUntoldScans;
   const bool twice = last.slow || (known && !advances);  // or both say so
   const bool stops = (next.slow && twice) || next.unproven_m >= kMostUnproven_m;
   const bool may_stand = object.age > 1 && known && !differs_from_zero(object);
