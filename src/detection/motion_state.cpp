@@ -25,17 +25,14 @@ bool differs_from_zero(const TrackedObject& object) {
   return object.velocity_0.dot(object.velocity_covariance_0.ldlt().solve(object.velocity_0)) > kSure * kSure;
 }
 
-// That of what slides along itself, or is far, is not.
-bool velocity_is_known(const TrackedObject& object) {
-  return object.velocity_std_0().maxCoeff() <= kKnownStd_mps || differs_from_zero(object);
-}
-
 }  // namespace
 
 MotionState next_state(const MotionState& last, const TrackedObject& object, const ObjectEvidence& evidence,
                        Time now, const VotingParameters& parameters) {
   const bool advances = static_cast<double>(evidence.advance_m) >= parameters.min_advance_m;
-  const bool known = velocity_is_known(object);
+  const bool differs = differs_from_zero(object);
+  // Of what slides along itself, or is far, it is not.
+  const bool known = differs || object.velocity_std_0().maxCoeff() <= kKnownStd_mps;
   MotionState next;
   next.seen = now;
   next.age = object.age;
@@ -49,7 +46,7 @@ MotionState next_state(const MotionState& last, const TrackedObject& object, con
   const bool believed = next.velocity_known || object.age <= kUntoldScans;
   const bool twice = last.slow || (known && !advances);  // or both say so
   const bool stops = (next.slow && twice) || next.unproven_m >= kMostUnproven_m;
-  const bool may_stand = object.age > 1 && known && !differs_from_zero(object);
+  const bool may_stand = object.age > 1 && known && !differs;
   const bool begins = advances && !next.slow && !may_stand && next.evidence >= parameters.min_evidence;
   next.moves = believed && (last.moves ? !stops : begins);
   return next;

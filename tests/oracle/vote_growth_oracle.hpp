@@ -22,7 +22,7 @@ class VoteGrowthOracle {
  private:
   void fill(const std::vector<PointVotes>& votes, int least, std::vector<char>& dynamic,
             RegionGrowthResult& result) const;
-  /// Numbers the sets of `dynamic` points, and stops those of which too few were seen through lately.
+  /// Numbers the sets of `dynamic` points, and takes down the evidence of each.
   void number(const std::vector<PointVotes>& votes, const std::vector<char>& dynamic,
               RegionGrowthResult& result) const;
   /// Diameter about the centroid, times the share of points seen through lately [m].
