@@ -12,6 +12,11 @@
 
 namespace mapless {
 
+/// Windows of the scan image, half sizes: a point's support comes from its immediate neighbours; clusters and
+/// growth step over a laser or a few firings that hit something in front.
+inline constexpr int kSupportRows = 1, kSupportColumns = 2;
+inline constexpr int kLinkRows = 2, kLinkColumns = 4;
+
 /// The neighbours of a point in the scan image that belong to it in space. Each of two points must reach the
 /// other, so that what is linked does not depend on which is asked.
 class LinkedNeighbours {
@@ -63,6 +68,18 @@ class LinkedNeighbours {
         if (j >= 0 && j != i && linked(p, link, j)) visit(j);
       }
     }
+  }
+
+  /// The return in the cell beside that of i in its row, -1 to the left or 1 to the right, or -1.
+  [[nodiscard]] std::int32_t beside(std::int32_t i, int side) const {
+    const LidarReturn& r = scan_.returns[static_cast<std::size_t>(i)];
+    const int column = image_.aligned_column(r.laser, r.column) + side;
+    return scan_.cell(r.laser, image_.scan_column(r.laser, column));
+  }
+
+  [[nodiscard]] bool linked(std::int32_t i, std::int32_t j) const {
+    return linked(points_[static_cast<std::size_t>(i)], reach_m(scan_.returns[static_cast<std::size_t>(i)]),
+                  j);
   }
 
   [[nodiscard]] const AlignedImage& image() const { return image_; }

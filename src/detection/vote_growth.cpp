@@ -1,21 +1,18 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <span>
 
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/parallel_for.h>
 
 #include "detection/linked_neighbours.hpp"
 #include "detection/object_number.hpp"
+#include "detection/sliding_sides.hpp"
 #include <mapless/detection/vote_growth.hpp>
 
 namespace mapless {
 namespace {
-
-// Windows of the scan image, half sizes: a point's support comes from its immediate neighbours; clusters and
-// growth step over a laser or a few firings that hit something in front.
-constexpr int kSupportRows = 1, kSupportColumns = 2;
-constexpr int kLinkRows = 2, kLinkColumns = 4;
 
 // Holes are filled where more than a third of the support window is dynamic: twice whatever is not firmly
 // static, and on where no scan but those of a moment ago saw a surface, as sliding sides look.
@@ -25,16 +22,14 @@ constexpr int kFillNeighbours = 5, kFillRounds = 2, kSlidingRounds = 6;
 // would make good.
 constexpr int kFirmlyStatic = -3 * kSeenThroughVotes;
 
-// All votes against of the three scans before and of the later one.
-constexpr int kSliding = -4;
-
 class VoteGrowth {
   using Of = LinkedNeighbours::Of;
 
  public:
   VoteGrowth(const LidarScan& scan, const LinkedNeighbours& neighbours, const LocalPoints& points,
              const std::vector<PointVotes>& votes, const VotingParameters& parameters)
-      : neighbours_(neighbours),
+      : scan_(scan),
+        neighbours_(neighbours),
         points_(points),
         votes_(votes),
         parameters_(parameters),
@@ -49,6 +44,7 @@ class VoteGrowth {
     if (parameters_.grow) spread();
     mark_dynamic();
     if (parameters_.grow) fill();
+    if (parameters_.grow && something_stands()) slide();
     number_objects();
     return std::move(result_);
   }
@@ -148,6 +144,36 @@ class VoteGrowth {
     std::sort(dynamic_.begin(), dynamic_.end());
   }
 
+  // In the first scans nothing is known to stand, and there sides would go on over all there is.
+  [[nodiscard]] bool something_stands() const {
+    return std::any_of(votes_.begin(), votes_.end(),
+                       [](const PointVotes& v) { return v.total() < kSliding; });
+  }
+
+  // The sides of one thing after another. The marks are on what moves.
+  void slide() {
+    std::vector<std::int32_t> things;  // one after another
+    std::vector<std::size_t> ends;
+    for (const std::int32_t i : dynamic_) {
+      if (!marks_.marked(i)) continue;
+      collect(i);
+      things.insert(things.end(), front_.begin(), front_.end());
+      ends.push_back(things.size());
+    }
+    for (const std::int32_t i : things) marks_.mark(i);
+    SlidingSides sides(scan_, neighbours_, votes_, marks_);
+    std::size_t begin = 0;
+    for (const std::size_t end : ends) {
+      for (const std::int32_t i : sides.of(std::span(things).subspan(begin, end - begin))) {
+        verdict(i) = GrowthVerdict::grown;
+        marks_.mark(i);
+        dynamic_.push_back(i);
+      }
+      begin = end;
+    }
+    std::sort(dynamic_.begin(), dynamic_.end());
+  }
+
   // Counts what was added beside its neighbours; those for whom it makes enough, in front_.
   void count_beside(const std::vector<std::int32_t>& added, int least,
                     std::vector<std::int8_t>& dynamic_neighbours) {
@@ -196,6 +222,7 @@ class VoteGrowth {
     });
   }
 
+  const LidarScan& scan_;
   const LinkedNeighbours& neighbours_;
   const LocalPoints& points_;
   const std::vector<PointVotes>& votes_;

@@ -79,6 +79,63 @@ void VoteGrowthOracle::fill(const std::vector<PointVotes>& votes, int least, std
   }
 }
 
+void VoteGrowthOracle::slide(const std::vector<PointVotes>& votes, std::vector<char>& dynamic,
+                             RegionGrowthResult& result) const {
+  const std::vector<char> found = dynamic;
+  const std::vector<std::size_t> things = sets(found);
+  for (std::size_t first = 0; first < votes.size(); ++first) {
+    if (!found[first] || things[first] != first) continue;
+    std::vector<std::size_t> thing;
+    for (std::size_t i = first; i < votes.size(); ++i)
+      if (found[i] && things[i] == first) thing.push_back(i);
+    const std::vector<char> sides = sides_of(thing, votes, dynamic);
+    const auto size = static_cast<std::size_t>(std::count(sides.begin(), sides.end(), 1));
+    const Ends ends = ends_of(sides, votes);
+    if (size > 8 * thing.size() || ends.free <= 3 * ends.held) continue;
+    for (std::size_t i = 0; i < votes.size(); ++i) {
+      if (!sides[i]) continue;
+      dynamic[i] = 1;
+      result.verdict[i] = GrowthVerdict::grown;
+    }
+  }
+}
+
+std::vector<char> VoteGrowthOracle::sides_of(const std::vector<std::size_t>& thing,
+                                             const std::vector<PointVotes>& votes,
+                                             const std::vector<char>& dynamic) const {
+  std::vector<char> whole(votes.size(), 0), sides(votes.size(), 0);
+  for (const std::size_t i : thing) whole[i] = 1;
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (std::size_t i = 0; i < votes.size(); ++i) {
+      const PointVotes& v = votes[i];
+      if (whole[i] || dynamic[i] || v.total() < -4 || (v.earlier == 0 && !v.moving_seen)) continue;
+      for (std::size_t j = 0; j < votes.size() && !whole[i]; ++j) {
+        if (!whole[j] || !linked(i, j, 1, 2)) continue;
+        whole[i] = sides[i] = 1;
+        changed = true;
+      }
+    }
+  }
+  return sides;
+}
+
+VoteGrowthOracle::Ends VoteGrowthOracle::ends_of(const std::vector<char>& sides,
+                                                 const std::vector<PointVotes>& votes) const {
+  Ends ends;
+  for (std::size_t i = 0; i < votes.size(); ++i) {
+    for (std::size_t j = 0; j < votes.size(); ++j) {
+      const LidarReturn &a = scan_.returns[i], &b = scan_.returns[j];
+      const int apart = std::abs(a.column - b.column);
+      if (!sides[i] || a.laser != b.laser || (apart != 1 && apart != scan_.columns - 1)) continue;
+      const bool link = linked(i, j, 0, 1);
+      if (link && !sides[j] && votes[j].total() < -4) ++ends.held;
+      if (!link && b.range_m > a.range_m) ++ends.free;
+    }
+  }
+  return ends;
+}
+
 RegionGrowthResult VoteGrowthOracle::grow(const std::vector<PointVotes>& votes,
                                           const std::vector<BoxVerdict>& seeds) const {
   const std::size_t size = votes.size();
@@ -110,6 +167,8 @@ RegionGrowthResult VoteGrowthOracle::grow(const std::vector<PointVotes>& votes,
   }
   for (int round = 0; parameters_.grow && round < 8; ++round)
     fill(votes, round < 2 ? -12 : -4, dynamic, result);
+  const bool some_stand = std::any_of(votes.begin(), votes.end(), [](auto& v) { return v.total() < -4; });
+  if (parameters_.grow && some_stand) slide(votes, dynamic, result);
   number(votes, dynamic, result);
   return result;
 }

@@ -22,6 +22,16 @@ class VoteGrowthOracle {
  private:
   void fill(const std::vector<PointVotes>& votes, int least, std::vector<char>& dynamic,
             RegionGrowthResult& result) const;
+  /// Adds the sides of every set of `dynamic` points: all that hangs together with it and slides.
+  void slide(const std::vector<PointVotes>& votes, std::vector<char>& dynamic,
+             RegionGrowthResult& result) const;
+  [[nodiscard]] std::vector<char> sides_of(const std::vector<std::size_t>& thing,
+                                           const std::vector<PointVotes>& votes,
+                                           const std::vector<char>& dynamic) const;
+  struct Ends {
+    int free = 0, held = 0;  // in front of something farther; going on into what stands
+  };
+  [[nodiscard]] Ends ends_of(const std::vector<char>& sides, const std::vector<PointVotes>& votes) const;
   /// Numbers the sets of `dynamic` points, and takes down the evidence of each.
   void number(const std::vector<PointVotes>& votes, const std::vector<char>& dynamic,
               RegionGrowthResult& result) const;

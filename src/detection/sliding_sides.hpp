@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "detection/linked_neighbours.hpp"
+#include "detection/marked_returns.hpp"
+#include <mapless/detection/freespace_votes.hpp>
+
+namespace mapless {
+
+/// All votes against that the three scans before and the later one can have: as many has what slides within
+/// itself while it moves, and what stands has more.
+inline constexpr int kSliding = -4;
+
+/// Sides that slide within themselves: of a bus that goes by, both ends show that it moves, and its side is
+/// where it was a moment ago. Such a side goes on from what moves over points that scans before saw a surface
+/// at, none long ago, and ends of itself, in front of something farther. A wall or the ground beside
+/// something that moves goes on into what stands.
+class SlidingSides {
+ public:
+  /// Keeps references. The marks are on what moves.
+  SlidingSides(const LidarScan& scan, const LinkedNeighbours& neighbours,
+               const std::vector<PointVotes>& votes, const MarkedReturns& moving)
+      : scan_(scan), neighbours_(neighbours), votes_(votes), moving_(moving), reached_(votes.size(), 0) {}
+
+  /// The sides of `thing`, points that move and are linked, which are not marked; empty where what goes on
+  /// from it is not of it. Valid until the next call.
+  [[nodiscard]] const std::vector<std::int32_t>& of(std::span<const std::int32_t> thing);
+
+ private:
+  void reach(std::int32_t from);
+  [[nodiscard]] static bool slides(const PointVotes& votes);
+  [[nodiscard]] bool end_of_themselves() const;
+
+  const LidarScan& scan_;
+  const LinkedNeighbours& neighbours_;
+  const std::vector<PointVotes>& votes_;
+  const MarkedReturns& moving_;
+  std::vector<std::uint8_t> reached_;  // of each return, by the thing at hand
+  std::vector<std::int32_t> sides_;
+};
+
+}  // namespace mapless

@@ -1,0 +1,91 @@
+#include <algorithm>
+
+#include "support/vote_image.hpp"
+
+namespace mapless {
+namespace {
+
+constexpr int kColumns = test::kSmallColumns;
+
+/// The side of a bus, columns 6 to 15 of all lasers, 5 m off, before a wall that stands 10 m off. A column is
+/// 15 degrees: 1.3 m on the bus, 2.6 m on the wall. Three lasers see both ends of it move, two columns each,
+/// and it slide between them; the first and the last see it slide from end to end, in front of the wall.
+class BusSide : public test::VoteImage {
+ protected:
+  static constexpr int kFirst = 6, kLast = 15, kAll = 5 * 10, kFound = 3 * 4;
+  BusSide() {
+    parameters_.link_m = 2;
+    parameters_.link_per_m = parameters_.link_spacings = 0;
+    for (int l = 0; l < 5; ++l) {
+      for (int c = 0; c < kColumns; ++c) {
+        if (c < kFirst || c > kLast) {
+          put(l, c, 10, -9);
+        } else {
+          set(l, c, l % 4 != 0 && (c < kFirst + 2 || c > kLast - 2) ? 3 : -4);
+        }
+      }
+    }
+  }
+  void put(int laser, int column, float range_m, int votes) {
+    LidarReturn& r = scan_.returns[at(laser, column)];
+    r.position_v *= range_m / r.range_m;
+    r.range_m = range_m;
+    points_.points[at(laser, column)] = r.position_v;
+    set(laser, column, votes);
+  }
+  [[nodiscard]] long found() const {
+    const auto objects = grow().object;
+    return std::count_if(objects.begin(), objects.end(), [](std::uint16_t object) { return object != 0; });
+  }
+};
+
+TEST_F(BusSide, MovesBetweenEndsThatMove) {
+  EXPECT_EQ(found(), kAll);
+  EXPECT_EQ(grow().objects, 1);
+  parameters_.grow = false;
+  EXPECT_EQ(found(), kFound);
+}
+
+// For one end that goes on into what stands there must be more than three in front of something farther.
+TEST_F(BusSide, IsNoneWhereItGoesOnIntoWhatStands) {
+  put(0, kLast + 1, 5, -9);
+  EXPECT_EQ(found(), kFound);  // three, and one that goes on
+  set(2, kLast - 1, -4);
+  set(2, kLast, -4);
+  EXPECT_EQ(found(), kAll);  // four
+}
+
+// A nearer thing hides where it ends.
+TEST_F(BusSide, IsNoneWhereNoEndIsSeen) {
+  for (const int l : {0, 4}) {
+    for (const int c : {kFirst - 1, kLast + 1}) put(l, c, 2, -9);
+  }
+  EXPECT_EQ(found(), kFound);
+  put(4, kFirst - 1, 10, -9);
+  EXPECT_EQ(found(), kAll);
+}
+
+TEST_F(BusSide, IsNotWhatOnlyTheLaterScanSaw) {
+  for (int c = 10; c < 12; ++c) votes_[at(0, c)] = {0, -1, false, true, false, false, false};
+  EXPECT_EQ(found(), kAll - 2);
+  for (int c = 10; c < 12; ++c) votes_[at(0, c)].moving_seen = true;
+  EXPECT_EQ(found(), kAll);
+}
+
+// Of six that move, eight times as many; of three not.
+TEST_F(BusSide, IsNotMuchLargerThanWhatWasFound) {
+  for (int l = 1; l < 4; ++l) {
+    for (int c = kFirst; c < kFirst + 2; ++c) set(l, c, -4);
+  }
+  EXPECT_EQ(found(), kAll);  // 44
+  for (int l = 1; l < 4; ++l) set(l, kLast - 1, -4);
+  EXPECT_EQ(found(), 3);  // 47
+}
+
+TEST_F(BusSide, IsNotKnownBeforeAnythingIsKnownToStand) {
+  for (PointVotes& v : votes_) v.earlier = std::max<std::int16_t>(v.earlier, -4);
+  EXPECT_EQ(found(), kFound);
+}
+
+}  // namespace
+}  // namespace mapless

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "support/small_scan.hpp"
+#include <mapless/detection/vote_growth.hpp>
+
+namespace mapless::test {
+
+inline LocalPoints points_of(const LidarScan& scan) {
+  LocalPoints points{Eigen::Vector3d::Zero(), {}};
+  for (const LidarReturn& r : scan.returns) points.points.push_back(r.position_v);
+  return points;
+}
+
+/// Five lasers, 24 columns, everything 5 m off and linked to all of its window unless a test says otherwise.
+class VoteImage : public testing::Test {
+ protected:
+  VoteImage() {
+    parameters_.link_m = 100;
+    parameters_.seed_score = 8;
+    parameters_.min_seeds = 3;
+  }
+  [[nodiscard]] std::size_t at(int laser, int column) const {
+    return static_cast<std::size_t>(scan_.cell(laser, column));
+  }
+  void set(int laser, int column, int votes) {
+    PointVotes& v = votes_[at(laser, column)];
+    v.earlier = static_cast<std::int16_t>(votes);
+    v.seen_through = v.recently = votes > 0;
+    v.surface_seen = votes < 0;
+  }
+  [[nodiscard]] std::vector<BoxVerdict> filter() const {
+    return filter_votes(scan_, points_, votes_, parameters_);
+  }
+  [[nodiscard]] RegionGrowthResult grow() const {
+    std::vector<BoxVerdict> seeds;
+    for (const PointVotes& v : votes_)
+      seeds.push_back(v.total() > 0 ? BoxVerdict::kept : BoxVerdict::not_asked);
+    return grow_votes(scan_, points_, votes_, seeds, parameters_);
+  }
+  /// Growth alone reaches it: seen through once, and a surface seen as often.
+  void see_through(int laser, int column) { votes_[at(laser, column)] = {1, -1, true, true, true}; }
+  /// Whoever saw through it did so a while ago.
+  void make_old(int laser, int column) { votes_[at(laser, column)].recently = false; }
+
+  LidarScan scan_ = small_scan({0, 0, 0, 0, 0}, 5);
+  LocalPoints points_ = points_of(scan_);
+  std::vector<PointVotes> votes_ = std::vector<PointVotes>(scan_.returns.size());
+  VotingParameters parameters_;
+};
+
+}  // namespace mapless::test
