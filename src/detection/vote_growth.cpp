@@ -44,8 +44,9 @@ class VoteGrowth {
     if (parameters_.grow) spread();
     mark_dynamic();
     if (parameters_.grow) fill();
-    if (parameters_.grow && something_stands()) slide();
     number_objects();
+    if (parameters_.grow && something_stands() && slide()) number_objects();
+    weigh_objects();
     return std::move(result_);
   }
 
@@ -150,28 +151,19 @@ class VoteGrowth {
                        [](const PointVotes& v) { return v.total() < kSliding; });
   }
 
-  // The sides of one thing after another. The marks are on what moves.
-  void slide() {
-    std::vector<std::int32_t> things;  // one after another
-    std::vector<std::size_t> ends;
-    for (const std::int32_t i : dynamic_) {
-      if (!marks_.marked(i)) continue;
-      collect(i);
-      things.insert(things.end(), front_.begin(), front_.end());
-      ends.push_back(things.size());
-    }
-    for (const std::int32_t i : things) marks_.mark(i);
+  // The sides of one object after another; whether there are any. The marks are on what moves.
+  bool slide() {
+    const std::size_t before = dynamic_.size();
     SlidingSides sides(scan_, neighbours_, votes_, marks_);
-    std::size_t begin = 0;
-    for (const std::size_t end : ends) {
-      for (const std::int32_t i : sides.of(std::span(things).subspan(begin, end - begin))) {
+    for (std::size_t n = 0; n < ends_.size(); ++n) {
+      for (const std::int32_t i : sides.of(object(n))) {
         verdict(i) = GrowthVerdict::grown;
         marks_.mark(i);
         dynamic_.push_back(i);
       }
-      begin = end;
     }
     std::sort(dynamic_.begin(), dynamic_.end());
+    return dynamic_.size() != before;
   }
 
   // Counts what was added beside its neighbours; those for whom it makes enough, in front_.
@@ -189,35 +181,52 @@ class VoteGrowth {
 
   // What is linked is one object. The marks are on what moves.
   void number_objects() {
+    objects_.clear();
+    ends_.clear();
+    for (const std::int32_t i : dynamic_) result_.object[static_cast<std::size_t>(i)] = 0;
     for (const std::int32_t i : dynamic_) {
       if (result_.object[static_cast<std::size_t>(i)] != 0) continue;
       collect(i);
-      result_.evidence.push_back({static_cast<float>(advance_m()), votes_in_front()});
-      const auto number = static_cast<std::uint16_t>(std::min(++result_.objects, kMaxObjectNumber));
+      objects_.insert(objects_.end(), front_.begin(), front_.end());
+      ends_.push_back(objects_.size());
+      const auto number = static_cast<std::uint16_t>(std::min<std::size_t>(ends_.size(), kMaxObjectNumber));
       for (const std::int32_t j : front_) result_.object[static_cast<std::size_t>(j)] = number;
+    }
+    for (const std::int32_t i : objects_) marks_.mark(i);
+  }
+
+  [[nodiscard]] std::span<const std::int32_t> object(std::size_t n) const {
+    const std::size_t begin = n == 0 ? 0 : ends_[n - 1];
+    return std::span(objects_).subspan(begin, ends_[n] - begin);
+  }
+
+  void weigh_objects() {
+    result_.objects = static_cast<int>(ends_.size());
+    for (std::size_t n = 0; n < ends_.size(); ++n) {
+      result_.evidence.push_back({static_cast<float>(advance_m(object(n))), votes_of(object(n))});
     }
   }
 
-  // About how far the thing in front_ went since the scans of a moment ago: what goes on by a part of its
+  // About how far an object went since the scans of a moment ago: what goes on by a part of its
   // length uncovers such a part of its points.
-  [[nodiscard]] double advance_m() const {
+  [[nodiscard]] double advance_m(std::span<const std::int32_t> object) const {
     Eigen::Vector3f centre = Eigen::Vector3f::Zero();
     std::size_t recent = 0;
-    for (const std::int32_t j : front_) {
+    for (const std::int32_t j : object) {
       centre += points_.points[static_cast<std::size_t>(j)];
       recent += votes_[static_cast<std::size_t>(j)].recently ? 1 : 0;
     }
-    const auto count = static_cast<float>(front_.size());
+    const auto count = static_cast<float>(object.size());
     centre /= count;
     float radius2 = 0;
-    for (const std::int32_t j : front_) {
+    for (const std::int32_t j : object) {
       radius2 = std::max(radius2, (points_.points[static_cast<std::size_t>(j)] - centre).squaredNorm());
     }
     return 2 * std::sqrt(radius2) * static_cast<float>(recent) / count;
   }
 
-  [[nodiscard]] int votes_in_front() const {
-    return std::accumulate(front_.begin(), front_.end(), 0, [&](int sum, std::int32_t j) {
+  [[nodiscard]] int votes_of(std::span<const std::int32_t> object) const {
+    return std::accumulate(object.begin(), object.end(), 0, [&](int sum, std::int32_t j) {
       return sum + votes_[static_cast<std::size_t>(j)].total();
     });
   }
@@ -231,6 +240,8 @@ class VoteGrowth {
   MarkedReturns marks_;
   std::vector<std::int32_t> candidates_, dynamic_;  // increasing
   std::vector<std::int32_t> front_;
+  std::vector<std::int32_t> objects_;  // one after another
+  std::vector<std::size_t> ends_;      // of each in objects_
 };
 
 }  // namespace
