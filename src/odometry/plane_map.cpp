@@ -30,9 +30,14 @@ std::vector<unsigned> PlaneMap::insert(const std::vector<MapPoint>& points) {
   return taken;
 }
 
-void PlaneMap::remove(const Eigen::Vector3d& p_0, unsigned taken) {
+void PlaneMap::remove(const std::vector<TakenPoint>& points) {
+  std::vector<Eigen::Vector3d> of_grid;
   for (std::size_t g = 0; g < grids_.size(); ++g) {
-    if ((taken >> g & 1U) != 0) grids_[g].remove(p_0);
+    of_grid.clear();
+    for (const TakenPoint& point : points) {
+      if ((point.taken >> g & 1U) != 0) of_grid.push_back(point.p_0);
+    }
+    grids_[g].remove(of_grid);
   }
 }
 
@@ -52,7 +57,11 @@ std::size_t PlaneMap::cubes() const {
 
 std::vector<std::optional<MapPlane>> PlaneMap::planes_near(
     const std::vector<Eigen::Vector3d>& points_0) const {
-  std::vector<std::optional<MapPlane>> best(points_0.size());
+  struct Best {
+    PlaneGrid::Candidate candidate;
+    const PlaneGrid* grid = nullptr;
+  };
+  std::vector<Best> best(points_0.size());
   std::vector<PlaneGrid::Place> places(points_0.size());
   std::vector<std::size_t> open(points_0.size());  // those that still want a better one
   std::iota(open.begin(), open.end(), std::size_t{0});
@@ -63,12 +72,16 @@ std::vector<std::optional<MapPlane>> PlaneMap::planes_near(
     }
     for (const std::size_t i : open) grid.fetch_plane(places[i]);
     std::erase_if(open, [&](std::size_t i) {
-      const auto plane = grid.plane_at(points_0[i], places[i]);
-      if (plane && (!best[i] || plane->variance < best[i]->variance)) best[i] = plane;
-      return best[i] && best[i]->variance <= good_variance_;
+      const PlaneGrid::Candidate candidate = grid.candidate_at(points_0[i], places[i]);
+      if (candidate.variance < best[i].candidate.variance) best[i] = {candidate, &grid};
+      return best[i].candidate.variance <= good_variance_;
     });
   }
-  return best;
+  std::vector<std::optional<MapPlane>> planes(points_0.size());
+  for (std::size_t i = 0; i < planes.size(); ++i) {
+    if (best[i].grid != nullptr) planes[i] = best[i].grid->plane_of(best[i].candidate);
+  }
+  return planes;
 }
 
 }  // namespace mapless

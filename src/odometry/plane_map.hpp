@@ -21,8 +21,12 @@ class PlaneMap {
   /// For each point, bits: the grids that took it. One farther than so many cubes from the sensor is too
   /// sparse there for a fine grid and left to the coarser ones.
   std::vector<unsigned> insert(const std::vector<MapPoint>& points);
-  /// Takes out a point again; `taken` as insert returned it.
-  void remove(const Eigen::Vector3d& p_0, unsigned taken);
+  struct TakenPoint {
+    Eigen::Vector3d p_0;
+    unsigned taken;  ///< by which grids, as insert returned it
+  };
+  /// Takes out points again.
+  void remove(const std::vector<TakenPoint>& points);
   void keep_within(const Eigen::Vector3d& centre_0, double radius_m);
   void clear();
 

@@ -112,16 +112,15 @@ TEST(PlaneGrid, WhatIsTakenOutAgainLeavesNothing) {
   for (const Vector3d& p : points) (void)insert(plain, p, next_line++);
   for (const Vector3d& p : others) (void)insert(changed, p, next_line++);
   for (const Vector3d& p : points) (void)insert(changed, p, next_line++);
-  for (const Vector3d& p : others) changed.remove(p);
+  changed.remove(others);
   const auto expected = plain.plane_at(patch.centre);
   const auto found = changed.plane_at(patch.centre);
   ASSERT_TRUE(expected && found);
   EXPECT_NEAR(std::abs(found->normal_0.dot(expected->normal_0)), 1, 1e-6);
   EXPECT_NEAR(found->variance, expected->variance, 1e-6 * expected->variance);
-  for (const Vector3d& p : points) changed.remove(p);
+  changed.remove(points);
   EXPECT_FALSE(changed.plane_at(patch.centre));
-  changed.remove(points[0]);
-  changed.remove({500, 0, 0});
+  changed.remove({points[0], {500, 0, 0}});
   EXPECT_FALSE(changed.plane_at(patch.centre));
 }
 
