@@ -42,7 +42,7 @@ TrajectoryState KnotSegment::at(Time t) const {
       dt_ * (r - 2 * r2 + r3) * k1_.varpi + (3 * r2 - 2 * r3) * xi_ + dt_ * (r3 - r2) * velocity_2_;
   const Vector6d gamma_dot =
       (1 - 4 * r + 3 * r2) * k1_.varpi + 6 * (r - r2) / dt_ * xi_ + (3 * r2 - 2 * r) * velocity_2_;
-  return {SE3::exp(gamma) * k1_.T_v0, left_jacobian(gamma) * gamma_dot};
+  return {SE3::exp(gamma) * k1_.T_v0, left_jacobian_times(gamma, gamma_dot)};
 }
 
 TrajectoryState interpolate(const TrajectoryKnot& k1, const TrajectoryKnot& k2, Time t) {
