@@ -250,6 +250,16 @@ MapPlane PlaneGrid::plane_of(const Candidate& candidate) const {
           plane.normal.cast<double>(), candidate.variance, (plane.per_middle + plane.per_largest) / 2};
 }
 
+double PlaneGrid::from_face(const Vector3d& p_0) const {
+  double least = 0.5;
+  for (const double p : {p_0.x(), p_0.y(), p_0.z()}) {
+    const double at = (p - offset_m_) * cubes_per_m_;
+    const double over = std::abs(at - static_cast<double>(static_cast<std::int64_t>(at)));
+    least = std::min({least, over, 1 - over});
+  }
+  return cube_m_ * least;
+}
+
 std::optional<MapPlane> PlaneGrid::plane_at(const Vector3d& q_0) const {
   const Candidate candidate = candidate_at(q_0, place_of(q_0));
   if (candidate.cube < 0) return std::nullopt;

@@ -71,6 +71,8 @@ class PlaneGrid {
   };
   [[nodiscard]] Candidate candidate_at(const Eigen::Vector3d& q_0, const Place& place) const;
   [[nodiscard]] MapPlane plane_of(const Candidate& candidate) const;
+  /// How far a point is from the nearest face of its cube [m].
+  [[nodiscard]] double from_face(const Eigen::Vector3d& p_0) const;
 
   [[nodiscard]] std::size_t cubes() const { return cubes_.size(); }
 

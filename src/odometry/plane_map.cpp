@@ -1,7 +1,7 @@
 #include "odometry/plane_map.hpp"
 
+#include <algorithm>
 #include <limits>
-#include <numeric>
 
 namespace mapless {
 namespace {
@@ -11,6 +11,8 @@ constexpr double kFarthestCubes = 80;
 // Not on one another's faces: a plane that one grid cuts lies inside the cubes of the next.
 constexpr std::array<double, PlaneMap::kGrids> kOffsets = {0.137, 0.371, 0.813, 1.709};
 constexpr double kGoodSigmas = 1.5;
+// Within so many metres the variance of a plane hardly changes.
+constexpr double kHolds = 0.004;
 
 }  // namespace
 
@@ -55,33 +57,40 @@ std::size_t PlaneMap::cubes() const {
   return count;
 }
 
-std::vector<std::optional<MapPlane>> PlaneMap::planes_near(
-    const std::vector<Eigen::Vector3d>& points_0) const {
-  struct Best {
-    PlaneGrid::Candidate candidate;
-    const PlaneGrid* grid = nullptr;
+void PlaneMap::find_planes(std::span<const Eigen::Vector3d> points_0, std::span<PlaneNear> planes) const {
+  struct Search {
+    std::size_t point;
+    PlaneGrid::Place place;
+    PlaneGrid::Candidate best;
+    const PlaneGrid* grid = nullptr;  // of the best
   };
-  std::vector<Best> best(points_0.size());
-  std::vector<PlaneGrid::Place> places(points_0.size());
-  std::vector<std::size_t> open(points_0.size());  // those that still want a better one
-  std::iota(open.begin(), open.end(), std::size_t{0});
+  std::vector<Search> open;  // of those that still want a better one
+  open.reserve(points_0.size());
+  for (std::size_t i = 0; i < points_0.size(); ++i) {
+    if (planes[i].holds_at(points_0[i])) continue;
+    planes[i] = {std::nullopt, points_0[i], kHolds};
+    open.push_back({i, {}, {}});
+  }
   for (const PlaneGrid& grid : grids_) {
-    for (const std::size_t i : open) {
-      places[i] = grid.place_of(points_0[i]);
-      grid.fetch_slot(places[i]);
+    for (Search& s : open) {
+      s.place = grid.place_of(points_0[s.point]);
+      grid.fetch_slot(s.place);
     }
-    for (const std::size_t i : open) grid.fetch_plane(places[i]);
-    std::erase_if(open, [&](std::size_t i) {
-      const PlaneGrid::Candidate candidate = grid.candidate_at(points_0[i], places[i]);
-      if (candidate.variance < best[i].candidate.variance) best[i] = {candidate, &grid};
-      return best[i].candidate.variance <= good_variance_;
+    for (const Search& s : open) grid.fetch_plane(s.place);
+    std::erase_if(open, [&](Search& s) {
+      PlaneNear& found = planes[s.point];
+      const Eigen::Vector3d& p_0 = points_0[s.point];
+      const PlaneGrid::Candidate candidate = grid.candidate_at(p_0, s.place);
+      if (candidate.variance < s.best.variance) {
+        s.best = candidate;
+        s.grid = &grid;
+      }
+      found.holds_m = std::min(found.holds_m, grid.from_face(p_0));
+      const bool last = s.best.variance <= good_variance_ || &grid == &grids_.back();
+      if (last && s.grid != nullptr) found.plane = s.grid->plane_of(s.best);
+      return last;
     });
   }
-  std::vector<std::optional<MapPlane>> planes(points_0.size());
-  for (std::size_t i = 0; i < planes.size(); ++i) {
-    if (best[i].grid != nullptr) planes[i] = best[i].grid->plane_of(best[i].candidate);
-  }
-  return planes;
 }
 
 }  // namespace mapless

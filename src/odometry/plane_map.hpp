@@ -2,11 +2,24 @@
 
 #include <array>
 #include <cstddef>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "odometry/plane_grid.hpp"
 
 namespace mapless {
+
+/// What a map that stays as it is has near a point.
+struct PlaneNear {
+  std::optional<MapPlane> plane;
+  Eigen::Vector3d asked_0 = Eigen::Vector3d::Zero();
+  double holds_m = -1;  ///< so far about asked_0 the map has no other plane, and hardly another variance
+
+  [[nodiscard]] bool holds_at(const Eigen::Vector3d& p_0) const {
+    return (p_0 - asked_0).cwiseAbs().maxCoeff() < holds_m;
+  }
+};
 
 /// Planes of the world at several sizes, fine ones where points are dense and surfaces small, coarse ones for
 /// sparse points and large surfaces. What is in it depends on the order of insertion alone.
@@ -31,9 +44,8 @@ class PlaneMap {
   void clear();
 
   /// The finest plane at every point that is not much worse than the noise of a point, else the best there
-  /// is.
-  [[nodiscard]] std::vector<std::optional<MapPlane>> planes_near(
-      const std::vector<Eigen::Vector3d>& points_0) const;
+  /// is; one of `planes` for each of the points. Those that hold already stay as they are.
+  void find_planes(std::span<const Eigen::Vector3d> points_0, std::span<PlaneNear> planes) const;
 
   [[nodiscard]] std::size_t cubes() const;
 

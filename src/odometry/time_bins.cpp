@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include <Eigen/Geometry>
 #include <tbb/blocked_range.h>
@@ -65,7 +66,8 @@ void BinSums::add(const PointResidual& residual) {
 }
 
 std::vector<BinSums> sum_residuals(const TimeBins& bins, const KnotInterval& interval, const PlaneMap& map,
-                                   const PointWeights& weights) {
+                                   const PointWeights& weights, std::vector<PlaneNear>& planes) {
+  planes.resize(bins.points().size());
   std::vector<BinSums> sums(bins.bins().size());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, sums.size(), 1), [&](const auto& range) {
     for (std::size_t b = range.begin(); b < range.end(); ++b) {
@@ -79,9 +81,11 @@ std::vector<BinSums> sum_residuals(const TimeBins& bins, const KnotInterval& int
         points_v.push_back(at_middle(bins.points()[i], at.state.varpi));
         points_0.push_back(T_0v * points_v.back());
       }
-      const auto planes = map.planes_near(points_0);
-      for (std::size_t i = 0; i < planes.size(); ++i) {
-        if (planes[i]) sums[b].add(point_residual(points_v[i], at.state.T_v0, *planes[i], weights));
+      const auto of_bin = std::span(planes).subspan(bin.begin, points_0.size());
+      map.find_planes(points_0, of_bin);
+      for (std::size_t i = 0; i < of_bin.size(); ++i) {
+        const auto& plane = of_bin[i].plane;
+        if (plane) sums[b].add(point_residual(points_v[i], at.state.T_v0, *plane, weights));
       }
     }
   });

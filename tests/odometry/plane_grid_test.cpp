@@ -197,16 +197,22 @@ TEST(PlaneGrid, IgnoresPointsThatAreNowhere) {
   EXPECT_FALSE(grid.plane_at({nan, 0, 0}));
 }
 
+std::optional<MapPlane> plane_near(const PlaneMap& map, const Vector3d& p_0) {
+  PlaneNear found;
+  map.find_planes({&p_0, 1}, {&found, 1});
+  return found.plane;
+}
+
 TEST(PlaneMap, AFarSparseWallHasACoarsePlaneAndANearOneAFinePlane) {
   std::mt19937 generator(10);
   PlaneMap map(kSigma);
   const Patch wall = {{41.8, 1.8, 1.8}, {0, 1, 0}, {0, 0, 1}, {1, 0, 0}};
   for (const Vector3d& p : points_on(wall, 8, 0.8, generator))
     EXPECT_EQ(map.insert({{p, next_line++, 90}}), std::vector{12u});
-  EXPECT_TRUE(map.planes_near({wall.centre})[0]);
+  EXPECT_TRUE(plane_near(map, wall.centre));
   for (const Vector3d& p : points_on(wall, 60, 0.8, generator))
     EXPECT_EQ(map.insert({{p, next_line++, 10}}), std::vector{15u});
-  const auto plane = map.planes_near({wall.centre})[0];
+  const auto plane = plane_near(map, wall.centre);
   ASSERT_TRUE(plane);
   EXPECT_LT(plane->variance, 2.25 * kSigma * kSigma);
   EXPECT_NEAR(std::abs(plane->normal_0.x()), 1, 0.01);
