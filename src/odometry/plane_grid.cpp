@@ -6,8 +6,6 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "odometry/cube_hash.hpp"
-
 namespace mapless {
 namespace {
 
@@ -38,14 +36,6 @@ Vector3d PlaneGrid::from_origin(const Vector3d& p_0) const { return (p_0.array()
 
 Vector3d PlaneGrid::corner_of(std::uint64_t key) const {
   return {cube_m_ * cube_begin(key, 0), cube_m_ * cube_begin(key, 1), cube_m_ * cube_begin(key, 2)};
-}
-
-// Of the cube, or an empty one.
-std::size_t PlaneGrid::slot_of(std::uint64_t key) const {
-  const std::size_t mask = table_.size() - 1;
-  std::size_t slot = cube_slot(key, shift_);
-  while (table_[slot].cube >= 0 && table_[slot].key != key) slot = (slot + 1) & mask;
-  return slot;
 }
 
 std::size_t PlaneGrid::add_cube(std::size_t slot, std::uint64_t key) {
@@ -81,13 +71,6 @@ void PlaneGrid::add(Cube& cube, const Vector3d& p_0, int sign) const {
   cube.products[3] += sy * y;
   cube.products[4] += sy * z;
   cube.products[5] += sz * z;
-}
-
-PlaneGrid::Place PlaneGrid::place_of(const Vector3d& p_0) const {
-  const double x = (p_0.x() - offset_m_) * cubes_per_m_;
-  const double y = (p_0.y() - offset_m_) * cubes_per_m_;
-  const double z = (p_0.z() - offset_m_) * cubes_per_m_;
-  return {has_cube(x, y, z) ? cube_key(x, y, z) : kNowhere};
 }
 
 // Where the cube can take more: fetched. -1 otherwise.
@@ -218,10 +201,6 @@ bool PlaneGrid::is_cut(const Plane& plane) const {
   return from_face * across < kCutSigmas * sigma_m_;
 }
 
-void PlaneGrid::fetch_slot(const Place& place) const {
-  if (place.key != kNowhere) __builtin_prefetch(&table_[cube_slot(place.key, shift_)]);
-}
-
 void PlaneGrid::fetch_plane(const Place& place) const {
   if (place.key == kNowhere) return;
   const std::int32_t cube = table_[cube_slot(place.key, shift_)].cube;
@@ -253,7 +232,7 @@ MapPlane PlaneGrid::plane_of(const Candidate& candidate) const {
 double PlaneGrid::from_face(const Vector3d& p_0) const {
   double least = 0.5;
   for (const double p : {p_0.x(), p_0.y(), p_0.z()}) {
-    const double at = (p - offset_m_) * cubes_per_m_;
+    const double at = in_cubes(p);
     const double over = std::abs(at - static_cast<double>(static_cast<std::int64_t>(at)));
     least = std::min({least, over, 1 - over});
   }

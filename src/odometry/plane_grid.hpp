@@ -8,6 +8,8 @@
 
 #include <Eigen/Core>
 
+#include "odometry/cube_hash.hpp"
+
 namespace mapless {
 
 /// A plane fitted to the points of the map near some query point.
@@ -59,8 +61,13 @@ class PlaneGrid {
   struct Place {
     std::uint64_t key;
   };
-  [[nodiscard]] Place place_of(const Eigen::Vector3d& p_0) const;
-  void fetch_slot(const Place& place) const;
+  [[nodiscard]] Place place_of(const Eigen::Vector3d& p_0) const {
+    const double x = in_cubes(p_0.x()), y = in_cubes(p_0.y()), z = in_cubes(p_0.z());
+    return {has_cube(x, y, z) ? cube_key(x, y, z) : kNowhere};
+  }
+  void fetch_slot(const Place& place) const {
+    if (place.key != kNowhere) __builtin_prefetch(&table_[cube_slot(place.key, shift_)]);
+  }
   void fetch_plane(const Place& place) const;
   /// The plane at a point, as long as the grid stays as it is, and how good it is there (MapPlane::variance);
   /// plane_of is all of it.
@@ -103,12 +110,19 @@ class PlaneGrid {
 
   static constexpr std::uint64_t kNowhere = ~std::uint64_t{0};  // keys have 63 bits
 
+  [[nodiscard]] double in_cubes(double coordinate) const { return (coordinate - offset_m_) * cubes_per_m_; }
   [[nodiscard]] Eigen::Vector3d from_origin(const Eigen::Vector3d& p_0) const;
   [[nodiscard]] Eigen::Vector3d corner_of(std::uint64_t key) const;  // from the origin
   [[nodiscard]] std::int32_t open_cube(const Place& place);
   bool insert(const MapPoint& point, std::size_t i);
   void fit_planes();
-  [[nodiscard]] std::size_t slot_of(std::uint64_t key) const;
+  /// Of the cube, or an empty one.
+  [[nodiscard]] std::size_t slot_of(std::uint64_t key) const {
+    const std::size_t mask = table_.size() - 1;
+    std::size_t slot = cube_slot(key, shift_);
+    while (table_[slot].cube >= 0 && table_[slot].key != key) slot = (slot + 1) & mask;
+    return slot;
+  }
   std::size_t add_cube(std::size_t slot, std::uint64_t key);
   void rebuild_table(std::size_t capacity);
   void add(Cube& cube, const Eigen::Vector3d& p_0, int sign) const;
