@@ -93,10 +93,20 @@ std::vector<BinSums> sum_residuals(const TimeBins& bins, const KnotInterval& int
 }
 
 void add_points(const std::vector<BinSums>& sums, std::size_t k, double share, WindowSystem& system) {
+  using Matrix6x12d = Eigen::Matrix<double, 6, 12>;
   for (const BinSums& bin : sums) {
     if (bin.matched == 0) continue;
-    const Eigen::Matrix<double, 24, 6> Gt = bin.pose_jacobian.transpose();
-    system.add(k, share * Gt * bin.information * bin.pose_jacobian, share * Gt * bin.gradient);
+    const Matrix6x12d to_first = bin.pose_jacobian.leftCols<12>();
+    const Matrix6x12d to_second = bin.pose_jacobian.rightCols<12>();
+    const Matrix6d information = share * bin.information;
+    const Vector6d gradient = share * bin.gradient;
+    const Matrix6x12d first = information.lazyProduct(to_first);
+    const Matrix6x12d second = information.lazyProduct(to_second);
+    system.diagonal[k] += to_first.transpose().lazyProduct(first);
+    system.above[k] += to_first.transpose().lazyProduct(second);
+    system.diagonal[k + 1] += to_second.transpose().lazyProduct(second);
+    system.gradient[k] += to_first.transpose() * gradient;
+    system.gradient[k + 1] += to_second.transpose() * gradient;
   }
 }
 
