@@ -173,6 +173,9 @@ TEST(PlaneGrid, AFullCubeTakesNoMore) {
   PlaneGrid grid(1, 0, kSigma);
   for (int i = 0; i < PlaneGrid::kFull; ++i) EXPECT_TRUE(insert(grid, {0.5, 0.5, 0.5}, next_line++));
   EXPECT_FALSE(insert(grid, {0.5, 0.5, 0.5}, next_line++));
+  grid.remove({{0.5, 0.5, 0.5}});
+  EXPECT_TRUE(insert(grid, {0.5, 0.5, 0.5}, next_line++));
+  EXPECT_FALSE(insert(grid, {0.5, 0.5, 0.5}, next_line++));
 }
 
 TEST(PlaneGrid, ForgetsWhatIsFar) {
@@ -201,6 +204,40 @@ std::optional<MapPlane> plane_near(const PlaneMap& map, const Vector3d& p_0) {
   PlaneNear found;
   map.find_planes({&p_0, 1}, {&found, 1});
   return found.plane;
+}
+
+TEST(PlaneMap, WhatHoldsIsWhatWouldBeFoundAnew) {
+  std::mt19937 generator(12);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  PlaneMap map(kSigma);
+  std::vector<Vector3d> queries;
+  for (int i = 0; i < 40; ++i) {
+    const Patch patch = random_patch(generator, 6 * Vector3d(uniform(generator), uniform(generator), 0.1));
+    for (const Vector3d& p : points_on(patch, 300, 1, generator)) (void)map.insert({{p, next_line++, 10}});
+    for (const Vector3d& p : points_on(patch, 30, 1, generator)) queries.push_back(p);
+  }
+  std::vector<PlaneNear> kept(queries.size());
+  map.find_planes(queries, kept);
+  int held = 0, planes = 0;
+  for (std::size_t i = 0; i < queries.size(); ++i) {
+    SCOPED_TRACE(i);
+    const PlaneNear before = kept[i];
+    const Vector3d moved =
+        queries[i] + 0.003 * Vector3d(uniform(generator), uniform(generator), uniform(generator));
+    map.find_planes({&moved, 1}, {&kept[i], 1});
+    const auto anew = plane_near(map, moved);
+    ASSERT_EQ(kept[i].plane.has_value(), anew.has_value());
+    EXPECT_EQ(kept[i].asked_0, before.holds_at(moved) ? queries[i] : moved);
+    held += before.holds_at(moved) ? 1 : 0;
+    if (!anew) continue;
+    ++planes;
+    EXPECT_EQ(kept[i].plane->point_0, anew->point_0);
+    EXPECT_EQ(kept[i].plane->normal_0, anew->normal_0);
+    EXPECT_NEAR(kept[i].plane->variance, anew->variance, 0.03 * anew->variance);
+  }
+  EXPECT_GT(held, 1000);
+  EXPECT_LT(held, 1200) << "some cross into another cube";
+  EXPECT_GT(planes, 600);
 }
 
 TEST(PlaneMap, AFarSparseWallHasACoarsePlaneAndANearOneAFinePlane) {
