@@ -69,6 +69,7 @@ std::vector<BinSums> sum_residuals(const TimeBins& bins, const KnotInterval& int
                                    const PointWeights& weights, std::vector<PlaneNear>& planes) {
   planes.resize(bins.points().size());
   std::vector<BinSums> sums(bins.bins().size());
+  std::vector<Eigen::Vector3d> points_v(bins.points().size()), points_0(bins.points().size());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, sums.size(), 1), [&](const auto& range) {
     for (std::size_t b = range.begin(); b < range.end(); ++b) {
       const TimeBins::Bin& bin = bins.bins()[b];
@@ -76,15 +77,15 @@ std::vector<BinSums> sum_residuals(const TimeBins& bins, const KnotInterval& int
       sums[b].T_v0 = at.state.T_v0;
       sums[b].pose_jacobian = at.pose_jacobian;
       const SE3 T_0v = at.state.T_v0.inverse();
-      std::vector<Eigen::Vector3d> points_v, points_0;
       for (std::size_t i = bin.begin; i < bin.end; ++i) {
-        points_v.push_back(at_middle(bins.points()[i], at.state.varpi));
-        points_0.push_back(T_0v * points_v.back());
+        points_v[i] = at_middle(bins.points()[i], at.state.varpi);
+        points_0[i] = T_0v * points_v[i];
       }
-      const auto of_bin = std::span(planes).subspan(bin.begin, points_0.size());
-      map.find_planes(points_0, of_bin);
-      for (std::size_t i = 0; i < of_bin.size(); ++i) {
-        const auto& plane = of_bin[i].plane;
+      const std::size_t count = bin.end - bin.begin;
+      map.find_planes(std::span(points_0).subspan(bin.begin, count),
+                      std::span(planes).subspan(bin.begin, count));
+      for (std::size_t i = bin.begin; i < bin.end; ++i) {
+        const auto& plane = planes[i].plane;
         if (plane) sums[b].add(point_residual(points_v[i], at.state.T_v0, *plane, weights));
       }
     }
