@@ -43,22 +43,26 @@ Eigen::Matrix3d so3_left_jacobian_inverse(const Eigen::Vector3d& phi) {
   return Eigen::Matrix3d::Identity() - 0.5 * W + k * W * W;
 }
 
-// The translation-rotation block Q of the left Jacobian (Barfoot, equation 7.86b).
+// Weights of the products in the translation-rotation block Q of the left Jacobian (Barfoot, equation 7.86b).
+struct BlockTerms {
+  double m2, m3, m4;
+};
+
+BlockTerms block_terms(double x) {
+  const double x2 = x * x;
+  if (x < kSmallAngleOfBlockQ) {
+    return {1.0 / 6 - x2 / 120 * (1 - x2 / 42 * (1 - x2 / 72 * (1 - x2 / 110))),
+            1.0 / 24 - x2 / 720 * (1 - x2 / 56 * (1 - x2 / 90 * (1 - x2 / 132))),
+            1.0 / 120 - x2 / 2520 * (1 - x2 / 48 * (1 - 2 * x2 / 165))};
+  }
+  return {(x - std::sin(x)) / (x2 * x), (x2 / 2 + std::cos(x) - 1) / (x2 * x2),
+          (2 * x - 3 * std::sin(x) + x * std::cos(x)) / (2 * x2 * x2 * x)};
+}
+
 Eigen::Matrix3d jacobian_block_q(const Vector6d& xi) {
   const Eigen::Matrix3d P = hat(xi.head<3>());
   const Eigen::Matrix3d W = hat(xi.tail<3>());
-  const double x = xi.tail<3>().norm();
-  const double x2 = x * x;
-  double m2, m3, m4;
-  if (x < kSmallAngleOfBlockQ) {
-    m2 = 1.0 / 6 - x2 / 120 * (1 - x2 / 42 * (1 - x2 / 72 * (1 - x2 / 110)));
-    m3 = 1.0 / 24 - x2 / 720 * (1 - x2 / 56 * (1 - x2 / 90 * (1 - x2 / 132)));
-    m4 = 1.0 / 120 - x2 / 2520 * (1 - x2 / 48 * (1 - 2 * x2 / 165));
-  } else {
-    m2 = (x - std::sin(x)) / (x2 * x);
-    m3 = (x2 / 2 + std::cos(x) - 1) / (x2 * x2);
-    m4 = (2 * x - 3 * std::sin(x) + x * std::cos(x)) / (2 * x2 * x2 * x);
-  }
+  const auto [m2, m3, m4] = block_terms(xi.tail<3>().norm());
   return 0.5 * P + m2 * (W * P + P * W + W * P * W) + m3 * (W * W * P + P * W * W - 3 * W * P * W) +
          m4 * (W * P * W * W + W * W * P * W);
 }
@@ -94,7 +98,11 @@ Eigen::Vector3d so3_log(const Eigen::Matrix3d& rotation) {
 }
 
 SE3 SE3::exp(const Vector6d& xi) {
-  return {so3_exp(xi.tail<3>()), so3_left_jacobian(xi.tail<3>()) * xi.head<3>()};
+  const Eigen::Vector3d rho = xi.head<3>(), phi = xi.tail<3>();
+  const AngleTerms k = angle_terms(phi.norm());
+  const Eigen::Vector3d turned = phi.cross(rho);
+  const Eigen::Matrix3d W = hat(phi);
+  return {Eigen::Matrix3d::Identity() + k.a * W + k.b * W * W, rho + k.b * turned + k.c * phi.cross(turned)};
 }
 
 Vector6d SE3::log() const {
@@ -126,6 +134,24 @@ Matrix6d left_jacobian(const Vector6d& xi) {
   out.topLeftCorner<3, 3>() = J;
   out.bottomRightCorner<3, 3>() = J;
   out.topRightCorner<3, 3>() = jacobian_block_q(xi);
+  return out;
+}
+
+Vector6d left_jacobian_times(const Vector6d& xi, const Vector6d& v) {
+  const Eigen::Vector3d rho = xi.head<3>(), phi = xi.tail<3>();
+  const double x = phi.norm();
+  const AngleTerms k = angle_terms(x);
+  const auto [m2, m3, m4] = block_terms(x);
+  const auto P = [&](const Eigen::Vector3d& a) { return rho.cross(a).eval(); };
+  const auto W = [&](const Eigen::Vector3d& a) { return phi.cross(a).eval(); };
+  const Eigen::Vector3d w = v.tail<3>();
+  const Eigen::Vector3d Pw = P(w), Ww = W(w), WWw = W(Ww), WPw = W(Pw), PWw = P(Ww), WPWw = W(PWw),
+                        PWWw = P(WWw);
+  const Eigen::Vector3d Wt = W(v.head<3>());
+  Vector6d out;
+  out.head<3>() = v.head<3>() + k.b * Wt + k.c * W(Wt) + 0.5 * Pw + m2 * (WPw + PWw + WPWw) +
+                  m3 * (W(WPw) + PWWw - 3 * WPWw) + m4 * (W(PWWw) + W(WPWw));
+  out.tail<3>() = w + k.b * Ww + k.c * WWw;
   return out;
 }
 

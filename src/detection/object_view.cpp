@@ -121,7 +121,8 @@ class ViewBuilder {
     std::size_t outline = 0;
     for (std::size_t m = 0; m < members.size(); ++m) {
       for (const Side& side : kSides) {
-        outline += ends(members[m], side) ? 1 : 0;
+        if (!ends(members[m], side)) continue;
+        ++outline;
         if (goes_on_behind(members[m], side)) all.push_back(edge(members[m], side, out, m));
       }
     }

@@ -1,6 +1,7 @@
 #include "geometry/sensor_motion.hpp"
 
 #include <algorithm>
+#include <span>
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -26,10 +27,10 @@ SensorMotion::SensorMotion(const LidarScan& scan, const Trajectory& trajectory)
   column_states.resize(columns);
   column_T_0v.resize(columns);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, columns, 64), [&](const auto& range) {
-    for (std::size_t c = range.begin(); c < range.end(); ++c) {
-      column_states[c] = trajectory.at(scan.column_time(static_cast<int>(c)));
+    trajectory.sample(scan.column_time(static_cast<int>(range.begin())), scan.column_period,
+                      std::span(column_states).subspan(range.begin(), range.size()));
+    for (std::size_t c = range.begin(); c < range.end(); ++c)
       column_T_0v[c] = column_states[c].T_v0.inverse();
-    }
   });
 }
 

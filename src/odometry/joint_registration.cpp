@@ -58,7 +58,8 @@ bool improve_jointly(const KnotPrior& prior, const std::vector<UsableScan>& scan
   tbb::parallel_for(std::size_t{0}, scans.size(), [&](std::size_t s) {
     const KnotInterval interval(knots[scans[s].interval], knots[scans[s].interval + 1]);
     const PlaneMap others = map_of_others(points_0, s, settings.sigma_m);
-    sums[s] = sum_residuals(scans[s].bins, interval, others, settings.weights);
+    std::vector<PlaneNear> planes;
+    sums[s] = sum_residuals(scans[s].bins, interval, others, settings.weights, planes);
   });
   for (std::size_t s = 0; s < scans.size(); ++s)
     add_scan(scans[s].interval, sums[s], settings, registration, system);

@@ -35,10 +35,12 @@ class CubeSet {
 };
 
 std::vector<std::uint32_t> one_per_cube(const std::vector<ScanPoint>& points, double cube_m) {
+  const double cubes_per_m = 1 / cube_m;
   CubeSet seen(points.size());
   std::vector<std::uint32_t> out;
   for (const std::uint32_t i : mixed_order(points.size())) {
-    if (seen.insert(cube_key(cube_of(points[i].position_v.cast<double>(), 1 / cube_m)))) out.push_back(i);
+    const Eigen::Vector3d p = points[i].position_v.cast<double>() * cubes_per_m;
+    if (seen.insert(cube_key(p.x(), p.y(), p.z()))) out.push_back(i);
   }
   return out;
 }

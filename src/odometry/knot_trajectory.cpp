@@ -1,10 +1,19 @@
 #include "odometry/knot_trajectory.hpp"
 
-#include <algorithm>
+#include <string>
 
 #include "trajectory/domain.hpp"
+#include "trajectory/knot_states.hpp"
 
 namespace mapless {
+namespace {
+
+const std::string& source() {
+  static const std::string name = "lidar odometry";
+  return name;
+}
+
+}  // namespace
 
 Time KnotTrajectory::begin() const {
   return knots_.empty() ? Time::from_nanoseconds(1) : knots_.front().time;
@@ -13,11 +22,13 @@ Time KnotTrajectory::begin() const {
 Time KnotTrajectory::end() const { return knots_.empty() ? Time() : knots_.back().time; }
 
 TrajectoryState KnotTrajectory::at(Time t) const {
-  require_covered(t, begin(), end(), "lidar odometry");
-  const auto second =
-      std::upper_bound(knots_.begin() + 1, knots_.end() - 1, t,
-                       [](Time time, const TrajectoryKnot& knot) { return time < knot.time; });
-  return interpolate(*(second - 1), *second, t);
+  if (knots_.empty()) require_covered(t, begin(), end(), source());
+  return state_between(knots_, t, source());
+}
+
+void KnotTrajectory::sample(Time first, Duration period, std::span<TrajectoryState> states) const {
+  if (knots_.empty()) require_covered(first, begin(), end(), source());
+  sample_between(knots_, first, period, source(), states);
 }
 
 }  // namespace mapless

@@ -13,6 +13,7 @@ class KnotTrajectory final : public Trajectory {
   [[nodiscard]] Time begin() const override;
   [[nodiscard]] Time end() const override;
   [[nodiscard]] TrajectoryState at(Time t) const override;
+  void sample(Time first, Duration period, std::span<TrajectoryState> states) const override;
 
  private:
   const std::vector<TrajectoryKnot>& knots_;

@@ -124,11 +124,13 @@ void MappedTrajectory::leave_out(const LidarScan& scan, const std::vector<std::u
   const auto kept = std::find_if(inserted_.begin(), inserted_.end(),
                                  [&](const InsertedScan& one) { return one.start == scan.start; });
   if (kept == inserted_.end() || object.size() != scan.returns.size()) return;
+  std::vector<PlaneMap::TakenPoint> moving;
   std::erase_if(kept->points, [&](const InsertedScan::Point& point) {
     if (point.return_index >= object.size() || object[point.return_index] == 0) return false;
-    map.remove(point.p_0, point.taken);
+    moving.push_back({point.p_0, point.taken});
     return true;
   });
+  map.remove(moving);
 }
 
 void MappedTrajectory::clear_map() {

@@ -139,7 +139,9 @@ bool PairOfScans::improve_at(double scale, int steps, bool rough, const KnotPrio
   level.weights.gate_m *= scale;
   registration.converged = false;
   for (int i = 0; i < steps && !registration.converged; ++i) {
-    if (!improve(prior, second_.bins, map_of(registration, scale, rough), level, registration)) return false;
+    std::vector<PlaneNear> planes;
+    const PlaneMap map = map_of(registration, scale, rough);
+    if (!improve(prior, second_.bins, map, level, planes, registration)) return false;
   }
   return true;
 }

@@ -2,10 +2,13 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <vector>
 
 #include <Eigen/Core>
+
+#include "odometry/cube_hash.hpp"
 
 namespace mapless {
 
@@ -40,31 +43,43 @@ class PlaneGrid {
   PlaneGrid(double cube_m, double offset_m, double sigma_m);
 
   /// Takes the points that are no farther than `farthest_m` from their sensor, and sets `bit` in `taken` of
-  /// each. Not taken are those whose cube is full, or farther than 1e6 cubes from the origin. Points that
-  /// follow one another cost least where they are near each other.
+  /// each. Not taken are those whose cube is full, or farther than 1e6 cubes from the origin.
   void insert(const std::vector<MapPoint>& points, double farthest_m, unsigned bit,
               std::vector<unsigned>& taken);
-  /// Takes out a point that `insert` took, where the cube is still there.
-  void remove(const Eigen::Vector3d& p_0);
+  /// Takes out points that `insert` took, where their cubes are still there.
+  void remove(const std::vector<Eigen::Vector3d>& points_0);
   /// Forgets the cubes whose corner is farther from `centre_0`.
   void keep_within(const Eigen::Vector3d& centre_0, double radius_m);
   void clear();
 
   /// Plane of the points in the cube of `q_0`. None where they are too few, of too few lines, lie on a line
   /// or all about, or where the faces of the cube cut the plane's noise.
-  [[nodiscard]] std::optional<MapPlane> plane_at(const Eigen::Vector3d& q_0) const {
-    return plane_at(q_0, place_of(q_0));
-  }
+  [[nodiscard]] std::optional<MapPlane> plane_at(const Eigen::Vector3d& q_0) const;
 
   /// The cube of a point. What is kept of a cube lies anywhere in memory: where several points are asked for,
-  /// fetch_slot of all of them, then fetch_plane, has it at hand for plane_at.
+  /// fetch_slot of all of them, then fetch_plane, has it at hand for candidate_at.
   struct Place {
     std::uint64_t key;
   };
-  [[nodiscard]] Place place_of(const Eigen::Vector3d& p_0) const;
-  void fetch_slot(const Place& place) const;
+  [[nodiscard]] Place place_of(const Eigen::Vector3d& p_0) const {
+    const double x = in_cubes(p_0.x()), y = in_cubes(p_0.y()), z = in_cubes(p_0.z());
+    return {has_cube(x, y, z) ? cube_key(x, y, z) : kNowhere};
+  }
+  void fetch_slot(const Place& place) const {
+    if (place.key != kNowhere) __builtin_prefetch(&table_[cube_slot(place.key, shift_)]);
+  }
   void fetch_plane(const Place& place) const;
-  [[nodiscard]] std::optional<MapPlane> plane_at(const Eigen::Vector3d& q_0, const Place& place) const;
+  /// The plane at a point, as long as the grid stays as it is, and how good it is there (MapPlane::variance);
+  /// plane_of is all of it.
+  struct Candidate {
+    Place place{};
+    std::int32_t cube = -1;  ///< none
+    double variance = std::numeric_limits<double>::infinity();
+  };
+  [[nodiscard]] Candidate candidate_at(const Eigen::Vector3d& q_0, const Place& place) const;
+  [[nodiscard]] MapPlane plane_of(const Candidate& candidate) const;
+  /// How far a point is from the nearest face of its cube [m].
+  [[nodiscard]] double from_face(const Eigen::Vector3d& p_0) const;
 
   [[nodiscard]] std::size_t cubes() const { return cubes_.size(); }
 
@@ -90,18 +105,27 @@ class PlaneGrid {
   struct Slot {
     std::uint64_t key = 0;
     std::int32_t cube = -1;  // index into cubes_ and planes_, -1 for empty
+    bool full = false;       // the cube, which need not be looked at then
   };
 
   static constexpr std::uint64_t kNowhere = ~std::uint64_t{0};  // keys have 63 bits
 
+  [[nodiscard]] double in_cubes(double coordinate) const { return (coordinate - offset_m_) * cubes_per_m_; }
   [[nodiscard]] Eigen::Vector3d from_origin(const Eigen::Vector3d& p_0) const;
-  void fetch_cube(const Place& place) const;
-  bool insert(const MapPoint& point, const Place& place);
+  [[nodiscard]] Eigen::Vector3d corner_of(std::uint64_t key) const;  // from the origin
+  [[nodiscard]] std::int32_t open_cube(const Place& place);
+  bool insert(const MapPoint& point, std::size_t i);
   void fit_planes();
-  [[nodiscard]] std::int32_t find(std::uint64_t key) const;
-  std::size_t find_or_add(std::uint64_t key);
+  /// Of the cube, or an empty one.
+  [[nodiscard]] std::size_t slot_of(std::uint64_t key) const {
+    const std::size_t mask = table_.size() - 1;
+    std::size_t slot = cube_slot(key, shift_);
+    while (table_[slot].cube >= 0 && table_[slot].key != key) slot = (slot + 1) & mask;
+    return slot;
+  }
+  std::size_t add_cube(std::size_t slot, std::uint64_t key);
   void rebuild_table(std::size_t capacity);
-  void add(Cube& cube, const Eigen::Vector3d& offset, double sign) const;
+  void add(Cube& cube, const Eigen::Vector3d& p_0, int sign) const;
   void fit(std::size_t i);
   [[nodiscard]] bool is_cut(const Plane& plane) const;
 

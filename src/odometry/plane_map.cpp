@@ -1,7 +1,7 @@
 #include "odometry/plane_map.hpp"
 
+#include <algorithm>
 #include <limits>
-#include <numeric>
 
 namespace mapless {
 namespace {
@@ -11,6 +11,8 @@ constexpr double kFarthestCubes = 80;
 // Not on one another's faces: a plane that one grid cuts lies inside the cubes of the next.
 constexpr std::array<double, PlaneMap::kGrids> kOffsets = {0.137, 0.371, 0.813, 1.709};
 constexpr double kGoodSigmas = 1.5;
+// Within so many metres the variance of a plane hardly changes.
+constexpr double kHolds = 0.004;
 
 }  // namespace
 
@@ -30,9 +32,14 @@ std::vector<unsigned> PlaneMap::insert(const std::vector<MapPoint>& points) {
   return taken;
 }
 
-void PlaneMap::remove(const Eigen::Vector3d& p_0, unsigned taken) {
+void PlaneMap::remove(const std::vector<TakenPoint>& points) {
+  std::vector<Eigen::Vector3d> of_grid;
   for (std::size_t g = 0; g < grids_.size(); ++g) {
-    if ((taken >> g & 1U) != 0) grids_[g].remove(p_0);
+    of_grid.clear();
+    for (const TakenPoint& point : points) {
+      if ((point.taken >> g & 1U) != 0) of_grid.push_back(point.p_0);
+    }
+    grids_[g].remove(of_grid);
   }
 }
 
@@ -50,25 +57,40 @@ std::size_t PlaneMap::cubes() const {
   return count;
 }
 
-std::vector<std::optional<MapPlane>> PlaneMap::planes_near(
-    const std::vector<Eigen::Vector3d>& points_0) const {
-  std::vector<std::optional<MapPlane>> best(points_0.size());
-  std::vector<PlaneGrid::Place> places(points_0.size());
-  std::vector<std::size_t> open(points_0.size());  // those that still want a better one
-  std::iota(open.begin(), open.end(), std::size_t{0});
+void PlaneMap::find_planes(std::span<const Eigen::Vector3d> points_0, std::span<PlaneNear> planes) const {
+  struct Search {
+    std::size_t point;
+    PlaneGrid::Place place;
+    PlaneGrid::Candidate best;
+    const PlaneGrid* grid = nullptr;  // of the best
+  };
+  std::vector<Search> open;  // of those that still want a better one
+  open.reserve(points_0.size());
+  for (std::size_t i = 0; i < points_0.size(); ++i) {
+    if (planes[i].holds_at(points_0[i])) continue;
+    planes[i] = {std::nullopt, points_0[i], kHolds};
+    open.push_back({i, {}, {}});
+  }
   for (const PlaneGrid& grid : grids_) {
-    for (const std::size_t i : open) {
-      places[i] = grid.place_of(points_0[i]);
-      grid.fetch_slot(places[i]);
+    for (Search& s : open) {
+      s.place = grid.place_of(points_0[s.point]);
+      grid.fetch_slot(s.place);
     }
-    for (const std::size_t i : open) grid.fetch_plane(places[i]);
-    std::erase_if(open, [&](std::size_t i) {
-      const auto plane = grid.plane_at(points_0[i], places[i]);
-      if (plane && (!best[i] || plane->variance < best[i]->variance)) best[i] = plane;
-      return best[i] && best[i]->variance <= good_variance_;
+    for (const Search& s : open) grid.fetch_plane(s.place);
+    std::erase_if(open, [&](Search& s) {
+      PlaneNear& found = planes[s.point];
+      const Eigen::Vector3d& p_0 = points_0[s.point];
+      const PlaneGrid::Candidate candidate = grid.candidate_at(p_0, s.place);
+      if (candidate.variance < s.best.variance) {
+        s.best = candidate;
+        s.grid = &grid;
+      }
+      found.holds_m = std::min(found.holds_m, grid.from_face(p_0));
+      const bool last = s.best.variance <= good_variance_ || &grid == &grids_.back();
+      if (last && s.grid != nullptr) found.plane = s.grid->plane_of(s.best);
+      return last;
     });
   }
-  return best;
 }
 
 }  // namespace mapless

@@ -2,11 +2,24 @@
 
 #include <array>
 #include <cstddef>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "odometry/plane_grid.hpp"
 
 namespace mapless {
+
+/// What a map that stays as it is has near a point.
+struct PlaneNear {
+  std::optional<MapPlane> plane;
+  Eigen::Vector3d asked_0 = Eigen::Vector3d::Zero();
+  double holds_m = -1;  ///< so far about asked_0 the map has no other plane, and hardly another variance
+
+  [[nodiscard]] bool holds_at(const Eigen::Vector3d& p_0) const {
+    return (p_0 - asked_0).cwiseAbs().maxCoeff() < holds_m;
+  }
+};
 
 /// Planes of the world at several sizes, fine ones where points are dense and surfaces small, coarse ones for
 /// sparse points and large surfaces. What is in it depends on the order of insertion alone.
@@ -21,15 +34,18 @@ class PlaneMap {
   /// For each point, bits: the grids that took it. One farther than so many cubes from the sensor is too
   /// sparse there for a fine grid and left to the coarser ones.
   std::vector<unsigned> insert(const std::vector<MapPoint>& points);
-  /// Takes out a point again; `taken` as insert returned it.
-  void remove(const Eigen::Vector3d& p_0, unsigned taken);
+  struct TakenPoint {
+    Eigen::Vector3d p_0;
+    unsigned taken;  ///< by which grids, as insert returned it
+  };
+  /// Takes out points again.
+  void remove(const std::vector<TakenPoint>& points);
   void keep_within(const Eigen::Vector3d& centre_0, double radius_m);
   void clear();
 
   /// The finest plane at every point that is not much worse than the noise of a point, else the best there
-  /// is.
-  [[nodiscard]] std::vector<std::optional<MapPlane>> planes_near(
-      const std::vector<Eigen::Vector3d>& points_0) const;
+  /// is; one of `planes` for each of the points. Those that hold already stay as they are.
+  void find_planes(std::span<const Eigen::Vector3d> points_0, std::span<PlaneNear> planes) const;
 
   [[nodiscard]] std::size_t cubes() const;
 

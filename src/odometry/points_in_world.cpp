@@ -30,10 +30,10 @@ std::vector<MapPoint> points_in_world(const std::vector<ScanPoint>& points, Time
   }
   const std::int64_t width_ns = (last_ns - first_ns) / kStepsPerScan + 1;
   const auto middle_of = [&](std::int64_t s) { return first_ns + s * width_ns + width_ns / 2; };
+  const KnotSegment segment(k1, k2);
   std::vector<Step> steps(kStepsPerScan);
   for (std::int64_t s = 0; s < kStepsPerScan; ++s) {
-    const Time t = scan_start + Duration::from_nanoseconds(middle_of(s));
-    const TrajectoryState state = interpolate(k1, k2, t);
+    const TrajectoryState state = segment.at(scan_start + Duration::from_nanoseconds(middle_of(s)));
     steps[static_cast<std::size_t>(s)] = {state.T_v0.inverse(), state.varpi};
   }
   std::vector<MapPoint> out(points.size());

@@ -27,11 +27,12 @@ bool are_small(const std::vector<Vector12d>& steps) {
 }
 
 bool improve(const KnotPrior& prior, const TimeBins& bins, const PlaneMap& map,
-             const RegistrationSettings& settings, Registration& registration) {
+             const RegistrationSettings& settings, std::vector<PlaneNear>& planes,
+             Registration& registration) {
   std::vector<TrajectoryKnot>& knots = registration.knots;
   const std::size_t last = knots.size() - 1;
   const SE3& T_v0 = knots[last].T_v0;
-  auto sums = sum_residuals(bins, KnotInterval(knots[last - 1], knots[last]), map, settings.weights);
+  auto sums = sum_residuals(bins, KnotInterval(knots[last - 1], knots[last]), map, settings.weights, planes);
   const Degeneracy degeneracy = find_degeneracy(sums, T_v0, settings.min_direction_share);
   leave_to_prior(degeneracy, T_v0, sums);
 
@@ -65,11 +66,12 @@ std::optional<Registration> narrowing(std::vector<TrajectoryKnot> knots, const K
   Registration out;
   out.knots = std::move(knots);
   RegistrationSettings level = settings;
+  std::vector<PlaneNear> planes;
   while (!(out.converged && loss <= 1 && gate <= 1) && out.iterations < settings.max_iterations) {
     loss = std::max(1.0, loss / 2);
     level.weights.robust_sigmas = loss * settings.weights.robust_sigmas;
     level.weights.gate_m = gate * settings.weights.gate_m;
-    if (!improve(prior, bins, map, level, out)) return std::nullopt;
+    if (!improve(prior, bins, map, level, planes, out)) return std::nullopt;
     gate = std::max(1.0, gate / 2);
   }
   return out;

@@ -35,10 +35,11 @@ struct Registration {
 /// Whether a step of all knots is so small that another one will not be felt.
 [[nodiscard]] bool are_small(const std::vector<Vector12d>& steps);
 
-/// One Gauss-Newton step with newly found planes. False where there is no solution; `registration` is then as
-/// before.
+/// One Gauss-Newton step. `planes`: of the points, as the step before left them; empty where the map is
+/// another one. False where there is no solution; `registration` is then as before.
 [[nodiscard]] bool improve(const KnotPrior& prior, const TimeBins& bins, const PlaneMap& map,
-                           const RegistrationSettings& settings, Registration& registration);
+                           const RegistrationSettings& settings, std::vector<PlaneNear>& planes,
+                           Registration& registration);
 
 /// Steps until they are small, or `max_iterations`. None where there is no solution.
 [[nodiscard]] std::optional<Registration> register_scan(std::vector<TrajectoryKnot> knots,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include <Eigen/Geometry>
 #include <tbb/blocked_range.h>
@@ -65,8 +66,10 @@ void BinSums::add(const PointResidual& residual) {
 }
 
 std::vector<BinSums> sum_residuals(const TimeBins& bins, const KnotInterval& interval, const PlaneMap& map,
-                                   const PointWeights& weights) {
+                                   const PointWeights& weights, std::vector<PlaneNear>& planes) {
+  planes.resize(bins.points().size());
   std::vector<BinSums> sums(bins.bins().size());
+  std::vector<Eigen::Vector3d> points_v(bins.points().size()), points_0(bins.points().size());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, sums.size(), 1), [&](const auto& range) {
     for (std::size_t b = range.begin(); b < range.end(); ++b) {
       const TimeBins::Bin& bin = bins.bins()[b];
@@ -74,14 +77,16 @@ std::vector<BinSums> sum_residuals(const TimeBins& bins, const KnotInterval& int
       sums[b].T_v0 = at.state.T_v0;
       sums[b].pose_jacobian = at.pose_jacobian;
       const SE3 T_0v = at.state.T_v0.inverse();
-      std::vector<Eigen::Vector3d> points_v, points_0;
       for (std::size_t i = bin.begin; i < bin.end; ++i) {
-        points_v.push_back(at_middle(bins.points()[i], at.state.varpi));
-        points_0.push_back(T_0v * points_v.back());
+        points_v[i] = at_middle(bins.points()[i], at.state.varpi);
+        points_0[i] = T_0v * points_v[i];
       }
-      const auto planes = map.planes_near(points_0);
-      for (std::size_t i = 0; i < planes.size(); ++i) {
-        if (planes[i]) sums[b].add(point_residual(points_v[i], at.state.T_v0, *planes[i], weights));
+      const std::size_t count = bin.end - bin.begin;
+      map.find_planes(std::span(points_0).subspan(bin.begin, count),
+                      std::span(planes).subspan(bin.begin, count));
+      for (std::size_t i = bin.begin; i < bin.end; ++i) {
+        const auto& plane = planes[i].plane;
+        if (plane) sums[b].add(point_residual(points_v[i], at.state.T_v0, *plane, weights));
       }
     }
   });
@@ -89,10 +94,20 @@ std::vector<BinSums> sum_residuals(const TimeBins& bins, const KnotInterval& int
 }
 
 void add_points(const std::vector<BinSums>& sums, std::size_t k, double share, WindowSystem& system) {
+  using Matrix6x12d = Eigen::Matrix<double, 6, 12>;
   for (const BinSums& bin : sums) {
     if (bin.matched == 0) continue;
-    const Eigen::Matrix<double, 24, 6> Gt = bin.pose_jacobian.transpose();
-    system.add(k, share * Gt * bin.information * bin.pose_jacobian, share * Gt * bin.gradient);
+    const Matrix6x12d to_first = bin.pose_jacobian.leftCols<12>();
+    const Matrix6x12d to_second = bin.pose_jacobian.rightCols<12>();
+    const Matrix6d information = share * bin.information;
+    const Vector6d gradient = share * bin.gradient;
+    const Matrix6x12d first = information.lazyProduct(to_first);
+    const Matrix6x12d second = information.lazyProduct(to_second);
+    system.diagonal[k] += to_first.transpose().lazyProduct(first);
+    system.above[k] += to_first.transpose().lazyProduct(second);
+    system.diagonal[k + 1] += to_second.transpose().lazyProduct(second);
+    system.gradient[k] += to_first.transpose() * gradient;
+    system.gradient[k + 1] += to_second.transpose() * gradient;
   }
 }
 

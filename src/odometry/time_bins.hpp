@@ -65,10 +65,12 @@ struct BinSums {
   void add(const PointResidual& residual);
 };
 
-/// Finds a plane for every point and sums their residuals, bin by bin in the order of points: the same bits
-/// for any number of threads.
+/// Finds a plane for every point, in `planes` where that of the last time still holds (empty: there is none
+/// yet), and sums their residuals, bin by bin in the order of points: the same bits for any number of
+/// threads.
 [[nodiscard]] std::vector<BinSums> sum_residuals(const TimeBins& bins, const KnotInterval& interval,
-                                                 const PlaneMap& map, const PointWeights& weights);
+                                                 const PlaneMap& map, const PointWeights& weights,
+                                                 std::vector<PlaneNear>& planes);
 
 /// Adds the sums of the bins between knots k and k + 1, of whose information `share` is believed.
 void add_points(const std::vector<BinSums>& sums, std::size_t k, double share, WindowSystem& system);

@@ -157,6 +157,13 @@ TEST(Se3, LeftJacobianInverseIsItsInverse) {
   });
 }
 
+TEST(Se3, LeftJacobianTimesAVectorIsTheirProduct) {
+  for_every_case([](const Vector6d& xi) {
+    const Vector6d v = (Vector6d() << 1, -2, 3, -0.4, 0.5, 0.6).finished();
+    EXPECT_LT((left_jacobian_times(xi, v) - left_jacobian(xi) * v).norm(), 1e-13 * scale_of(xi));
+  });
+}
+
 TEST(Se3, NormalizedRemovesDrift) {
   std::mt19937 rng(5);
   const SE3 T = SE3::exp((Vector6d() << 1, 2, 3, 0.3, -0.2, 1.1).finished());

@@ -112,16 +112,15 @@ TEST(PlaneGrid, WhatIsTakenOutAgainLeavesNothing) {
   for (const Vector3d& p : points) (void)insert(plain, p, next_line++);
   for (const Vector3d& p : others) (void)insert(changed, p, next_line++);
   for (const Vector3d& p : points) (void)insert(changed, p, next_line++);
-  for (const Vector3d& p : others) changed.remove(p);
+  changed.remove(others);
   const auto expected = plain.plane_at(patch.centre);
   const auto found = changed.plane_at(patch.centre);
   ASSERT_TRUE(expected && found);
   EXPECT_NEAR(std::abs(found->normal_0.dot(expected->normal_0)), 1, 1e-6);
   EXPECT_NEAR(found->variance, expected->variance, 1e-6 * expected->variance);
-  for (const Vector3d& p : points) changed.remove(p);
+  changed.remove(points);
   EXPECT_FALSE(changed.plane_at(patch.centre));
-  changed.remove(points[0]);
-  changed.remove({500, 0, 0});
+  changed.remove({points[0], {500, 0, 0}});
   EXPECT_FALSE(changed.plane_at(patch.centre));
 }
 
@@ -174,6 +173,9 @@ TEST(PlaneGrid, AFullCubeTakesNoMore) {
   PlaneGrid grid(1, 0, kSigma);
   for (int i = 0; i < PlaneGrid::kFull; ++i) EXPECT_TRUE(insert(grid, {0.5, 0.5, 0.5}, next_line++));
   EXPECT_FALSE(insert(grid, {0.5, 0.5, 0.5}, next_line++));
+  grid.remove({{0.5, 0.5, 0.5}});
+  EXPECT_TRUE(insert(grid, {0.5, 0.5, 0.5}, next_line++));
+  EXPECT_FALSE(insert(grid, {0.5, 0.5, 0.5}, next_line++));
 }
 
 TEST(PlaneGrid, ForgetsWhatIsFar) {
@@ -198,16 +200,56 @@ TEST(PlaneGrid, IgnoresPointsThatAreNowhere) {
   EXPECT_FALSE(grid.plane_at({nan, 0, 0}));
 }
 
+std::optional<MapPlane> plane_near(const PlaneMap& map, const Vector3d& p_0) {
+  PlaneNear found;
+  map.find_planes({&p_0, 1}, {&found, 1});
+  return found.plane;
+}
+
+TEST(PlaneMap, WhatHoldsIsWhatWouldBeFoundAnew) {
+  std::mt19937 generator(12);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  PlaneMap map(kSigma);
+  std::vector<Vector3d> queries;
+  for (int i = 0; i < 40; ++i) {
+    const Patch patch = random_patch(generator, 6 * Vector3d(uniform(generator), uniform(generator), 0.1));
+    for (const Vector3d& p : points_on(patch, 300, 1, generator)) (void)map.insert({{p, next_line++, 10}});
+    for (const Vector3d& p : points_on(patch, 30, 1, generator)) queries.push_back(p);
+  }
+  std::vector<PlaneNear> kept(queries.size());
+  map.find_planes(queries, kept);
+  int held = 0, planes = 0;
+  for (std::size_t i = 0; i < queries.size(); ++i) {
+    SCOPED_TRACE(i);
+    const PlaneNear before = kept[i];
+    const Vector3d moved =
+        queries[i] + 0.003 * Vector3d(uniform(generator), uniform(generator), uniform(generator));
+    map.find_planes({&moved, 1}, {&kept[i], 1});
+    const auto anew = plane_near(map, moved);
+    ASSERT_EQ(kept[i].plane.has_value(), anew.has_value());
+    EXPECT_EQ(kept[i].asked_0, before.holds_at(moved) ? queries[i] : moved);
+    held += before.holds_at(moved) ? 1 : 0;
+    if (!anew) continue;
+    ++planes;
+    EXPECT_EQ(kept[i].plane->point_0, anew->point_0);
+    EXPECT_EQ(kept[i].plane->normal_0, anew->normal_0);
+    EXPECT_NEAR(kept[i].plane->variance, anew->variance, 0.03 * anew->variance);
+  }
+  EXPECT_GT(held, 1000);
+  EXPECT_LT(held, 1200) << "some cross into another cube";
+  EXPECT_GT(planes, 600);
+}
+
 TEST(PlaneMap, AFarSparseWallHasACoarsePlaneAndANearOneAFinePlane) {
   std::mt19937 generator(10);
   PlaneMap map(kSigma);
   const Patch wall = {{41.8, 1.8, 1.8}, {0, 1, 0}, {0, 0, 1}, {1, 0, 0}};
   for (const Vector3d& p : points_on(wall, 8, 0.8, generator))
     EXPECT_EQ(map.insert({{p, next_line++, 90}}), std::vector{12u});
-  EXPECT_TRUE(map.planes_near({wall.centre})[0]);
+  EXPECT_TRUE(plane_near(map, wall.centre));
   for (const Vector3d& p : points_on(wall, 60, 0.8, generator))
     EXPECT_EQ(map.insert({{p, next_line++, 10}}), std::vector{15u});
-  const auto plane = map.planes_near({wall.centre})[0];
+  const auto plane = plane_near(map, wall.centre);
   ASSERT_TRUE(plane);
   EXPECT_LT(plane->variance, 2.25 * kSigma * kSigma);
   EXPECT_NEAR(std::abs(plane->normal_0.x()), 1, 0.01);

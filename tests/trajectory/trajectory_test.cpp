@@ -237,6 +237,29 @@ TEST(GaussianProcessTrajectory, InterpolatedStateMinimisesThePriorCostForSmallMo
   EXPECT_LT(gradient(0.1), 0.02 * gradient(1));
 }
 
+TEST(Trajectories, ManyInstantsAtOnceAreAsEachByItself) {
+  std::mt19937 random(6);
+  const auto knots = random_knots(random, 4, ms(0));
+  const GaussianProcessTrajectory process(knots, "test");
+  std::vector<TimedPose> poses;
+  for (const TrajectoryKnot& knot : knots) poses.push_back({knot.time, knot.T_v0});
+  const SampledTrajectory sampled(poses, Duration(), "test");
+  const Duration period = (knots.back().time - knots.front().time) * (1.0 / 40);
+  for (const Trajectory* trajectory :
+       {static_cast<const Trajectory*>(&process), static_cast<const Trajectory*>(&sampled)}) {
+    std::vector<TrajectoryState> states(40);
+    trajectory->sample(knots.front().time, period, states);
+    for (std::size_t i = 0; i < states.size(); ++i) {
+      const Time t = knots.front().time +
+                     Duration::from_nanoseconds(static_cast<std::int64_t>(i) * period.nanoseconds());
+      EXPECT_EQ(states[i].T_v0.matrix(), trajectory->at(t).T_v0.matrix());
+      EXPECT_EQ(states[i].varpi, trajectory->at(t).varpi);
+    }
+    trajectory->sample(knots.back().time + period, period, {});
+    EXPECT_THROW(trajectory->sample(knots.back().time, period, states), TrajectoryDomainError);
+  }
+}
+
 TEST(GaussianProcessTrajectory, OutsideItsDomainAndUnorderedKnotsAreErrors) {
   const TrajectoryKnot a{ms(0), SE3(), Vector6d::Zero()}, b{ms(100), SE3(), Vector6d::Zero()};
   const GaussianProcessTrajectory trajectory({a, b}, "odometry");

@@ -50,5 +50,7 @@ class SE3 {
 /// Left Jacobian J of SE(3), exp((xi + d)^) ~ exp((J d)^) exp(xi^), and its inverse.
 [[nodiscard]] Matrix6d left_jacobian(const Vector6d& xi);
 [[nodiscard]] Matrix6d left_jacobian_inverse(const Vector6d& xi);
+/// left_jacobian(xi) * v, without the matrix.
+[[nodiscard]] Vector6d left_jacobian_times(const Vector6d& xi, const Vector6d& v);
 
 }  // namespace mapless

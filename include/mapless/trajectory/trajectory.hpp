@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,9 @@ class Trajectory {
   [[nodiscard]] virtual Time end() const = 0;
   /// Throws TrajectoryDomainError outside [begin, end].
   [[nodiscard]] virtual TrajectoryState at(Time t) const = 0;
+  /// The same at `first`, `period` later and so on, one for each of `states`; a trajectory may take less time
+  /// for all of them than for each by itself.
+  virtual void sample(Time first, Duration period, std::span<TrajectoryState> states) const;
 };
 
 /// A sensor that stands still at the origin, at all times.
@@ -73,13 +77,27 @@ class GaussianProcessTrajectory final : public Trajectory {
   [[nodiscard]] Time begin() const override { return knots_.front().time; }
   [[nodiscard]] Time end() const override { return knots_.back().time; }
   [[nodiscard]] TrajectoryState at(Time t) const override;
+  void sample(Time first, Duration period, std::span<TrajectoryState> states) const override;
 
  private:
   std::vector<TrajectoryKnot> knots_;
   std::string source_;
 };
 
-/// Interpolation between two knots at time t in [k1.time, k2.time] (method.md section 3).
+/// Interpolation between two knots (method.md section 3).
+class KnotSegment {
+ public:
+  KnotSegment(const TrajectoryKnot& k1, const TrajectoryKnot& k2);
+  /// `t` in [k1.time, k2.time].
+  [[nodiscard]] TrajectoryState at(Time t) const;
+
+ private:
+  TrajectoryKnot k1_;
+  double dt_;
+  Vector6d xi_, velocity_2_;  // of knot 2 in the coordinates of knot 1
+};
+
+/// KnotSegment(k1, k2).at(t).
 [[nodiscard]] TrajectoryState interpolate(const TrajectoryKnot& k1, const TrajectoryKnot& k2, Time t);
 
 }  // namespace mapless

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <span>
+#include <string>
+
+#include <mapless/trajectory/trajectory.hpp>
+
+namespace mapless {
+
+/// Trajectory::at and sample of the Gaussian process over `knots`, two at least. Throw TrajectoryDomainError
+/// naming `source`.
+[[nodiscard]] TrajectoryState state_between(std::span<const TrajectoryKnot> knots, Time t,
+                                            const std::string& source);
+void sample_between(std::span<const TrajectoryKnot> knots, Time first, Duration period,
+                    const std::string& source, std::span<TrajectoryState> states);
+
+}  // namespace mapless
