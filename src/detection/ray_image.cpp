@@ -208,7 +208,8 @@ FreespaceProbe::Answer FreespaceProbe::look_about_image(const Vector3f& q, float
   if (rays.above.found()) look_around(rays.above, &nearest == &rays.above, window);
   if (rays.below.found()) look_around(rays.below, &nearest == &rays.below, window);
   const auto answer = [&](FreespaceVerdict verdict) {
-    return Answer{verdict, nearest.beam->laser, nearest.column, nearest.range_m - window.nearest_range_m};
+    return Answer{verdict, nearest.beam->laser, nearest.column, nearest.range_m - window.nearest_range_m,
+                  std::abs(nearest.height_m)};
   };
   if (window.border) return answer(FreespaceVerdict::border);
   if (std::isnan(window.nearest_range_m)) return answer(FreespaceVerdict::unobserved);

@@ -190,7 +190,7 @@ struct VotingParameters {
                 "method.md 2"),
         declare(&P::seed_score, "seed_score", "votes", 0, 1000,
                 "the votes of a point and its neighbours, summed, that make it a seed (a scan that saw "
-                "through has 4): a few votes of one point alone are border effects",
+                "through has 4 or 2): a few votes of one point alone are border effects",
                 "paper step 4"),
         declare(&P::min_seeds, "min_seeds", "points", 1, 10000,
                 "a cluster of fewer seeds is static and does not grow", "method.md 2"),

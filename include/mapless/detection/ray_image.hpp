@@ -85,6 +85,7 @@ class FreespaceProbe {
     FreespaceVerdict verdict = FreespaceVerdict::unobserved;
     int laser = -1, column = -1;
     float short_by_m = 0;  ///< how far before the point that firing ended; NaN where it is not known
+    float aside_m = 0;     ///< how far above or below the point it passes
   };
   /// `q`: a point minus origin_0 [m]. `column` is a guess of where the scan looks that way, and holds the
   /// column found afterwards; any number will do, a good one is faster.
@@ -102,15 +103,16 @@ class FreespaceProbe {
   };
   struct Answers {
     alignas(32) std::array<std::int32_t, kAtOnce> verdict{}, laser{}, column{};
-    std::array<float, kAtOnce> short_by_m{};
+    std::array<float, kAtOnce> short_by_m{}, aside_m{};
     [[nodiscard]] Answer operator[](std::size_t k) const {
-      return {static_cast<FreespaceVerdict>(verdict[k]), laser[k], column[k], short_by_m[k]};
+      return {static_cast<FreespaceVerdict>(verdict[k]), laser[k], column[k], short_by_m[k], aside_m[k]};
     }
     void set(std::size_t k, const Answer& answer) {
       verdict[k] = static_cast<std::int32_t>(answer.verdict);
       laser[k] = answer.laser;
       column[k] = answer.column;
       short_by_m[k] = answer.short_by_m;
+      aside_m[k] = answer.aside_m;
     }
   };
   enum class Vectors { of_four, of_eight };
