@@ -190,7 +190,9 @@ void FreespaceProbe::look_around(const Sighting& s, bool is_nearest, Window& win
   for (int c = s.column - half_window_; c <= s.column + half_window_; ++c) {
     const float range = image_.range_m(s.beam->laser, c);  // NaN is neither
     if (range < s.range_m - tolerance) {
-      window.hides = true;
+      const int beside = std::abs(c - s.column);
+      if (beside <= 1 || static_cast<float>(beside) * s.range_m <= hides_within_columns_m())
+        window.hides = true;
     } else if (range <= s.range_m + tolerance) {
       window.border = true;
     }

@@ -157,6 +157,23 @@ TEST(FreespaceProbe, BesideAThinPole) {
   }
 }
 
+// What ends short two columns beside a point, 0.1 m off at 14 m, may be the thing's own edge; at 25 m, 0.17 m
+// off, it is something before it: one sees past that on both sides of a pole, a column nearer to it.
+TEST(FreespaceProbe, FarAwayWhatIsTwoColumnsBesideDoesNotHide) {
+  const Seen pole("VLP-16", {test::toy_cylinder({10, 0, 0}, 0.05, 5), wall_at(40)});
+  const double step_deg = 0.005, column_deg = 360.0 / named_model("VLP-16").columns;
+  const auto hidden_deg = [&](double range) {
+    double sum = 0;
+    for (double azimuth = -2; azimuth < 2; azimuth += step_deg) {
+      const double a = azimuth * kDegree, e = 1 * kDegree;
+      const Vector3d q = range * Vector3d(std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e));
+      if (pole.at(q) != FreespaceVerdict::inside) sum += step_deg;
+    }
+    return sum;
+  };
+  EXPECT_NEAR(hidden_deg(14) - hidden_deg(25), 2 * column_deg, 0.02);
+}
+
 // A quarter of a laser's spacing below the lowest beam, at -15 degrees, what it ran into says nothing of
 // where a slanting surface goes on; a wall where it ended is a wall there too.
 TEST(FreespaceProbe, BeyondTheOutermostBeamNothingIsInside) {

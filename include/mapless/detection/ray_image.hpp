@@ -73,7 +73,8 @@ class RayImage {
 /// passes nearest, every ray from its own pose at its own instant (paper Eq. 1 and 2), and the firings beside
 /// those. Where any of them ends within the tolerance of q's own range a surface passes there: border. Where
 /// all go on beyond: inside. Where the nearest ends short of it: outside. Where that goes on and others end
-/// short, far ground may pass between two rings, or a thing may end there: unobserved. Above the
+/// short, of those next to the nearest or within kHidesWithin_m, far ground may pass between two rings, or a
+/// thing may end there: unobserved. Above the
 /// highest beam and below the lowest only what is on them, by a tenth of the spacing, can be inside: where a
 /// slanting surface goes there is not known.
 class FreespaceProbe {
@@ -177,6 +178,12 @@ class FreespaceProbe {
   int half_window_;
   float reach_at_0_m_, reach_spacings_;
   static constexpr float kEdgeSpacings = 0.1F;
+  // Columns lie apart by more the farther away they are: past what stands beside a small thing then, and not
+  // where that is, one sees.
+  static constexpr float kHidesWithin_m = 0.12F;
+  [[nodiscard]] float hides_within_columns_m() const {
+    return kHidesWithin_m * std::abs(fan_.columns_per_rad);
+  }
   Eigen::Vector3f origin_;  // of the points, about the image's
   int pose_stride_;         // a look at many points uses every so many of them
   const BeamFan& fan_;
