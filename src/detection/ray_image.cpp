@@ -190,7 +190,9 @@ void FreespaceProbe::look_around(const Sighting& s, bool is_nearest, Window& win
   for (int c = s.column - half_window_; c <= s.column + half_window_; ++c) {
     const float range = image_.range_m(s.beam->laser, c);  // NaN is neither
     if (range < s.range_m - tolerance) {
-      window.hides = true;
+      const int beside = std::abs(c - s.column);
+      if (beside <= 1 || static_cast<float>(beside) * s.range_m <= hides_within_columns_m())
+        window.hides = true;
     } else if (range <= s.range_m + tolerance) {
       window.border = true;
     }
@@ -208,7 +210,8 @@ FreespaceProbe::Answer FreespaceProbe::look_about_image(const Vector3f& q, float
   if (rays.above.found()) look_around(rays.above, &nearest == &rays.above, window);
   if (rays.below.found()) look_around(rays.below, &nearest == &rays.below, window);
   const auto answer = [&](FreespaceVerdict verdict) {
-    return Answer{verdict, nearest.beam->laser, nearest.column, nearest.range_m - window.nearest_range_m};
+    return Answer{verdict, nearest.beam->laser, nearest.column, nearest.range_m - window.nearest_range_m,
+                  std::abs(nearest.height_m)};
   };
   if (window.border) return answer(FreespaceVerdict::border);
   if (std::isnan(window.nearest_range_m)) return answer(FreespaceVerdict::unobserved);

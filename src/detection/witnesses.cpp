@@ -115,7 +115,8 @@ void Witnesses::hear(const Witness& witness, const FreespaceProbe::Answer& answe
                      Hearing& hearing) const {
   PointVotes& votes = question.votes;
   if (answer.verdict == FreespaceVerdict::inside) {
-    count(witness, kSeenThroughVotes, votes);
+    const bool through = answer.aside_m <= kThroughItself_m || !witness.probe.ended(answer);
+    count(witness, through ? kSeenThroughVotes : kSeenPastVotes, votes);
     votes.seen_through = true;
     votes.recently = votes.recently || witness.recent;
   } else if (answer.verdict == FreespaceVerdict::border) {

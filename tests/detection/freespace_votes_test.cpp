@@ -233,6 +233,35 @@ TEST(CollectVotes, WhatComesWithinTheMaximumRangeDoesNotMove) {
     EXPECT_FALSE(v.seen_through || v.vacated);
 }
 
+test::ToyScene raised(test::ToyScene scene, double height) {
+  scene.trajectory = std::make_shared<test::MovedTrajectory>(
+      scene.trajectory, SE3(Eigen::Matrix3d::Identity(), {0, 0, -height}), Duration());
+  return scene;
+}
+
+// A wall's points are on the beams of the scan that sees it; those of a sensor somewhat higher pass above
+// them by its height, less by a thirtieth at 15 degrees. Sixteen lasers are 0.24 m apart there.
+TEST(CollectVotes, ARayThatPassesByProvesLessThanOneThroughThePoint) {
+  const CompensatedScan query = cast(standing({wall_at(7)}, "VLP-16"));
+  const auto expect = [&](double height, const test::ToyWorld& then, int expected) {
+    SCOPED_TRACE(testing::Message() << "higher by " << height << " m, " << then.size() << " bodies then");
+    const RayImage before(cast(raised(standing(then, "VLP-16"), height)));
+    const auto votes = collect_votes(*query.scan, local_points(query), {{&before, 8}}, RayImage(query), {});
+    std::size_t ahead = 0;
+    for (std::size_t i = 0; i < votes.size(); ++i) {
+      const bool lowest = query.scan->returns[i].laser == 0;  // below it nothing is known
+      if (lowest || !is_ahead(query, i)) continue;
+      ++ahead;
+      EXPECT_EQ(votes[i].total(), expected) << query.points_0[i].transpose();
+      EXPECT_TRUE(votes[i].seen_through);
+    }
+    EXPECT_GT(ahead, 1000u);
+  };
+  for (const double height : {0.0, 0.03, 0.065}) expect(height, {wall_at(10)}, 4);
+  for (const double height : {0.08, 0.12}) expect(height, {wall_at(10)}, 2);
+  expect(0.12, {}, 4);  // where nothing is behind, there is no edge it could have passed by
+}
+
 bool same(const PointVotes& a, const PointVotes& b) {
   return is(a, {b.earlier, b.later, b.seen_through, b.surface_seen, b.recently, b.vacated});
 }

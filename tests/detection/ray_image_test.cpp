@@ -129,16 +129,17 @@ TEST(FreespaceProbe, ToleratesMoreWhereLasersAreFartherApart) {
 }
 
 // Lasers at -3 and -5 degrees meet ground 1.73 m below after 33.1 m and 19.8 m. A point of the ground at -3.4
-// degrees is 29.2 m off and 0.20 m from the upper beam, which goes on beyond it. Reach: 0.1 m and a quarter
-// of 2 degrees at that range, 0.35 m. Half-way, at -4 degrees, no beam is within reach.
+// degrees is 29.2 m off and 0.20 m from the upper beam, which goes on beyond it; the lower one ends short. So
+// do one and the other half-way, where either is the nearer.
 TEST(FreespaceProbe, GroundBetweenTwoLasersIsNeverInside) {
   const Seen ground("VLP-16", {test::toy_ground(-1.73)});
   const auto range = [](double elevation_deg) { return 1.73 / std::sin(-elevation_deg * kDegree); };
   EXPECT_EQ(ground.at(-3, range(-3)), FreespaceVerdict::border);
   EXPECT_EQ(ground.at(-3.4, range(-3.4)), FreespaceVerdict::unobserved);
-  EXPECT_EQ(ground.at(-4, range(-4)), FreespaceVerdict::unobserved);
+  EXPECT_NE(ground.at(-4, range(-4)), FreespaceVerdict::inside);
   EXPECT_NE(ground.at(-4.6, range(-4.6)), FreespaceVerdict::inside);
   EXPECT_EQ(ground.at(-3, 10), FreespaceVerdict::inside);
+  EXPECT_EQ(ground.at(-4, 15), FreespaceVerdict::inside);  // 0.26 m from either beam
 }
 
 // A pole 0.1 m thick, 10 m ahead; a column is 0.2 degrees, 0.035 m there. Two columns beside its edge still
@@ -155,6 +156,23 @@ TEST(FreespaceProbe, BesideAThinPole) {
     // Farther off, some of the rays around end at the pole and some go on: no free space is proven.
     EXPECT_EQ(pole.at(Vector3d(14, side * 1.4 * 0.09, 0.24)), FreespaceVerdict::unobserved);
   }
+}
+
+// What ends short two columns beside a point, 0.1 m off at 14 m, may be the thing's own edge; at 25 m, 0.17 m
+// off, it is something before it: one sees past that on both sides of a pole, a column nearer to it.
+TEST(FreespaceProbe, FarAwayWhatIsTwoColumnsBesideDoesNotHide) {
+  const Seen pole("VLP-16", {test::toy_cylinder({10, 0, 0}, 0.05, 5), wall_at(40)});
+  const double step_deg = 0.005, column_deg = 360.0 / named_model("VLP-16").columns;
+  const auto hidden_deg = [&](double range) {
+    double sum = 0;
+    for (double azimuth = -2; azimuth < 2; azimuth += step_deg) {
+      const double a = azimuth * kDegree, e = 1 * kDegree;
+      const Vector3d q = range * Vector3d(std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e));
+      if (pole.at(q) != FreespaceVerdict::inside) sum += step_deg;
+    }
+    return sum;
+  };
+  EXPECT_NEAR(hidden_deg(14) - hidden_deg(25), 2 * column_deg, 0.02);
 }
 
 // A quarter of a laser's spacing below the lowest beam, at -15 degrees, what it ran into says nothing of

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace mapless::test {
 namespace {
@@ -70,7 +71,10 @@ FreespaceVerdict FreespaceProbeOracle::judge(const std::vector<Sighting>& around
       if (std::abs(c - s.column) > parameters_.window_columns / 2) continue;
       const double beyond = ray(s.laser, c).range_m - s.range_m;
       ends_here = ends_here || std::abs(beyond) <= tolerance_m;
-      ends_short = ends_short || beyond < -tolerance_m;
+      const double column_rad = 2 * std::numbers::pi / reference_.model->columns;
+      const int beside = std::abs(c - s.column);
+      const bool hides = beside <= 1 || beside * column_rad * s.range_m <= 0.12;
+      ends_short = ends_short || (hides && beyond < -tolerance_m);
     }
   }
   if (ends_here) return FreespaceVerdict::border;

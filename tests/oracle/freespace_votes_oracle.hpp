@@ -38,15 +38,16 @@ inline std::vector<PointVotes> ask_every_point(const LidarScan& scan, const Loca
       float column = 0;
       const auto answer = probe.look(points.points[i], column);
       int vote = 0;
-      if (answer.verdict == FreespaceVerdict::inside) vote = 4;
+      const bool inside = answer.verdict == FreespaceVerdict::inside;
+      if (inside) vote = answer.aside_m <= 0.07F || !probe.ended(answer) ? 4 : 2;
       if (answer.verdict == FreespaceVerdict::border) vote = -surface_votes(a.gap);
       if (answer.verdict == FreespaceVerdict::outside &&
           has_left(probe.endpoint(answer.laser, answer.column), i, a.gap))
         vote = 2;
       auto& sum = a.gap > 0 ? votes[i].earlier : votes[i].later;
       sum = static_cast<std::int16_t>(sum + vote);
-      votes[i].seen_through = votes[i].seen_through || vote == 4;
-      votes[i].vacated = votes[i].vacated || vote == 2;
+      votes[i].seen_through = votes[i].seen_through || inside;
+      votes[i].vacated = votes[i].vacated || (vote == 2 && !inside);
       votes[i].surface_seen = votes[i].surface_seen || vote < 0;
       votes[i].recently = votes[i].recently || (vote > 0 && std::abs(a.gap) <= 4);
     }

@@ -18,8 +18,11 @@ struct AskedScan {
 
 /// What a scan's answer counts.
 ///
-/// - It saw through the point's place: kSeenThroughVotes. What stands never looks like that, but for border
-///   effects.
+/// - It saw through the point's place: kSeenThroughVotes, where the nearest ray passed within
+/// kThroughItself_m
+///   or met nothing at all. What stands hardly ever looks like that. Of one that passed farther above or
+///   below and ended on something else kSeenPastVotes: so rails, ridges and leaves between two lasers look,
+///   scan after scan.
 /// - It saw a surface there: 1 vote against for the nearest scans up to kMostSurfaceVotes for the farthest
 ///   (surface_votes). Slow things and surfaces that slide within themselves are where they were a moment ago,
 ///   and not where they were seconds ago. But where that surface was proposed to move then: none, and
@@ -31,6 +34,8 @@ struct AskedScan {
 ///   tolerances by then, by how far the hider had been off: such a point was uncovered.
 /// - Else it could not see: none.
 inline constexpr int kSeenThroughVotes = 4;
+inline constexpr int kSeenPastVotes = 2;
+inline constexpr float kThroughItself_m = 0.07F;
 inline constexpr int kVacatedVotes = 2;
 inline constexpr int kMovingVotes = 1;
 inline constexpr int kMostSurfaceVotes = 4;

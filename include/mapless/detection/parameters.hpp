@@ -140,7 +140,7 @@ struct VotingParameters {
   double tolerance_m = 0.08;
   double tolerance_spacings = 0.4;
   double max_ray_distance_m = 0.1;
-  double max_ray_distance_spacings = 0.25;
+  double max_ray_distance_spacings = 0.5;
   int window_columns = 5;
   double link_m = 0.12;
   double link_per_m = 0.015;
@@ -190,7 +190,7 @@ struct VotingParameters {
                 "method.md 2"),
         declare(&P::seed_score, "seed_score", "votes", 0, 1000,
                 "the votes of a point and its neighbours, summed, that make it a seed (a scan that saw "
-                "through has 4): a few votes of one point alone are border effects",
+                "through has 4 or 2): a few votes of one point alone are border effects",
                 "paper step 4"),
         declare(&P::min_seeds, "min_seeds", "points", 1, 10000,
                 "a cluster of fewer seeds is static and does not grow", "method.md 2"),

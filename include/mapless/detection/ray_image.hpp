@@ -73,7 +73,8 @@ class RayImage {
 /// passes nearest, every ray from its own pose at its own instant (paper Eq. 1 and 2), and the firings beside
 /// those. Where any of them ends within the tolerance of q's own range a surface passes there: border. Where
 /// all go on beyond: inside. Where the nearest ends short of it: outside. Where that goes on and others end
-/// short, far ground may pass between two rings, or a thing may end there: unobserved. Above the
+/// short, of those next to the nearest or within kHidesWithin_m, far ground may pass between two rings, or a
+/// thing may end there: unobserved. Above the
 /// highest beam and below the lowest only what is on them, by a tenth of the spacing, can be inside: where a
 /// slanting surface goes there is not known.
 class FreespaceProbe {
@@ -85,6 +86,7 @@ class FreespaceProbe {
     FreespaceVerdict verdict = FreespaceVerdict::unobserved;
     int laser = -1, column = -1;
     float short_by_m = 0;  ///< how far before the point that firing ended; NaN where it is not known
+    float aside_m = 0;     ///< how far above or below the point it passes
   };
   /// `q`: a point minus origin_0 [m]. `column` is a guess of where the scan looks that way, and holds the
   /// column found afterwards; any number will do, a good one is faster.
@@ -102,15 +104,16 @@ class FreespaceProbe {
   };
   struct Answers {
     alignas(32) std::array<std::int32_t, kAtOnce> verdict{}, laser{}, column{};
-    std::array<float, kAtOnce> short_by_m{};
+    std::array<float, kAtOnce> short_by_m{}, aside_m{};
     [[nodiscard]] Answer operator[](std::size_t k) const {
-      return {static_cast<FreespaceVerdict>(verdict[k]), laser[k], column[k], short_by_m[k]};
+      return {static_cast<FreespaceVerdict>(verdict[k]), laser[k], column[k], short_by_m[k], aside_m[k]};
     }
     void set(std::size_t k, const Answer& answer) {
       verdict[k] = static_cast<std::int32_t>(answer.verdict);
       laser[k] = answer.laser;
       column[k] = answer.column;
       short_by_m[k] = answer.short_by_m;
+      aside_m[k] = answer.aside_m;
     }
   };
   enum class Vectors { of_four, of_eight };
@@ -175,6 +178,12 @@ class FreespaceProbe {
   int half_window_;
   float reach_at_0_m_, reach_spacings_;
   static constexpr float kEdgeSpacings = 0.1F;
+  // Columns lie apart by more the farther away they are: past what stands beside a small thing then, and not
+  // where that is, one sees.
+  static constexpr float kHidesWithin_m = 0.12F;
+  [[nodiscard]] float hides_within_columns_m() const {
+    return kHidesWithin_m * std::abs(fan_.columns_per_rad);
+  }
   Eigen::Vector3f origin_;  // of the points, about the image's
   int pose_stride_;         // a look at many points uses every so many of them
   const BeamFan& fan_;
