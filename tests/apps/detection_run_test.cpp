@@ -12,7 +12,7 @@
 #include <mapless/io/atomic_file.hpp>
 
 namespace mapless::app {
-namespace {
+namespace MAPLESS_FILE {
 
 namespace fs = std::filesystem;
 using testing::HasSubstr;
@@ -117,5 +117,5 @@ TEST_F(DetectionRunThreads, ScansThatAreDroppedHaveNoLabels) {
   EXPECT_EQ(static_cast<std::size_t>(std::count(poses.begin(), poses.end(), '\n')), labelled.size());
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless::app

@@ -13,7 +13,7 @@
 #include <mapless/odometry/lidar_odometry.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 using Eigen::Vector3d;
 using test::ToyScene;
@@ -331,5 +331,5 @@ TEST(LidarOdometry, TheSameForAnyNumberOfThreads) {
   }
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless
