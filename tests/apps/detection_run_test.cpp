@@ -23,7 +23,7 @@ class DetectionRunThreads : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     shared = new test::TemporaryFolder;  // NOLINT: lives as long as the suite
-    test::write_toy_sequence(test::toy_street("VLP-16"), kScans, *shared / "street");
+    test::write_toy_sequence(with_columns(test::toy_street("VLP-16"), 600), kScans, *shared / "street");
   }
   static void TearDownTestSuite() { delete shared; }  // NOLINT
 
