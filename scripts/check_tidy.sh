@@ -9,4 +9,4 @@ cmake --preset release -B "$2" \
   -DMAPLESS_PRECOMPILE_HEADERS=OFF -DMAPLESS_BUILD_TESTS=OFF -DMAPLESS_BUILD_BENCHMARKS=OFF >/dev/null
 cmake --build "$2" --target mapless_messages >/dev/null
 "$1" -quiet -p "$2" -j "${JOBS:-$(nproc)}" -extra-arg=-Wno-unknown-warning-option \
-  -extra-arg=-Wno-shadow '/Unity/unity_[0-9]+_cxx\.cxx$'
+  -extra-arg=-Wno-shadow '/Unity/'
