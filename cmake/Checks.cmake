@@ -2,8 +2,6 @@
 find_package(Python3 REQUIRED COMPONENTS Interpreter)
 find_program(MAPLESS_CLANG_FORMAT NAMES clang-format clang-format-14 REQUIRED)
 find_program(MAPLESS_RUN_CLANG_TIDY NAMES run-clang-tidy run-clang-tidy-14 REQUIRED)
-cmake_host_system_information(RESULT cores QUERY NUMBER_OF_LOGICAL_CORES)
-set(MAPLESS_CHECK_JOBS ${cores} CACHE STRING "Processes of a check that uses the whole machine")
 set(scripts ${PROJECT_SOURCE_DIR}/scripts)
 
 function(mapless_check name)
@@ -11,10 +9,10 @@ function(mapless_check name)
   set_tests_properties(${name} PROPERTIES TIMEOUT 3600)
 endfunction()
 
-# Such a check has the machine to itself.
+# Such a check has the machine to itself, and uses as many processes as the environment's JOBS says, or as it has cores.
 function(mapless_parallel_check name)
   mapless_check(${name} ${ARGN})
-  set_tests_properties(${name} PROPERTIES RUN_SERIAL ON ENVIRONMENT JOBS=${MAPLESS_CHECK_JOBS})
+  set_tests_properties(${name} PROPERTIES RUN_SERIAL ON)
 endfunction()
 
 mapless_check(lint.format ${scripts}/check_format.sh ${MAPLESS_CLANG_FORMAT})

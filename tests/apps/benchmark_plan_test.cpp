@@ -8,7 +8,7 @@
 #include <mapless/simulation/scene.hpp>
 
 namespace mapless::app {
-namespace {
+namespace MAPLESS_FILE {
 
 std::vector<Job> of_part(const std::vector<Job>& jobs, Part part) {
   std::vector<Job> out;
@@ -107,5 +107,5 @@ TEST(BenchmarkPlan, ParametersAreRefusedAsDetectRefusesThem) {
   EXPECT_THROW(static_cast<void>(make_plan(options)), ParameterError);
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless::app

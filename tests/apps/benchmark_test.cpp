@@ -12,7 +12,7 @@
 #include <mapless/io/dataset.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 namespace fs = std::filesystem;
 using test::CommandResult;
@@ -204,5 +204,5 @@ TEST(Benchmark, LeavesFoldersOfOthersAlone) {
   EXPECT_TRUE(fs::exists(recordings / kRecording / "scans"));
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

@@ -19,7 +19,7 @@
 #include <mapless/io/result_folder.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 namespace fs = std::filesystem;
 using test::CommandResult;
@@ -116,5 +116,5 @@ TEST_F(DetectObjectsTest, OverwritingBeginsTheTableAnew) {
   EXPECT_TRUE(read_object_table(result().objects()).empty()) << "one scan alone is static";
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

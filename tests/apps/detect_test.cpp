@@ -19,7 +19,7 @@
 #include <mapless/io/trajectory_file.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 namespace fs = std::filesystem;
 using test::CommandResult;
@@ -387,5 +387,5 @@ TEST_F(DetectTest, AnInterruptFinishesTheScanInHand) {
   }
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

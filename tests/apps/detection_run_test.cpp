@@ -12,7 +12,7 @@
 #include <mapless/io/atomic_file.hpp>
 
 namespace mapless::app {
-namespace {
+namespace MAPLESS_FILE {
 
 namespace fs = std::filesystem;
 using testing::HasSubstr;
@@ -23,7 +23,7 @@ class DetectionRunThreads : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     shared = new test::TemporaryFolder;  // NOLINT: lives as long as the suite
-    test::write_toy_sequence(test::toy_street("VLP-16"), kScans, *shared / "street");
+    test::write_toy_sequence(with_columns(test::toy_street("VLP-16"), 600), kScans, *shared / "street");
   }
   static void TearDownTestSuite() { delete shared; }  // NOLINT
 
@@ -117,5 +117,5 @@ TEST_F(DetectionRunThreads, ScansThatAreDroppedHaveNoLabels) {
   EXPECT_EQ(static_cast<std::size_t>(std::count(poses.begin(), poses.end(), '\n')), labelled.size());
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless::app

@@ -15,7 +15,7 @@
 #include <mapless/io/trajectory_file.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 namespace fs = std::filesystem;
 using test::CommandResult;
@@ -177,5 +177,5 @@ TEST_F(EvaluateTrajectory, NotAgainstItself) {
   EXPECT_EQ(run_command({"evaluate", recording, result}).exit_code, 0);
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 namespace mapless::app {
-namespace {
+namespace MAPLESS_FILE {
 
 using testing::HasSubstr;
 using testing::Not;
@@ -50,5 +50,5 @@ TEST(InputOutputReport, AsJson) {
   EXPECT_EQ(to_json(InputOutputReport{})["reading"]["waited_share"], 0) << "of no time at all";
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless::app

@@ -15,7 +15,7 @@
 // The real drive: a van and a cyclist move through the whole of it, in front of the camera; what stands there
 // is parked cars, ground and house fronts. Truth is by hand-drawn boxes and covers the camera's view only.
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 constexpr std::size_t kScans = 24;
 
@@ -86,5 +86,5 @@ TEST(KittiDrive, VanAndCyclistMoveAndTheRestStands) {
   EXPECT_GE(tp / static_cast<double>(outcome.tp + outcome.fn), 0.80) << "recall";
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

@@ -8,7 +8,7 @@
 #include <mapless/io/labels.hpp>
 
 namespace mapless::app {
-namespace {
+namespace MAPLESS_FILE {
 
 // A mover of `count` points 10 m ahead, each second one found, on ground that is called dynamic at one place.
 struct Seen {
@@ -86,5 +86,5 @@ TEST(MoverPicture, ColoursTellRightMissedAndFalse) {
   EXPECT_TRUE(near(middle(false, true), kFalseColor));
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless::app

@@ -9,7 +9,7 @@
 #include <mapless/io/trajectory_file.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 using test::run_command;
 using testing::HasSubstr;
@@ -70,5 +70,5 @@ TEST(Odometry, ReplacesPosesOnlyWhenAsked) {
   EXPECT_EQ(run_command({"odometry", folder / "street", "-o", out, "--overwrite"}).exit_code, 0);
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

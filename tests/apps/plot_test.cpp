@@ -8,7 +8,7 @@
 #include "benchmark/html.hpp"
 
 namespace mapless::app {
-namespace {
+namespace MAPLESS_FILE {
 
 using testing::HasSubstr;
 using testing::Not;
@@ -101,5 +101,5 @@ TEST(Html, Base64) {
   EXPECT_EQ(base64("\xFF\xEF"), "/+8=");
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless::app

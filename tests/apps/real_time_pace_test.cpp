@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 namespace mapless::app {
-namespace {
+namespace MAPLESS_FILE {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -95,5 +95,5 @@ TEST_F(RealTimePaceTest, AnInterruptEndsTheSleep) {
   EXPECT_LT((now - at_ms(500'000)).seconds(), 0.1);
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless::app

@@ -11,7 +11,7 @@
 #include <mapless/io/dataset.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 namespace fs = std::filesystem;
 using test::CommandResult;
@@ -132,5 +132,5 @@ TEST(Simulate, WhatIsFinishedAtAnInterruptIsARecording) {
   }
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

@@ -7,7 +7,7 @@
 #include <mapless/geometry/compensated_scan.hpp>
 
 namespace mapless::app {
-namespace {
+namespace MAPLESS_FILE {
 
 using Eigen::Vector3d;
 
@@ -72,5 +72,5 @@ TEST(UntoldMotion, EachAblationTakesPointsOrRaysFromTheMiddleOfTheScan) {
   expect_rays(none, false);
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless::app

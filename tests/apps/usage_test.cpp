@@ -11,7 +11,7 @@
 #include <mapless/io/atomic_file.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 using test::CommandResult;
 using test::run_command;
@@ -126,5 +126,5 @@ TEST(Config, NamesWhatItRefuses) {
   expect_error(run_command({"config", "--profile", "none"}), 2, {"--profile", "none", "paper"});
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

@@ -8,7 +8,7 @@
 #include <tbb/task_arena.h>
 
 namespace mapless::app {
-namespace {
+namespace MAPLESS_FILE {
 
 using StepDone = std::function<void()>;
 
@@ -61,5 +61,5 @@ TEST(WorkPool, AFailureEndsTheOthersAtTheirNextStep) {
   }
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless::app

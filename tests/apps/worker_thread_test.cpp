@@ -11,7 +11,7 @@
 #include "scan_reader.hpp"
 
 namespace mapless::app {
-namespace {
+namespace MAPLESS_FILE {
 
 // A scan that is told from others by its start.
 InputScan numbered_scan(std::size_t k) {
@@ -144,5 +144,5 @@ TEST(ScanReaderThreads, StopBeforeTheEnd) {
   EXPECT_LE(read, 5u);
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless::app

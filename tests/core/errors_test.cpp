@@ -3,7 +3,7 @@
 #include <mapless/core/errors.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 TEST(Errors, MessageIsOneLineOfAllParts) {
   const InputError error({"a/times.txt", "line 3", "1.5", "not after 1.6", "sort the file"});
@@ -29,5 +29,5 @@ TEST(Errors, EveryKindIsAnError) {
   EXPECT_THROW(throw OutputError({"", "", "", "p", ""}), Error);
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

@@ -8,7 +8,7 @@
 #include <mapless/core/parameters.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
@@ -139,5 +139,5 @@ TEST(Parameters, TextOfAnotherTypeIsRefused) {
   EXPECT_THAT(message_of(references, "inner.colour", "mauve"), HasSubstr("choose red, green, blue"));
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

@@ -10,7 +10,7 @@
 #include <mapless/core/se3.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 constexpr double kPi = std::numbers::pi;
 
@@ -174,5 +174,5 @@ TEST(Se3, NormalizedRemovesDrift) {
   EXPECT_EQ(drifted.normalized().translation(), T.translation());
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

@@ -3,7 +3,7 @@
 #include <mapless/core/time.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 TEST(Time, SecondsRoundToTheNearestNanosecond) {
   EXPECT_EQ(Time::from_seconds(1.5).nanoseconds(), 1'500'000'000);
@@ -16,5 +16,5 @@ TEST(Time, DifferencesAreExactForUnixTimes) {
   EXPECT_EQ((a + Duration::from_nanoseconds(1) - a).nanoseconds(), 1);
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

@@ -8,7 +8,7 @@
 #include <mapless/detection/box_filter.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 using test::small_scan;
 
@@ -104,5 +104,5 @@ TEST(BoxFilter, AgreesWithTheWindowPutEverywhere) {
   EXPECT_GT(outliers, 1000);
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

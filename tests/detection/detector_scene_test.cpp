@@ -9,7 +9,7 @@
 #include <mapless/io/labels.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr std::uint32_t kCrossingCar = 3;  // toy_street's, third of its traffic
@@ -106,5 +106,5 @@ TEST(DetectorInTheRoom, CallsNothingDynamicWhateverTheSensorDoes) {
   }
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

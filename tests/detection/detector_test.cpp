@@ -11,7 +11,7 @@
 #include <mapless/io/labels.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 using Eigen::Vector3d;
 
@@ -239,5 +239,5 @@ TEST(Detector, FindsAWallThatSlidesOnceItHasLeftItsOwnLength) {
   }
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

@@ -13,7 +13,7 @@
 #include <mapless/detection/freespace_check.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 using Eigen::Vector3d;
 
@@ -156,5 +156,5 @@ TEST_F(Walls, AboveTheHighestRayNothingIsObserved) {
     EXPECT_EQ(v, FreespaceVerdict::unobserved);
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

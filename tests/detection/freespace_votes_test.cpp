@@ -14,7 +14,7 @@
 #include <mapless/detection/freespace_votes.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 using Eigen::Vector3d;
 using test::local_points;
@@ -391,5 +391,5 @@ TEST(CollectVotes, OfAnEmptyScanThereAreNone) {
           .empty());
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

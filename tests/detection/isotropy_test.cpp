@@ -9,7 +9,7 @@
 #include <mapless/detection/detector.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 using Scans = std::vector<std::shared_ptr<const LidarScan>>;
 
@@ -129,5 +129,5 @@ TEST_F(Isotropy, ThreadsDoNotMatter) {
 
 TEST_F(Isotropy, RunsRepeat) { expect_same(detect(*scans_, *street_->trajectory), *reference_); }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
@@ -241,5 +241,5 @@ TEST(ForgetAbsent, ForgetsWhatWasNotSeenForMoreThanASecond) {
   EXPECT_EQ(states.begin()->first, 5u);
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

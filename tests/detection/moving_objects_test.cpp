@@ -6,7 +6,7 @@
 #include <mapless/geometry/compensated_scan.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 constexpr double kAdvance_m = 1;  // far more than an object needs
 constexpr int kVotes = 1000;      // and so is this
@@ -189,5 +189,5 @@ TEST(MovingObjects, AreAllThatThePublishedMethodProposes) {
   }
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

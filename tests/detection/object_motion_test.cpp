@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
@@ -104,5 +104,5 @@ TEST(ObjectMotion, StaysSoundOverAnHour) {
   EXPECT_LT(P(0, 0), 0.1);
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

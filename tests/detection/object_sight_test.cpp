@@ -5,7 +5,7 @@
 #include "support/toy_scene.hpp"
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 using Eigen::Vector3d;
 
@@ -42,5 +42,5 @@ TEST_F(SightLinesTest, OpenSkyIsLookedThroughAndAFaultyReturnIsNot) {
   EXPECT_FALSE(sight(ReturnCode::faulty).through({-20, 3, 1}));
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

@@ -11,7 +11,7 @@
 #include <mapless/detection/object_tracker.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 using Eigen::Vector3d;
 using test::ToyBody;
@@ -249,5 +249,5 @@ TEST(ObjectTracker, RefusesScansOutOfOrderAndCompensatedOnes) {
   EXPECT_EQ(track(tracker, scene, 4, 1).at(0).age, 2) << "as it was before the calls";
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

@@ -9,7 +9,7 @@
 #include <mapless/detection/pointcloud_comparison.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 void expect_agreement(const PreparedScan& query, const PreparedScan& reference, int samples, unsigned seed) {
   SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -52,5 +52,5 @@ TEST(PointcloudComparison, ComparesNothingWithAnEmptyScan) {
   EXPECT_TRUE(compare_pointclouds(empty, query, {}).empty());
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

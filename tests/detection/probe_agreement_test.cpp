@@ -14,7 +14,7 @@
 #include <mapless/detection/ray_image.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 using Eigen::Vector3d;
 using test::FreespaceProbeOracle;
@@ -221,5 +221,5 @@ INSTANTIATE_TEST_SUITE_P(Sensors, ProbeAgreement,
                                          Case{"Pandar64", 0, -180, false}),
                          [](const auto& instance) { return "Case" + std::to_string(instance.index); });
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

@@ -10,7 +10,7 @@
 #include <mapless/detection/ray_image.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 using Eigen::Vector3d;
 using test::FreespaceProbeOracle;
@@ -261,5 +261,5 @@ TEST(FreespaceProbe, AnyGuessWillDo) {
   }
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

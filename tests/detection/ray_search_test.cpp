@@ -13,7 +13,7 @@
 #include <mapless/detection/ray_search.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 using Eigen::Vector3d;
 using test::OracleRay;
@@ -244,5 +244,5 @@ TEST(RaySearch, DoesNotLookBackwards) {
   }
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 std::vector<std::size_t> gaps(int references, int first_gap) {
   VotingParameters parameters;
@@ -21,5 +21,5 @@ TEST(ReferenceGaps, AreTimesTheFirst) {
   EXPECT_EQ(gaps(6, 3), (std::vector<std::size_t>{3, 6, 9, 12, 18, 24}));
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

@@ -9,7 +9,7 @@
 #include <mapless/detection/region_growth.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 using Eigen::Vector3d;
 using test::OraclePoint;
@@ -160,5 +160,5 @@ TEST(RegionGrowth, HasNothingToDoWithoutPointsOrWithoutSeeds) {
   EXPECT_EQ(result.verdict, std::vector<GrowthVerdict>(5, GrowthVerdict::not_reached));
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

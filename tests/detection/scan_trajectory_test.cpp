@@ -6,7 +6,7 @@
 #include <mapless/geometry/compensated_scan.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 // A sensor that drives and turns at constant rates moves so between columns and beyond the scan's ends too.
 TEST(ScanTrajectory, IsTheTrajectoryThatTheScanWasCompensatedWith) {
@@ -22,5 +22,5 @@ TEST(ScanTrajectory, IsTheTrajectoryThatTheScanWasCompensatedWith) {
   }
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

@@ -3,7 +3,7 @@
 #include "support/vote_image.hpp"
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 constexpr int kColumns = test::kSmallColumns;
 
@@ -87,5 +87,5 @@ TEST_F(BusSide, IsNotKnownBeforeAnythingIsKnownToStand) {
   EXPECT_EQ(found(), kFound);
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

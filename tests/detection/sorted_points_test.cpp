@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 using Eigen::Vector3d;
 
@@ -35,5 +35,5 @@ TEST(SortedPoints, NothingIsNearToNoPoints) {
   EXPECT_TRUE(std::isinf(SortedPoints({}).nearest({1, 2, 3}).square));
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

@@ -9,7 +9,7 @@
 #include <mapless/detection/vote_growth.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 using test::points_of;
 using test::small_scan;
@@ -289,5 +289,5 @@ TEST(VoteGrowth, AgreesWithAllPairs) {
   EXPECT_GT(objects, 200);
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

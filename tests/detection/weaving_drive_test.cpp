@@ -10,7 +10,7 @@
 #include <mapless/odometry/lidar_odometry.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 using Eigen::Vector3d;
 
@@ -121,5 +121,5 @@ TEST_P(WeavingDrive, IsRightWithTruePosesAndWithItsOwn) {
 
 INSTANTIATE_TEST_SUITE_P(Seeds, WeavingDrive, testing::Values(1, 2));
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

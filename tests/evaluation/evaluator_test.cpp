@@ -8,7 +8,7 @@
 #include <mapless/io/labels.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 constexpr float kNoReturn = std::numeric_limits<float>::quiet_NaN();
 
@@ -278,5 +278,5 @@ TEST(Evaluator, TakesTheRangeOfEachRecordFromItsReturn) {
   EXPECT_EQ(ranges[2], 7.5F);
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

@@ -6,7 +6,7 @@
 #include <mapless/evaluation/precision_recall.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 using Labels = std::vector<std::uint32_t>;
 using Mask = std::vector<std::uint8_t>;
@@ -89,5 +89,5 @@ TEST(PrecisionRecall, IsAbsentWithoutScans) {
   EXPECT_EQ(result.precision_scans(), 0);
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

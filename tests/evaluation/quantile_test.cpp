@@ -3,7 +3,7 @@
 #include <mapless/evaluation/quantile.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 TEST(Quantile, InterpolatesBetweenRanks) {
   EXPECT_DOUBLE_EQ(*quantile({4, 1, 3, 2}, 0.5), 2.5);
@@ -15,5 +15,5 @@ TEST(Quantile, InterpolatesBetweenRanks) {
 
 TEST(Quantile, OfNothingIsAbsent) { EXPECT_FALSE(quantile({}, 0.5)); }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

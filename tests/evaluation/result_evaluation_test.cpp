@@ -16,7 +16,7 @@
 #include <mapless/io/trajectory_file.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 using test::MemoryDataset;
 using test::regular_starts;
@@ -182,5 +182,5 @@ TEST_F(ResultEvaluationTest, SaysSoWhereNothingCanBeCompared) {
   EXPECT_THROW((void)evaluate_result(dataset, ResultFolder(folder / "nowhere"), options), InputError);
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

@@ -6,7 +6,7 @@
 #include <mapless/evaluation/static_displacement.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 constexpr int kColumns = 1000;
 constexpr double kTurnsPerSecond = 10;
@@ -83,5 +83,5 @@ TEST(StaticDisplacement, IsBetweenTheInstantsThePointIsSeenAt) {
               2 * kApart / (1 - yaw_rate / kHubRate), 2 * half_column);
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

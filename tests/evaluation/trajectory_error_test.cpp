@@ -12,7 +12,7 @@
 #include <mapless/io/trajectory_file.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 constexpr double kDegree = std::numbers::pi / 180;
 
@@ -158,5 +158,5 @@ TEST(TrajectoryError, AgreesWithEvoAndTheKittiDevkit) {
   EXPECT_NEAR(drift(pairs)->rotation_deg_per_100m, figures.at("kitti_rotation_deg_per_100m"), 1e-4);
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

@@ -8,7 +8,7 @@
 #include <mapless/evaluation/trajectory_evaluation.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 using test::MemoryDataset;
 using test::regular_starts;
@@ -92,5 +92,5 @@ TEST_F(TrajectoryEvaluation, RefusesATrajectoryOfAnotherTime) {
   EXPECT_THROW((void)evaluate_trajectory(dataset, truth, trajectory(rows)), InputError);
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

@@ -7,7 +7,7 @@
 #include <mapless/io/labels.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
@@ -126,5 +126,5 @@ TEST(VelocityEvaluator, RefusesLabelsOfAnotherRun) {
   EXPECT_THROW(report_of({Points().add(3, 0, 7)}, {row(1, 7, {5, 0, 0})}), InputError);
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

@@ -11,7 +11,7 @@
 #include <mapless/geometry/compensated_scan.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 using test::awkward_model;
 using test::cast_rays;
@@ -161,5 +161,5 @@ TEST(Compensate, AnEmptyScanIsAScan) {
   EXPECT_TRUE(compensate(scan, still).points_0.empty());
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

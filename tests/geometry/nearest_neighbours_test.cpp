@@ -9,7 +9,7 @@
 #include <mapless/geometry/nearest_neighbours.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 using Points = std::vector<Eigen::Vector3d>;
 using testing::ElementsAre;
@@ -153,5 +153,5 @@ TEST(NearestNeighbours, QueriesAndPointsThatAreNotFiniteAreNobodysNeighbours) {
   EXPECT_EQ(tree.nearest(points[100], 1000).size(), 200u);
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

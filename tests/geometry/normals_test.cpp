@@ -11,7 +11,7 @@
 #include <mapless/geometry/normals.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 using test::awkward_model;
 using test::cast_rays;
@@ -246,5 +246,5 @@ TEST(Normals, TheGateKeepsOtherSurfacesOut) {
   EXPECT_TRUE(normals_of(compensated, parameters)[i].isZero());
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

@@ -10,7 +10,7 @@
 #include <mapless/geometry/compensated_scan.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 using test::awkward_model;
 using test::cast_rays;
@@ -174,5 +174,5 @@ TEST(RestoreMeasuredRays, RefusesATrajectoryThatDoesNotCoverIt) {
   EXPECT_THROW((void)restore_measured_rays(scan, trajectory), TrajectoryDomainError);
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

@@ -11,7 +11,7 @@
 #include <mapless/io/atomic_file.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
@@ -112,5 +112,5 @@ TEST(AtomicFile, ManyWritersLeaveOneWholeFile) {
   EXPECT_EQ(entries(folder.path()), 1u);
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

@@ -7,7 +7,7 @@
 #include <mapless/io/dataset.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 using test::TemporaryFolder;
 using test::write_text;
@@ -74,5 +74,5 @@ TEST(OpenDataset, APathTheSystemRefusesIsNamed) {
   EXPECT_THAT(refusal(path), ::testing::AllOf(HasSubstr(path), HasSubstr("too long")));
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

@@ -6,7 +6,7 @@
 #include <mapless/io/labels.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 // Five records, of which 4, 1 and 2 are returns, in that order.
 Detection detection_of_three_returns() {
@@ -60,5 +60,5 @@ TEST(StageMasksOf, SetsABitPerStageAfterWhichThePointIsDynamic) {
             (std::vector<std::uint8_t>{0, 0b00111, 0, 0, 0b11101}));
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

@@ -7,7 +7,7 @@
 #include <mapless/core/errors.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 using test::TemporaryFolder;
 using test::write_text;
@@ -82,5 +82,5 @@ TEST(ReadLines, WithoutTheirEndsAndEmptyLinesAtTheEnd) {
   EXPECT_EQ(read_lines(folder / "t.txt"), (std::vector<std::string>{"a", "", "b"}));
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

@@ -13,7 +13,7 @@
 #include <mapless/io/labels.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 using test::Cloud;
 using test::TemporaryFolder;
@@ -193,5 +193,5 @@ TEST_F(KittiOdometry, LabelsOfSemanticKitti) {
   EXPECT_FALSE(dataset->read_labels(0).has_value());
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

@@ -14,7 +14,7 @@
 #include <mapless/io/labels.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 using test::Cloud;
 using test::TemporaryFolder;
@@ -222,5 +222,5 @@ TEST(KittiRawShared, SensorIsFoundAgain) {
   }
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

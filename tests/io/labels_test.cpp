@@ -7,7 +7,7 @@
 #include <mapless/io/labels.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 TEST(Labels, AreLittleEndianWordsInOrder) {
   const test::TemporaryFolder folder;
@@ -45,5 +45,5 @@ TEST(Labels, MotionFollowsTheMovingObjectConvention) {
   EXPECT_EQ(motion_of_label(5u << 16), MotionTruth::unknown);
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

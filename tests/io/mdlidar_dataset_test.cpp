@@ -13,7 +13,7 @@
 #include <mapless/io/mdlidar_writer.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 using test::TemporaryFolder;
 using test::write_text;
@@ -220,5 +220,5 @@ TEST_F(Mdlidar, UnwritableFolder) {
                OutputError);
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

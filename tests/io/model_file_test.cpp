@@ -13,7 +13,7 @@
 #include <mapless/io/model_file.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
@@ -243,5 +243,5 @@ TEST(ModelFromNameOrFile, TellsThemApart) {
   }
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

@@ -17,7 +17,7 @@
 #include <mapless/io/native_writer.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 namespace fs = std::filesystem;
 using ::testing::AllOf;
@@ -284,5 +284,5 @@ TEST(NativeWriter, TrajectoryIsThatOfTheRecording) {
   EXPECT_LT((back.rotation() - T_0v.rotation()).norm(), 1e-6);
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

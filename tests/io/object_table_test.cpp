@@ -9,7 +9,7 @@
 #include <mapless/io/object_table.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 using testing::HasSubstr;
 
@@ -84,5 +84,5 @@ TEST(ObjectTable, SaysWhyItCannotWrite) {
   EXPECT_FALSE(std::filesystem::exists(folder / "objects.csv"));
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

@@ -9,7 +9,7 @@
 #include <mapless/io/object_truth.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 using testing::HasSubstr;
 
@@ -99,5 +99,5 @@ TEST(ObjectStatesWriter, SaysWhyItCannotWrite) {
   EXPECT_THROW(writer.add(0, {{1, ObjectState{}}}), OutputError);
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

@@ -12,7 +12,7 @@
 #include <mapless/io/parameters_file.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 using testing::AllOf;
 using testing::HasSubstr;
@@ -135,5 +135,5 @@ TEST_F(ParametersFileTest, RefusesWhatIsNotYaml) {
   EXPECT_THROW(read_parameters_file(folder / "absent.yaml", parameter_references(parameters)), InputError);
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

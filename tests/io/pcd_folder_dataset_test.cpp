@@ -16,7 +16,7 @@
 #include <mapless/io/labels.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 namespace fs = std::filesystem;
 using ::testing::AllOf;
@@ -275,5 +275,5 @@ TEST(PcdFolder, IsNoNativeSequence) {
   EXPECT_FALSE(looks_pcd_folder(folder.path()));
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

@@ -17,7 +17,7 @@
 #include <mapless/io/atomic_file.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 namespace fs = std::filesystem;
 using ::testing::Contains;
@@ -275,5 +275,5 @@ TEST(PcdSensor, RefusesTimesInAnotherUnitAndScansOfOtherRings) {
   EXPECT_THAT(refusal(rows.folder.path()), HasSubstr("HEIGHT = 8"));
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

@@ -13,7 +13,7 @@
 #include <mapless/io/atomic_file.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 using ::testing::AllOf;
 using ::testing::ElementsAre;
@@ -207,5 +207,5 @@ TEST(Pcd, CutOffBodiesAreRefused) {
   EXPECT_THAT(refusal(replaced(ascii, "1 2 3.25", "one 2 3.25")), HasSubstr("point 0 x = one"));
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

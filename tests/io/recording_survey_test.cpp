@@ -7,7 +7,7 @@
 #include <mapless/io/recording_survey.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 using test::MemoryDataset;
 using test::regular_starts;
@@ -79,5 +79,5 @@ TEST(RecordingSurvey, TellsTheInstantOfMotionCompensation) {
   EXPECT_NEAR(survey.compensated_to_fraction, 0.5, 1e-9);
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

@@ -10,7 +10,7 @@
 #include <mapless/io/result_folder.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 namespace fs = std::filesystem;
 
@@ -93,5 +93,5 @@ TEST_F(ResultFolderTest, StageFilesKeepTheirBytesAndTheirLength) {
   EXPECT_THROW((void)read_stage_file(result.stage_file(1), 4), InputError);
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 std::int64_t ns(std::string_view text) {
   const auto time = parse_decimal_seconds(text);
@@ -67,5 +67,5 @@ TEST(Text, LinesAndWords) {
   EXPECT_EQ(split_words("   "), Parts{});
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

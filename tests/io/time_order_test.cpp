@@ -6,7 +6,7 @@
 #include <mapless/io/time_order.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 using testing::AllOf;
 using testing::HasSubstr;
@@ -35,5 +35,5 @@ TEST(TimeOrder, LooksAtTheChosenScansOnly) {
   EXPECT_EQ(refusal({0, 0.2, 0.1, 0.3}, 0, 2), "");
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

@@ -10,7 +10,7 @@
 #include <mapless/io/trajectory_file.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 using test::TemporaryFolder;
 using testing::AllOf;
@@ -260,5 +260,5 @@ TEST_F(TrajectoryFile, ReadsARealDrive) {
   EXPECT_LT((T_cam_velo * Eigen::Vector3d(10, 0, 0) - Eigen::Vector3d(0, -0.08, 9.73)).norm(), 0.3);
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

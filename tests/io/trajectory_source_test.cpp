@@ -10,7 +10,7 @@
 #include <mapless/io/trajectory_source.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 using test::MemoryDataset;
 using test::regular_starts;
@@ -129,5 +129,5 @@ TEST_F(TrajectorySourceTest, RefusesAnExtrapolationThatIsNoLength) {
   }
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

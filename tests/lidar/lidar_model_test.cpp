@@ -10,7 +10,7 @@
 #include <mapless/lidar/lidar_model.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 constexpr double kDegree = std::numbers::pi / 180;
 
@@ -132,5 +132,5 @@ TEST(LidarModel, ValidationNamesWhatIsWrong) {
               HasSubstr("increasing elevation"));
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

@@ -9,7 +9,7 @@
 #include <mapless/lidar/lidar_scan.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 constexpr int kColumns = 90;
 
@@ -151,5 +151,5 @@ TEST(Organise, EqualsAStableSortOfRandomRecords) {
   }
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

@@ -8,7 +8,7 @@
 #include <mapless/lidar/model_estimation.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 using test::Cloud;
 using test::make_bare_cloud;
@@ -142,5 +142,5 @@ TEST(EstimateModel, RefusesCloudsWithoutPoints) {
   EXPECT_THROW((void)estimate_model({{}, {{0, 0, 0}}}, {}, "nothing"), InputError);
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

@@ -11,7 +11,7 @@
 #include <mapless/lidar/lidar_model.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 constexpr double kDegree = std::numbers::pi / 180;
 
@@ -134,5 +134,5 @@ TEST(NamedModels, HesaiRaysAreThoseOfItsAngleFiles) {
   EXPECT_LT((model.point_v(0, 40 / 0.18, 50) - expected).norm(), 1e-6);
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

@@ -9,7 +9,7 @@
 #include <mapless/lidar/ring_recovery.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 using test::Cloud;
 using test::make_bare_cloud;
@@ -215,5 +215,5 @@ TEST(RecoverRecords, UnusablePointsAreFaultyAndKeepTheirPlace) {
   }
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

@@ -10,7 +10,7 @@
 
 // The same small window, solved by Ceres with numerical derivatives of the plain formulas, and by our solver.
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 using Eigen::Vector3d;
 
@@ -149,5 +149,5 @@ TEST(CeresOracle, FindsTheSameKnots) {
   }
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

@@ -10,7 +10,7 @@
 #include <mapless/odometry/lidar_odometry.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 // A ride whose acceleration is white noise, which is what the prior takes it for.
 std::shared_ptr<const Trajectory> random_walk(unsigned seed, double seconds) {
@@ -61,5 +61,5 @@ TEST(OdometryCovariance, OfTheVelocityIsWhatItsErrorIs) {
   EXPECT_LT(angular / count, 3);
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

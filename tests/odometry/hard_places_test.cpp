@@ -11,7 +11,7 @@
 
 // Places and moments in which odometry has little to go by, and must say so rather than go wrong.
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 using Eigen::Vector3d;
 using test::ToyScene;
@@ -114,5 +114,5 @@ TEST(HardPlaces, OnlyAWrongMotionSeesThroughWalls) {
   EXPECT_GT(wrong.through, wrong.judged / 10);
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

@@ -10,7 +10,7 @@
 
 // The real drive: 3 to 7 m/s from the first scan on, a bend, traffic.
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 Time middle_of(const Dataset& drive, std::size_t k) {
   return drive.scan_start(k) + (drive.scan_end(k) - drive.scan_start(k)) * 0.5;
@@ -42,5 +42,5 @@ TEST(KittiOdometry, EveryStepAgreesWithTheReferencePoses) {
   }
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

@@ -5,7 +5,7 @@
 #include "odometry/small_problem.hpp"
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 Time part(const TrajectoryKnot& k1, const TrajectoryKnot& k2, double r) {
   return k1.time + (k2.time - k1.time) * r;
@@ -40,5 +40,5 @@ TEST(KnotInterval, PoseJacobianIsTheDerivative) {
   }
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

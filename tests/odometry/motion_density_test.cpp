@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 using Knots = std::vector<TrajectoryKnot>;
 
@@ -85,5 +85,5 @@ TEST(MotionDensity, ForgetsAManoeuvre) {
   EXPECT_LT(density_of(knots, kExpected).translation, kExpected.translation);
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

@@ -15,7 +15,7 @@
 #include <mapless/odometry/lidar_odometry.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 constexpr int kColumns = 1024;
 constexpr int kScansBefore = 5;
@@ -164,5 +164,5 @@ TEST(NewerCollege, CompensationAgreesWithTheReference) {
   }
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

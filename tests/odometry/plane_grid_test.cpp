@@ -12,7 +12,7 @@
 #include "oracle/plane_oracle.hpp"
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 using Eigen::Vector3d;
 
@@ -255,5 +255,5 @@ TEST(PlaneMap, AFarSparseWallHasACoarsePlaneAndANearOneAFinePlane) {
   EXPECT_NEAR(std::abs(plane->normal_0.x()), 1, 0.01);
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

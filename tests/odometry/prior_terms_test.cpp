@@ -5,7 +5,7 @@
 #include "odometry/small_problem.hpp"
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 TEST(PriorTerms, ConstantVelocityCostsNothing) {
   Vector6d varpi;
@@ -73,5 +73,5 @@ TEST(PriorTerms, KnotPriorPullsToItsMean) {
   EXPECT_LT(knot_error(prior.mean, knots[0]).norm(), 1e-9);
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

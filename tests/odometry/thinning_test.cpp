@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 // Ranges of a scan: most of the ground near the sensor, few far off.
 std::vector<float> ranges_of(unsigned seed, std::size_t number) {
@@ -82,5 +82,5 @@ TEST(Thinning, ThinsWhatIsNearByTheSquare) {
   EXPECT_NEAR(far, 3429, 200);
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

@@ -6,7 +6,7 @@
 #include "odometry/small_problem.hpp"
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 using Eigen::Vector3d;
 
@@ -102,5 +102,5 @@ TEST(TimeBins, WeightsAreThoseOfTheNoiseAndTheCauchyLoss) {
   EXPECT_EQ(point_residual({0, 0, 0.6}, SE3(), plane, kWeights).weight, 0) << "beyond the gate";
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

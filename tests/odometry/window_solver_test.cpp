@@ -8,7 +8,7 @@
 #include "odometry/small_problem.hpp"
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 constexpr int kKnots = 5;
 
@@ -110,5 +110,5 @@ TEST(WindowSolver, MarginalisingAgreesWithTheFullBatch) {
             1e-3 * batch_solution.last_information.norm());
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

@@ -11,7 +11,7 @@
 #include <mapless/simulation/scene.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
@@ -144,5 +144,5 @@ TEST(Track, IsTheIntegralOfItsSpeed) {
   }
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

@@ -16,7 +16,7 @@
 #include <mapless/simulation/sequence_writer.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 using Eigen::Vector3d;
 
@@ -196,5 +196,5 @@ TEST(SequenceWriter, RefusesAFolderThatIsThereAndAnUnknownFormat) {
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "new"));
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

@@ -10,7 +10,7 @@
 #include <mapless/simulation/simulated_sensor.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 using Eigen::Vector3d;
 
@@ -159,5 +159,5 @@ TEST(SimulatedSensor, EveryNamedModelFiresEveryLaserInEveryColumn) {
   }
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

@@ -12,7 +12,7 @@
 #include <mapless/simulation/scene.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 using Eigen::Vector2d;
 
@@ -169,5 +169,5 @@ TEST(Traffic, StopsAndStartsInTownWithoutCollisionsOrGridlock) {
   }
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

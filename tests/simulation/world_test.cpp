@@ -8,7 +8,7 @@
 #include <mapless/simulation/world.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 using Eigen::Vector3d;
 
@@ -142,5 +142,5 @@ TEST(SimulatedWorld, RefusesAShapeThatIsNotThere) {
   EXPECT_THROW(SimulatedWorld{std::move(world)}, InputError);
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless

@@ -72,6 +72,9 @@ struct ToyScan {
 /// drives at 8 m/s and turns left at the crossing. Lasts 6.5 s.
 [[nodiscard]] ToyScene toy_street(std::string_view sensor = "HDL-64E-S2");
 
+/// The scene as a sensor sees it that fires `columns` times a turn: fewer rays where many tell no more.
+[[nodiscard]] ToyScene with_columns(ToyScene scene, int columns);
+
 /// A closed room with furniture, in which nothing moves.
 [[nodiscard]] ToyScene toy_room(std::string_view sensor, std::shared_ptr<const Trajectory> trajectory);
 

@@ -95,6 +95,13 @@ ToyScene toy_street(std::string_view sensor) {
   return scene;
 }
 
+ToyScene with_columns(ToyScene scene, int columns) {
+  LidarModel model = *scene.model;
+  model.columns = columns;
+  scene.model = std::make_shared<const LidarModel>(std::move(model));
+  return scene;
+}
+
 ToyScene toy_room(std::string_view sensor, std::shared_ptr<const Trajectory> trajectory) {
   ToyScene scene;
   scene.model = std::make_shared<const LidarModel>(named_model(sensor));

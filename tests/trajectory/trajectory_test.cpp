@@ -7,7 +7,7 @@
 #include <mapless/trajectory/trajectory.hpp>
 
 namespace mapless {
-namespace {
+namespace MAPLESS_FILE {
 
 using testing::HasSubstr;
 
@@ -288,5 +288,5 @@ TEST(Trajectories, ShiftingAllTimesChangesNothing) {
   }
 }
 
-}  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless
