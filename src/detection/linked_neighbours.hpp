@@ -77,6 +77,7 @@ class LinkedNeighbours {
     return scan_.cell(r.laser, image_.scan_column(r.laser, column));
   }
 
+  /// Whether i and j belong together in space, wherever they are in the scan image.
   [[nodiscard]] bool linked(std::int32_t i, std::int32_t j) const {
     return linked(points_[static_cast<std::size_t>(i)], reach_m(scan_.returns[static_cast<std::size_t>(i)]),
                   j);

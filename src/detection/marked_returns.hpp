@@ -30,12 +30,6 @@ class MarkedReturns {
     each_bit(i, [](std::uint64_t& word, std::uint64_t bit) { word &= ~bit; });
   }
 
-  [[nodiscard]] bool marked(std::int32_t i) const {
-    const LidarReturn& r = scan_.returns[static_cast<std::size_t>(i)];
-    return scan_.cell(r.laser, r.column) == i &&
-           window(r.laser, image_.aligned_column(r.laser, r.column), 1) != 0;
-  }
-
   /// The marks of `count` columns, up to kBeyond, of a row from aligned column `first` on, which is in
   /// [-kBeyond, columns); that of the first is the lowest bit.
   [[nodiscard]] std::uint64_t window(int row, int first, int count) const {

@@ -86,7 +86,7 @@ class FreespaceProbe {
     FreespaceVerdict verdict = FreespaceVerdict::unobserved;
     int laser = -1, column = -1;
     float short_by_m = 0;  ///< how far before the point that firing ended; NaN where it is not known
-    float aside_m = 0;     ///< how far above or below the point it passes
+    float aside_m = 0;     ///< how far above or below the point its ray passes
   };
   /// `q`: a point minus origin_0 [m]. `column` is a guess of where the scan looks that way, and holds the
   /// column found afterwards; any number will do, a good one is faster.

@@ -25,8 +25,8 @@ class Trajectory {
   [[nodiscard]] virtual Time end() const = 0;
   /// Throws TrajectoryDomainError outside [begin, end].
   [[nodiscard]] virtual TrajectoryState at(Time t) const = 0;
-  /// The same at `first`, `period` later and so on, one for each of `states`; a trajectory may take less time
-  /// for all of them than for each by itself.
+  /// The same at `first`, `period` later and so on, one for each of `states`; throws as at() does. A
+  /// trajectory may take less time for all of them than for each by itself.
   virtual void sample(Time first, Duration period, std::span<TrajectoryState> states) const;
 };
 
