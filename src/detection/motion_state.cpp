@@ -25,6 +25,13 @@ bool differs_from_zero(const TrackedObject& object) {
   return object.velocity_0.dot(object.velocity_covariance_0.ldlt().solve(object.velocity_0)) > kSure * kSure;
 }
 
+// The worse its velocity is known the more evidence an object takes, once there was time to know it: what
+// flickers is found elsewhere in every scan.
+double evidence_needed(const TrackedObject& object, const VotingParameters& parameters) {
+  const double std_mps = object.age > kUntoldScans ? object.velocity_std_0().maxCoeff() : 0;
+  return parameters.min_evidence * std::max(1.0, std_mps / kKnownStd_mps);
+}
+
 }  // namespace
 
 MotionState next_state(const MotionState& last, const TrackedObject& object, const ObjectEvidence& evidence,
@@ -45,9 +52,11 @@ MotionState next_state(const MotionState& last, const TrackedObject& object, con
   }
   const bool believed = next.velocity_known || object.age <= kUntoldScans;
   const bool twice = last.slow || (known && !advances);  // or both say so
-  const bool stops = (next.slow && twice) || next.unproven_m >= kMostUnproven_m;
+  const double needed = evidence_needed(object, parameters);
+  const bool flickers = needed > parameters.min_evidence && next.evidence < needed / 2;
+  const bool stops = (next.slow && twice) || next.unproven_m >= kMostUnproven_m || flickers;
   const bool may_stand = object.age > 1 && known && !differs;
-  const bool begins = advances && !next.slow && !may_stand && next.evidence >= parameters.min_evidence;
+  const bool begins = advances && !next.slow && !may_stand && next.evidence >= needed;
   next.moves = believed && (last.moves ? !stops : begins);
   return next;
 }

@@ -25,11 +25,12 @@ struct MotionState {
 ///
 /// An object begins to move with the speed `min_speed_mps`, an advance of `min_advance_m` and votes of
 /// `min_evidence`, to which those of earlier scans count half for each scan they are back: border effects are
-/// small and gone in the next scan. A speed that is known has to differ from 0 by two standard deviations
-/// then, too. It moves until it is slower in two of its scans in a row, or in one that
-/// shows no such advance either; the advance tells instead of the speed where the registration hardly does,
-/// as of a wall, which slides along itself at any speed. It stands, too, once it would have gone 1 m by its
-/// speed since its last advance, and from its third scan on while its velocity was never known.
+/// small and gone in the next scan. From its third scan on it takes more of them by as much as the standard
+/// deviation of its velocity is above 0.5 m/s, and half of that to go on. A speed that is known has to differ
+/// from 0 by two standard deviations then, too. It moves until it is slower in two of its scans in a row, or
+/// in one that shows no such advance either; the advance tells instead of the speed where the registration
+/// hardly does, as of a wall, which slides along itself at any speed. It stands, too, once it would have gone
+/// 1 m by its speed since its last advance, and from its third scan on while its velocity was never known.
 MotionState next_state(const MotionState& last, const TrackedObject& object, const ObjectEvidence& evidence,
                        Time now, const VotingParameters& parameters);
 

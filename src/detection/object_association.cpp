@@ -85,6 +85,7 @@ void take(const std::vector<Pair>& pairs, std::vector<bool>& known_taken, Associ
 ExpectedObject expected_object(const ObjectView& view, const Vector3d& displacement_0, double uncertainty_m) {
   ExpectedObject out;
   const std::size_t stride = (view.points_0.size() + kMostPoints - 1) / kMostPoints;
+  out.points_0.reserve(kMostPoints);
   for (std::size_t i = 0; i < view.points_0.size(); i += stride)
     out.points_0.push_back(view.points_0[i] + displacement_0);
   out.weight = static_cast<double>(view.points_0.size()) / static_cast<double>(out.points_0.size());

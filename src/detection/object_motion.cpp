@@ -8,9 +8,7 @@ namespace mapless {
 namespace {
 
 using Eigen::Matrix3d;
-using Eigen::MatrixXd;
 using Eigen::Vector3d;
-using Eigen::VectorXd;
 
 // What is seen and was not expected: the square of a normalised innovation of three axes is 3 in the mean,
 // and above this 0.7 % of the time.
@@ -27,8 +25,8 @@ ObjectMotion::ObjectMotion(Time time, const Vector3d& velocity_0, const Matrix3d
                            double acceleration_density)
     : time_(time),
       acceleration_density_(acceleration_density),
-      state_(VectorXd::Zero(6)),
-      covariance_(MatrixXd::Zero(6, 6)) {
+      state_(Vector6d::Zero()),
+      covariance_(Matrix6d::Zero()) {
   state_.segment<3>(3) = velocity_0;
   covariance_.block<3, 3>(3, 3) = velocity_covariance_0;
 }
@@ -48,12 +46,13 @@ void ObjectMotion::predict(Time time) {
 
 void ObjectMotion::observe(std::size_t past, const Vector3d& displacement_0, const Matrix3d& covariance) {
   const auto at = static_cast<Eigen::Index>(6 + 3 * past);
-  const MatrixXd PHt = covariance_.leftCols<3>() - covariance_.middleCols<3>(at);
+  using Columns = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostStates, 3>;
+  const Columns PHt = covariance_.leftCols<3>() - covariance_.middleCols<3>(at);
   const Matrix3d expected = PHt.topRows<3>() - PHt.middleRows<3>(at);
   const Vector3d innovation = displacement_0 - (state_.head<3>() - state_.segment<3>(at));
   const Matrix3d S = expected + covariance;
   const auto solver = S.ldlt();
-  const MatrixXd gain = solver.solve(PHt.transpose()).transpose();
+  const Columns gain = solver.solve(PHt.transpose()).transpose();
   state_ += gain * innovation;
   covariance_ -= gain * PHt.transpose();
   // Either is wrong, the prediction or what was seen, and nobody knows which.
@@ -64,16 +63,24 @@ void ObjectMotion::observe(std::size_t past, const Vector3d& displacement_0, con
 }
 
 void ObjectMotion::remember(std::size_t most) {
-  const auto kept = static_cast<Eigen::Index>(3 * std::min(remembered(), most - 1));
-  const Eigen::Index size = 9 + kept;
-  MatrixXd select = MatrixXd::Zero(size, state_.size());
-  select.block<3, 3>(3, 3).setIdentity();
-  for (Eigen::Index i = 0; i < kept; i += 3) {  // positions are from that of now on, which is 0
-    select.block<3, 3>(9 + i, 6 + i).setIdentity();
-    select.block<3, 3>(9 + i, 0) = -Matrix3d::Identity();
+  const auto kept = static_cast<Eigen::Index>(3 * (std::min({remembered() + 1, most, kMostRemembered}) - 1));
+  // Positions are from that of now on, which is 0.
+  State x = state_;
+  Covariance P = covariance_;
+  for (Eigen::Index i = 6; i < 6 + kept; i += 3) {
+    x.segment<3>(i) -= state_.head<3>();
+    P.middleRows<3>(i) -= covariance_.topRows<3>();
   }
-  state_ = (select * state_).eval();
-  covariance_ = (select * covariance_ * select.transpose()).eval();
+  const auto of_now = P.leftCols<3>();
+  for (Eigen::Index i = 6; i < 6 + kept; i += 3) P.middleCols<3>(i) -= of_now;
+  state_.setZero(9 + kept);
+  state_.segment<3>(3) = x.segment<3>(3);
+  state_.tail(kept) = x.segment(6, kept);
+  covariance_.setZero(9 + kept, 9 + kept);
+  covariance_.block<3, 3>(3, 3) = P.block<3, 3>(3, 3);
+  covariance_.block(3, 9, 3, kept) = P.block(3, 6, 3, kept);
+  covariance_.block(9, 3, kept, 3) = P.block(6, 3, kept, 3);
+  covariance_.bottomRightCorner(kept, kept) = P.block(6, 6, kept, kept);
 }
 
 void ObjectMotion::loosen(double velocity_std_mps) {

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 
+#include <mapless/core/se3.hpp>
 #include <mapless/core/time.hpp>
 
 namespace mapless {
@@ -13,6 +14,8 @@ namespace mapless {
 /// differences of positions are ever observed, so their origin is of no account.
 class ObjectMotion {
  public:
+  static constexpr std::size_t kMostRemembered = 5;
+
   ObjectMotion(Time time, const Eigen::Vector3d& velocity_0, const Eigen::Matrix3d& velocity_covariance_0,
                double acceleration_density);
 
@@ -21,7 +24,7 @@ class ObjectMotion {
   /// The object moved by `displacement_0` from remembered scan `past` (0: the newest) until now. What is far
   /// off what was expected counts less.
   void observe(std::size_t past, const Eigen::Vector3d& displacement_0, const Eigen::Matrix3d& covariance);
-  /// Keeps the position of now, and of those kept before the newest `most - 1`.
+  /// Keeps the position of now, and of those kept before the newest `most - 1`; 1 to kMostRemembered.
   void remember(std::size_t most);
   /// At least so uncertain [m/s].
   void loosen(double velocity_std_mps);
@@ -35,8 +38,11 @@ class ObjectMotion {
   Time time_;
   double acceleration_density_;
   double growth_ = 1;  // of the noise on acceleration
-  Eigen::VectorXd state_;
-  Eigen::MatrixXd covariance_;
+  static constexpr int kMostStates = 6 + 3 * kMostRemembered;
+  using State = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostStates, 1>;
+  using Covariance = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostStates, kMostStates>;
+  State state_;
+  Covariance covariance_;
 };
 
 }  // namespace mapless

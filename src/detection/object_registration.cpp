@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
-#include <utility>
+#include <vector>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
-#include "detection/sorted_points.hpp"
+#include "detection/followed_neighbours.hpp"
 
 namespace mapless {
 namespace {
@@ -22,7 +21,6 @@ constexpr double kPlaneStd_m = 0.035;     // range noise of both scans, and plan
 constexpr double kTurnRateStd_rps = 0.1;  // about any axis
 constexpr double kStartStd_mps = 3;       // keeps what the points do not tell near the start
 constexpr double kUnknownStd_mps = 50;    // of what they do not tell, in the result
-constexpr std::uint8_t kEdgeSides = 4;    // EdgeSample::side
 constexpr std::size_t kFewestIterations = 3;
 constexpr double kRobustScale = 2.4;     // standard deviations, of the Cauchy weight
 constexpr double kFirstScale_m = 0.3;    // of the weights, halved with every step
@@ -84,29 +82,41 @@ struct NormalEquations {
   }
 };
 
+// Which sample of the earlier view is nearest to each of the later one. A thread keeps it from one
+// registration to the next: nothing is allocated once it is large enough.
+struct Matches {
+  FollowedNeighbours surface;
+  std::array<FollowedNeighbours, kImageSides> edges;  // by side
+  std::vector<Vector3d> points;                       // of the earlier view at work
+};
+
 class Registration {
  public:
-  Registration(const ObjectView& now, const ObjectView& before)
+  Registration(const ObjectView& now, const ObjectView& before, Matches& matches)
       : now_(now),
         before_(before),
         middle_0_(before.seen_box.center()),
-        interval_s_((now.time - before.time).seconds()) {
-    for (const EdgeSample& e : before.edges) edges_before_[e.side].push_back(e);
+        interval_s_((now.time - before.time).seconds()),
+        matches_(matches) {
+    matches_.surface.restart(now.surface.size());
+    for (std::size_t side = 0; side < kImageSides; ++side)
+      matches_.edges[side].restart(now.edges_of(side).size());
   }
 
   [[nodiscard]] RegisteredMotion from(const Vector3d& start) const {
     Motion motion{start};
     for (std::size_t i = 0; i < kGates_m.size(); ++i) {
       const double scale = kFirstScale_m / static_cast<double>(1u << i);
-      const NormalEquations equations = linearise(motion, match(motion), kGates_m[i], scale);
+      match(motion);
+      const NormalEquations equations = linearise(motion, kGates_m[i], scale);
       const Vector6d step = solve(equations, motion, start);
       motion.velocity_0 += step.head<3>();
       motion.turn_rate_0 += step.tail<3>();
       if (i + 1 > kFewestIterations && step.head<3>().norm() * interval_s_ < kSmallStep_m) break;
     }
-    const Matches matches = match(motion);
-    const NormalEquations equations = linearise(motion, matches, kGates_m.back(), 0);
-    const double unexplained = misfit(motion, matches);
+    match(motion);
+    const NormalEquations equations = linearise(motion, kGates_m.back(), 0);
+    const double unexplained = misfit(motion);
     const double farthest = std::min(kDoubt_m, before_.seen_box.diagonal().norm());
     const double doubt = farthest * std::max(0.0, unexplained - kExplained) / interval_s_;
     return {motion.velocity_0, covariance(equations) + doubt * doubt * Matrix3d::Identity(), unexplained};
@@ -151,41 +161,30 @@ class Registration {
     return moved - dt * motion.turn_rate_0.cross(moved);
   }
 
+  // Which sample of `before` is nearest to each of `now`.
   template <class Samples>
-  [[nodiscard]] SortedPoints targets_of(const Samples& samples, const Motion& motion) const {
-    std::vector<Vector3d> points;
-    points.reserve(samples.size());
-    for (const auto& s : samples) points.push_back(s.p_0 - middle_0_ - s.t_s * motion.velocity_0);
-    return SortedPoints(std::move(points));
+  void match(const Samples& now, const Samples& before, const Motion& motion,
+             FollowedNeighbours& neighbours) const {
+    if (now.empty()) return;
+    matches_.points.clear();
+    for (const auto& b : before) matches_.points.push_back(b.p_0 - middle_0_ - b.t_s * motion.velocity_0);
+    neighbours.move_points(matches_.points);
+    for (std::size_t i = 0; i < now.size(); ++i)
+      neighbours.move_place(i, taken_back(now[i].p_0, now[i].t_s, motion));
+  }
+  void match(const Motion& motion) const {
+    match(now_.surface, before_.surface, motion, matches_.surface);
+    for (std::size_t side = 0; side < kImageSides; ++side)
+      match(now_.edges_of(side), before_.edges_of(side), motion, matches_.edges[side]);
   }
 
-  // Which sample of `before` is nearest to each of `now`, of edges among those of its side.
-  struct Matches {
-    std::vector<SortedPoints::Nearest> surface, edges;
-  };
-  [[nodiscard]] Matches match(const Motion& motion) const {
-    Matches out;
-    const SortedPoints surface = targets_of(before_.surface, motion);
-    out.surface.reserve(now_.surface.size());
-    for (const SurfaceSample& a : now_.surface)
-      out.surface.push_back(surface.nearest(taken_back(a.p_0, a.t_s, motion)));
-    std::array<std::optional<SortedPoints>, kEdgeSides> edges;
-    out.edges.reserve(now_.edges.size());
-    for (const EdgeSample& a : now_.edges) {
-      if (!edges[a.side]) edges[a.side] = targets_of(edges_before_[a.side], motion);
-      out.edges.push_back(edges[a.side]->nearest(taken_back(a.p_0, a.t_s, motion)));
-    }
-    return out;
-  }
-
-  [[nodiscard]] NormalEquations linearise(const Motion& motion, const Matches& matches, double gate_m,
-                                          double scale) const {
+  [[nodiscard]] NormalEquations linearise(const Motion& motion, double gate_m, double scale) const {
     NormalEquations out;
-    add_surface(motion, matches, gate_m, scale, out);
+    add_surface(motion, gate_m, scale, out);
     add_mean(motion, out);
-    for (std::uint8_t side = 0; side < kEdgeSides; ++side) {
+    for (std::size_t side = 0; side < kImageSides; ++side) {
       NormalEquations edges;
-      add_edges(side, motion, matches, gate_m, scale, edges);
+      add_edges(side, motion, gate_m, scale, edges);
       out.add(edges, std::min(1.0, kCorrelation / std::max(edges.weight_sum, 1e-9)));
     }
     return out;
@@ -203,12 +202,11 @@ class Registration {
     return {lever, a.p_0 - b.p_0 - dt * (motion.velocity_0 + motion.turn_rate_0.cross(lever)), dt};
   }
 
-  void add_surface(const Motion& motion, const Matches& matches, double gate_m, double scale,
-                   NormalEquations& out) const {
+  void add_surface(const Motion& motion, double gate_m, double scale, NormalEquations& out) const {
     const double farthest = std::max(gate_m, before_.patch_m);
     for (std::size_t i = 0; i < now_.surface.size(); ++i) {
       const SurfaceSample& a = now_.surface[i];
-      const SortedPoints::Nearest& n = matches.surface[i];
+      const FollowedNeighbours::Neighbour& n = matches_.surface.of(i);
       if (n.square > farthest * farthest) continue;
       const SurfaceSample& b = before_.surface[n.index];
       if (!b.is_plane()) continue;
@@ -232,24 +230,25 @@ class Registration {
     out.g += kCorrelation * middle.g;
   }
 
-  void add_edges(std::uint8_t side, const Motion& motion, const Matches& matches, double gate_m, double scale,
+  void add_edges(std::size_t side, const Motion& motion, double gate_m, double scale,
                  NormalEquations& out) const {
     const double farthest = std::max(gate_m, before_.patch_m);
-    for (std::size_t i = 0; i < now_.edges.size(); ++i) {
-      const EdgeSample& a = now_.edges[i];
-      const SortedPoints::Nearest& n = matches.edges[i];
-      if (a.side != side || n.square > farthest * farthest) continue;
-      const EdgeSample& b = edges_before_[side][n.index];
+    const auto now = now_.edges_of(side), before = before_.edges_of(side);
+    for (std::size_t i = 0; i < now.size(); ++i) {
+      const FollowedNeighbours::Neighbour& n = matches_.edges[side].of(i);
+      if (n.square > farthest * farthest) continue;
+      const EdgeSample& a = now[i];
+      const EdgeSample& b = before[n.index];
       const Pair p = pair(a, b, motion);
       out.add(a.across_0, p.lever, p.dt, a.across_0.dot(p.left), std::hypot(a.std_m, b.std_m), scale);
     }
   }
 
-  [[nodiscard]] double misfit(const Motion& motion, const Matches& matches) const {
+  [[nodiscard]] double misfit(const Motion& motion) const {
     return (seen_through(now_, before_, -interval_s_ * motion.velocity_0) +
             seen_through(before_, now_, interval_s_ * motion.velocity_0)) /
                2 +
-           kPointShare * mean_distance(matches) + kEdgeShare * edge_distance(motion, matches);
+           kPointShare * mean_distance() + kEdgeShare * edge_distance(motion);
   }
 
   // Share of the points of `of`, moved, that the scan of `by` looked through.
@@ -262,28 +261,28 @@ class Registration {
   }
 
   // Of the points of `now` from those of `before`, each cut off, 0 to 1.
-  [[nodiscard]] double mean_distance(const Matches& matches) const {
+  [[nodiscard]] double mean_distance() const {
     double sum = 0;
-    for (const SortedPoints::Nearest& n : matches.surface)
-      sum += std::min(n.square / (kPointCutoff_m * kPointCutoff_m), 1.0);
+    for (std::size_t i = 0; i < now_.surface.size(); ++i)
+      sum += std::min(matches_.surface.of(i).square / (kPointCutoff_m * kPointCutoff_m), 1.0);
     return sum / static_cast<double>(now_.surface.size());
   }
 
   // Of the edges, each less what the spacing of the rays explains and cut off, 0 to 1.
-  [[nodiscard]] double edge_distance(const Motion& motion, const Matches& matches) const {
+  [[nodiscard]] double edge_distance(const Motion& motion) const {
     double sum = 0;
     std::size_t count = 0;
-    for (std::uint8_t side = 0; side < kEdgeSides; ++side) {
-      if (edges_before_[side].empty()) continue;
-      for (std::size_t i = 0; i < now_.edges.size(); ++i) {
-        const EdgeSample& a = now_.edges[i];
-        if (a.side != side) continue;
-        const EdgeSample& b = edges_before_[side][matches.edges[i].index];
+    for (std::size_t side = 0; side < kImageSides; ++side) {
+      const auto now = now_.edges_of(side), before = before_.edges_of(side);
+      if (before.empty()) continue;
+      for (std::size_t i = 0; i < now.size(); ++i) {
+        const EdgeSample& a = now[i];
+        const EdgeSample& b = before[matches_.edges[side].of(i).index];
         const double off =
             std::max(std::abs(a.across_0.dot(pair(a, b, motion).left)) - a.std_m - b.std_m, 0.0);
         sum += std::min(off * off / (kEdgeCutoff_m * kEdgeCutoff_m), 1.0);
-        ++count;
       }
+      count += now.size();
     }
     return count == 0 ? 0 : sum / static_cast<double>(count);
   }
@@ -292,13 +291,14 @@ class Registration {
   const ObjectView& before_;
   Vector3d middle_0_;
   double interval_s_;
-  std::array<std::vector<EdgeSample>, kEdgeSides> edges_before_;
+  Matches& matches_;
 };
 
 }  // namespace
 
 RegisteredMotion register_views(const ObjectView& now, const ObjectView& before, const Vector3d& start) {
-  return Registration(now, before).from(start);
+  thread_local Matches matches;
+  return Registration(now, before, matches).from(start);
 }
 
 }  // namespace mapless

@@ -23,7 +23,7 @@ class SightLines {
 
  private:
   [[nodiscard]] Eigen::Vector3d in_sensor(const Eigen::Vector3d& p_0) const;
-  [[nodiscard]] double column_of(const Eigen::Vector3d& p_v, double azimuth_offset_rad) const;
+  [[nodiscard]] double column_of(double azimuth_rad, double azimuth_offset_rad) const;
 
   std::shared_ptr<const LidarScan> scan_;
   TrajectoryState state_;

@@ -1,9 +1,12 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <deque>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <Eigen/Eigenvalues>
 #include <tbb/parallel_for.h>
@@ -28,10 +31,11 @@ constexpr double kUnknownSpeed_mps = 15;
 // White noise on acceleration, per axis [m^2/s^3]: what goes on changes by sqrt(0.5) = 0.7 m/s in a second.
 // Of what brakes or turns the innovations show it, and the noise grows with them (ObjectMotion).
 constexpr double kAccelerationDensity = 0.5;
-constexpr std::size_t kViews = 5;             // earlier scans an object keeps
+constexpr std::size_t kViews = ObjectMotion::kMostRemembered;  // earlier scans an object keeps
 constexpr double kLongestInterval_s = 0.45;   // between scans that are registered: things turn and accelerate
 constexpr double kShortestInterval_s = 0.01;  // an object cut by the seam may be there twice in a moment
 constexpr std::size_t kYoung = 2;             // views of an object whose velocity is not well known yet
+constexpr std::array kEnds = {0.02, 0.98};    // of the points: where an object ends
 constexpr double kMisfit = 0.3;               // of a motion that others are tried against
 constexpr double kBetter = 0.1;               // in misfit: then the one expected is wrong
 constexpr double kWrongStd_mps = 10;          // of an expected velocity that is wrong
@@ -41,11 +45,25 @@ struct FollowedObject {
   std::uint32_t id;
   std::size_t first_scan;
   ObjectMotion motion;
-  std::deque<ObjectView> views;  // newest first, as the motion remembers them
-  Time last_scan;                // start of that of the newest view
-  double diagonal_m = 0;         // of the largest box seen
+  // Newest first, as the motion remembers them. What comes off an object shares them with it.
+  std::vector<std::shared_ptr<ObjectView>> views;
+  Time last_scan;         // start of that of the newest view
+  double diagonal_m = 0;  // of the largest box seen
 
-  [[nodiscard]] double newest_diagonal_m() const { return views.front().seen_box.diagonal().norm(); }
+  [[nodiscard]] const ObjectView& newest() const { return *views.front(); }
+  [[nodiscard]] double newest_diagonal_m() const { return newest().seen_box.diagonal().norm(); }
+
+  void keep(ObjectView view) {
+    motion.remember(kViews);
+    views.reserve(kViews);
+    if (views.size() == kViews) views.pop_back();
+    views.insert(views.begin(), std::make_shared<ObjectView>(std::move(view)));
+    diagonal_m = std::max(diagonal_m, newest_diagonal_m());
+  }
+  // A scan is not kept longer than needed.
+  void forget_earlier_scan() {
+    if (views.size() > 1) views[1]->sight.reset();
+  }
 };
 
 void require_usable(const Detection& detection, const std::optional<Time>& newest_start) {
@@ -70,33 +88,39 @@ Vector3d longest_direction(const ObjectView& view) {
   return solver.eigenvectors().col(2);
 }
 
-// The place along `direction` that a fraction `q` of the points do not reach.
-double place_along(const ObjectView& view, const Vector3d& direction, double q) {
-  std::vector<double> places;
-  for (const Vector3d& p : view.points_0) places.push_back(direction.dot(p));
-  const auto at = places.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(places.size() - 1));
-  std::nth_element(places.begin(), at, places.end());
-  return *at;
+// The places along `direction` that a few of the points do not reach, and that a few go beyond.
+std::array<double, 2> ends_along(const ObjectView& view, const Vector3d& direction) {
+  std::vector<double> places(view.points_0.size());
+  std::transform(view.points_0.begin(), view.points_0.end(), places.begin(),
+                 [&](const Vector3d& p) { return direction.dot(p); });
+  std::array<double, 2> out{};
+  for (std::size_t end = 0; end < out.size(); ++end) {
+    const double rank = kEnds[end] * static_cast<double>(places.size() - 1);
+    const auto at = places.begin() + static_cast<std::ptrdiff_t>(rank);
+    std::nth_element(places.begin(), at, places.end());
+    out[end] = *at;
+  }
+  return out;
 }
 
 // Where to look for the velocity where nothing good is known: the shift of the mean, of the middle, of the
 // foremost and of the hindmost end. What is seen of an object may grow at one end and stay at the other.
-std::vector<Vector3d> starts(const ObjectView& now, const ObjectView& before) {
+std::array<Vector3d, 4> starts(const ObjectView& now, const ObjectView& before) {
   const double dt = (now.time - before.time).seconds();
   const Vector3d shift = now.mean_0 - before.mean_0;
-  std::vector<Vector3d> out = {shift / dt, (now.seen_box.center() - before.seen_box.center()) / dt};
   const Vector3d along = longest_direction(now);
-  for (const double end : {0.02, 0.98}) {
-    const double moved = place_along(now, along, end) - place_along(before, along, end);
-    out.emplace_back((shift + (moved - along.dot(shift)) * along) / dt);
-  }
-  return out;
+  const auto ends_now = ends_along(now, along), ends_before = ends_along(before, along);
+  const auto shift_of_end = [&](std::size_t end) -> Vector3d {
+    return shift + (ends_now[end] - ends_before[end] - along.dot(shift)) * along;
+  };
+  return {shift / dt, (now.seen_box.center() - before.seen_box.center()) / dt, shift_of_end(0) / dt,
+          shift_of_end(1) / dt};
 }
 
 // Since the object was last seen. It is looked for anew where little is known of it yet, or where what was
 // expected does not explain what is seen.
 RegisteredMotion newest_motion(FollowedObject& track, const ObjectView& now) {
-  const ObjectView& before = track.views.front();
+  const ObjectView& before = track.newest();
   RegisteredMotion best = register_views(now, before, track.motion.velocity());
   const bool young = track.views.size() <= kYoung;
   if (!young && best.misfit < kMisfit) return best;
@@ -113,13 +137,13 @@ RegisteredMotion newest_motion(FollowedObject& track, const ObjectView& now) {
 std::size_t oldest_to_register(const FollowedObject& track, Time now) {
   std::size_t oldest = 0;
   for (std::size_t i = 1; i < track.views.size(); ++i) {
-    if ((now - track.views[i].time).seconds() <= kLongestInterval_s) oldest = i;
+    if ((now - track.views[i]->time).seconds() <= kLongestInterval_s) oldest = i;
   }
   return oldest;
 }
 
 void observe(FollowedObject& track, const ObjectView& now) {
-  const auto seconds_since = [&](std::size_t past) { return (now.time - track.views[past].time).seconds(); };
+  const auto seconds_since = [&](std::size_t past) { return (now.time - track.views[past]->time).seconds(); };
   if (seconds_since(0) < kShortestInterval_s) return;
   const RegisteredMotion newest = newest_motion(track, now);
   track.motion.predict(now.time);
@@ -129,7 +153,7 @@ void observe(FollowedObject& track, const ObjectView& now) {
   };
   observe_motion(0, newest);
   if (const std::size_t oldest = oldest_to_register(track, now.time); oldest > 0)
-    observe_motion(oldest, register_views(now, track.views[oldest], track.motion.velocity()));
+    observe_motion(oldest, register_views(now, *track.views[oldest], track.motion.velocity()));
 }
 
 TrackedObject described(const FollowedObject& track, const ObjectView& view, int age) {
@@ -163,13 +187,11 @@ class ObjectTracker::Implementation {
     tbb::parallel_for(std::size_t{0}, views.size(), [&](std::size_t s) {
       FollowedObject& track = *tracks[s];
       out[s] = updated(track, views[s]);
-      track.motion.remember(kViews);
-      if (!track.views.empty()) track.views.front().sight.reset();  // the scan is not kept longer than needed
-      track.views.push_front(std::move(views[s]));
-      if (track.views.size() > kViews) track.views.pop_back();
+      track.keep(std::move(views[s]));
       track.last_scan = start;
-      track.diagonal_m = std::max(track.diagonal_m, track.newest_diagonal_m());
     });
+    // After all: what came off shares the view with what it came off, which is seen in this scan too.
+    for (FollowedObject* track : tracks) track->forget_earlier_scan();
     ++scans_;
     return out;
   }
@@ -186,10 +208,12 @@ class ObjectTracker::Implementation {
   [[nodiscard]] std::vector<FollowedObject*> tracks_of(const std::vector<ObjectView>& views,
                                                        Time scan_start) {
     std::vector<ExpectedObject> known, seen;
+    known.reserve(tracks_.size());
+    seen.reserve(views.size());
     for (const FollowedObject& track : tracks_) {
       const double dt = (scan_start - track.last_scan).seconds();
       const double std_mps = std::sqrt(track.motion.velocity_covariance().diagonal().maxCoeff());
-      known.push_back(expected_object(track.views.front(), dt * track.motion.velocity(), dt * std_mps));
+      known.push_back(expected_object(track.newest(), dt * track.motion.velocity(), dt * std_mps));
       known.back().hidden_m = (track.diagonal_m - track.newest_diagonal_m()) / 2;
     }
     for (const ObjectView& view : views) seen.push_back(expected_object(view, Vector3d::Zero(), 0));

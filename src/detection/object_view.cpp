@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
-#include <optional>
+#include <numeric>
+#include <span>
 
 #include <Eigen/Eigenvalues>
 
@@ -34,7 +36,9 @@ std::size_t stride_for(std::size_t count, std::size_t most) { return (count + mo
 class ColumnPoses {
  public:
   ColumnPoses(const LidarScan& scan, const Trajectory& trajectory)
-      : scan_(scan), trajectory_(trajectory), columns_(static_cast<std::size_t>(scan.columns)) {}
+      : scan_(scan), trajectory_(trajectory), known_(static_cast<std::size_t>(scan.columns), kUnknown) {
+    poses_.reserve(known_.size());
+  }
 
   Vector3d to_world(const LidarReturn& r) {
     const Vector3d p_v = r.position_v.cast<double>();
@@ -53,32 +57,34 @@ class ColumnPoses {
     Vector6d varpi;
   };
   const Pose& at(int column) {
-    std::optional<Pose>& pose = columns_[static_cast<std::size_t>(column)];
-    if (!pose) {
+    std::size_t& known = known_[static_cast<std::size_t>(column)];
+    if (known == kUnknown) {
       const TrajectoryState state = trajectory_.at(scan_.column_time(column));
-      pose.emplace(Pose{state.T_v0.inverse(), state.varpi});
+      known = poses_.size();
+      poses_.push_back({state.T_v0.inverse(), state.varpi});
     }
-    return *pose;
+    return poses_[known];
   }
 
+  static constexpr std::size_t kUnknown = std::numeric_limits<std::size_t>::max();
   const LidarScan& scan_;
   const Trajectory& trajectory_;
-  std::vector<std::optional<Pose>> columns_;
+  std::vector<std::size_t> known_;  // by column: which of the poses
+  std::vector<Pose> poses_;
 };
 
-// One neighbour in the image: which way, and how far apart the rays are.
+// The way to the next ray of a side.
 struct Side {
-  std::uint8_t number;
   int rows, columns;
 };
-constexpr std::array<Side, 4> kSides = {{{0, 0, -1}, {1, 0, 1}, {2, -1, 0}, {3, 1, 0}}};
+constexpr std::array<Side, kImageSides> kSides = {{{0, -1}, {0, 1}, {-1, 0}, {1, 0}}};
 
 class ViewBuilder {
  public:
   ViewBuilder(const Detection& detection, const Trajectory& trajectory)
       : detection_(detection), scan_(*detection.scan), image_(scan_), poses_(scan_, trajectory) {}
 
-  ObjectView view(std::uint16_t number, const std::vector<std::int32_t>& members) {
+  ObjectView view(std::uint16_t number, std::span<const std::int32_t> members) {
     ObjectView out;
     out.number = number;
     set_points(members, out);
@@ -92,7 +98,7 @@ class ViewBuilder {
     return scan_.returns[static_cast<std::size_t>(i)];
   }
 
-  void set_points(const std::vector<std::int32_t>& members, ObjectView& out) {
+  void set_points(std::span<const std::int32_t> members, ObjectView& out) {
     std::int64_t sum_ns = 0;
     for (const std::int32_t i : members) sum_ns += at(i).time_ns;
     const std::int64_t mean_ns = sum_ns / static_cast<std::int64_t>(members.size());
@@ -109,53 +115,64 @@ class ViewBuilder {
   }
 
   // Metres between the rings on it, or the columns where these are wider apart.
-  [[nodiscard]] double ring_spacing(const std::vector<std::int32_t>& members) const {
+  [[nodiscard]] double ring_spacing(std::span<const std::int32_t> members) const {
     const LidarReturn& middle = at(members[members.size() / 2]);
     const double step = std::max(scan_.model->elevation_step(middle.laser), column_step());
     return static_cast<double>(middle.range_m) * step;
   }
   [[nodiscard]] double column_step() const { return 2 * std::numbers::pi / scan_.model->columns; }
 
-  void add_edges(const std::vector<std::int32_t>& members, ObjectView& out) {
-    std::vector<EdgeSample> all;
-    std::size_t outline = 0;
-    for (std::size_t m = 0; m < members.size(); ++m) {
-      for (const Side& side : kSides) {
-        if (!ends(members[m], side)) continue;
-        ++outline;
-        if (goes_on_behind(members[m], side)) all.push_back(edge(members[m], side, out, m));
+  void add_edges(std::span<const std::int32_t> members, ObjectView& out) {
+    const std::size_t outline = find_silhouette(members);
+    if (silhouette_.empty()) return;
+    out.edge_share = static_cast<double>(silhouette_.size()) / static_cast<double>(outline);
+    const std::size_t stride = stride_for(silhouette_.size(), kMostEdgeSamples);
+    out.edges.reserve((silhouette_.size() + stride - 1) / stride);
+    for (std::size_t side = 0; side < kImageSides; ++side) {
+      for (std::size_t i = 0; i < silhouette_.size(); i += stride) {
+        const End& end = silhouette_[i];
+        if (end.side == side) out.edges.push_back(edge(members[end.member], kSides[side], out, end.member));
       }
+      out.edges_begin[side + 1] = out.edges.size();
     }
-    if (outline > 0) out.edge_share = static_cast<double>(all.size()) / static_cast<double>(outline);
-    const std::size_t stride = stride_for(all.size(), kMostEdgeSamples);
-    for (std::size_t i = 0; i < all.size(); i += std::max<std::size_t>(stride, 1))
-      out.edges.push_back(all[i]);
   }
 
-  // The next ray that side is not the object's.
-  [[nodiscard]] bool ends(std::int32_t i, const Side& side) const {
-    const int row = at(i).laser + side.rows;
-    if (row < 0 || row >= scan_.rows()) return true;
-    const int aligned = image_.aligned_column(at(i).laser, at(i).column);
-    const std::int32_t cell = scan_.cell(row, image_.scan_column(row, aligned + side.columns));
-    return cell < 0 || detection_.object[static_cast<std::size_t>(cell)] !=
-                           detection_.object[static_cast<std::size_t>(i)];
+  // Of the ends of an object in the image, whose number it returns, those behind which rays go on.
+  std::size_t find_silhouette(std::span<const std::int32_t> members) {
+    silhouette_.clear();
+    std::size_t outline = 0;
+    for (std::size_t m = 0; m < members.size(); ++m) {
+      const LidarReturn& r = at(members[m]);
+      const std::uint16_t number = detection_.object[static_cast<std::size_t>(members[m])];
+      const int aligned = image_.aligned_column(r.laser, r.column);
+      for (std::size_t side = 0; side < kImageSides; ++side) {
+        if (goes_on(beside(r.laser, aligned, kSides[side], 1), number)) continue;
+        ++outline;
+        if (goes_on_behind(r, number, aligned, kSides[side])) silhouette_.push_back({m, side});
+      }
+    }
+    return outline;
+  }
+
+  // The cell so many steps to a side; outside the image nothing is known.
+  [[nodiscard]] std::int32_t beside(int laser, int aligned, const Side& side, int steps) const {
+    const int row = laser + steps * side.rows;
+    if (row < 0 || row >= scan_.rows()) return empty_cell(ReturnCode::absent);
+    return scan_.cell(row, image_.scan_column(row, aligned + steps * side.columns));
+  }
+  [[nodiscard]] bool goes_on(std::int32_t cell, std::uint16_t number) const {
+    return cell >= 0 && detection_.object[static_cast<std::size_t>(cell)] == number;
   }
 
   // The next ray that side, and the one after, pass by and go on well behind.
-  [[nodiscard]] bool goes_on_behind(std::int32_t i, const Side& side) const {
-    const int steps = side.rows == 0 ? 2 : 1;
-    for (int s = 1; s <= steps; ++s) {
-      const int row = at(i).laser + s * side.rows;
-      if (row < 0 || row >= scan_.rows()) return false;
-      const int aligned = image_.aligned_column(at(i).laser, at(i).column);
-      const int column = image_.scan_column(row, aligned + s * side.columns);
-      const std::int32_t cell = scan_.cell(row, column);
+  [[nodiscard]] bool goes_on_behind(const LidarReturn& r, std::uint16_t number, int aligned,
+                                    const Side& side) const {
+    const int most = side.rows == 0 ? 2 : 1;
+    for (int steps = 1; steps <= most; ++steps) {
+      const std::int32_t cell = beside(r.laser, aligned, side, steps);
       if (cell < 0) {
-        if (code_of_cell(cell) != ReturnCode::nothing || !ends_before_reach(at(i))) return false;
-      } else if (detection_.object[static_cast<std::size_t>(cell)] ==
-                     detection_.object[static_cast<std::size_t>(i)] ||
-                 static_cast<double>(at(cell).range_m - at(i).range_m) < kEdgeDepth_m) {
+        if (code_of_cell(cell) != ReturnCode::nothing || !ends_before_reach(r)) return false;
+      } else if (goes_on(cell, number) || static_cast<double>(at(cell).range_m - r.range_m) < kEdgeDepth_m) {
         return false;
       }
     }
@@ -174,7 +191,6 @@ class ViewBuilder {
     const Vector3d along_columns = C_0v.col(2).cross(ray_0).normalized();
     const LidarModel& model = *scan_.model;
     EdgeSample out;
-    out.side = side.number;
     out.t_s = view.t_s[member];
     double step = column_step();
     if (side.rows == 0) {
@@ -195,6 +211,10 @@ class ViewBuilder {
   const LidarScan& scan_;
   AlignedImage image_;
   ColumnPoses poses_;
+  struct End {
+    std::size_t member, side;
+  };
+  std::vector<End> silhouette_;  // of the view at work
 };
 
 struct Scatter {
@@ -208,12 +228,17 @@ struct Scatter {
   }
 };
 
-Scatter scatter_around(const ObjectView& view, const SurfaceSample& sample, std::size_t stride,
-                       double radius_m) {
+// Points of a view among which the neighbours of its samples are sought, close together in memory.
+struct Neighbour {
+  Vector3d p_0;
+  double t_s;
+};
+
+Scatter scatter_around(const std::vector<Neighbour>& asked, const SurfaceSample& sample, double radius_m) {
   Scatter out;
-  for (std::size_t i = 0; i < view.points_0.size(); i += stride) {
-    const Vector3d d = view.points_0[i] - sample.p_0;
-    if (d.squaredNorm() > radius_m * radius_m || std::abs(view.t_s[i] - sample.t_s) > kSamePass_s) continue;
+  for (const Neighbour& n : asked) {
+    const Vector3d d = n.p_0 - sample.p_0;
+    if (d.squaredNorm() > radius_m * radius_m || std::abs(n.t_s - sample.t_s) > kSamePass_s) continue;
     out.sum += d;
     out.squares += d * d.transpose();
     ++out.count;
@@ -223,10 +248,10 @@ Scatter scatter_around(const ObjectView& view, const SurfaceSample& sample, std:
 
 // What the neighbourhood of a point looks like. Of a single ring no more shows than that the surface is met
 // by the ray, so the part of the ray across the ring is taken for its normal.
-void set_shape(const ObjectView& view, const Vector3d& origin_0, std::size_t stride, SurfaceSample& sample) {
-  Scatter scatter = scatter_around(view, sample, stride, view.patch_m);
-  if (scatter.count < kFewestNeighbours)
-    scatter = scatter_around(view, sample, stride, kWidening * view.patch_m);
+void set_shape(const std::vector<Neighbour>& asked, double patch_m, const Vector3d& origin_0,
+               SurfaceSample& sample) {
+  Scatter scatter = scatter_around(asked, sample, patch_m);
+  if (scatter.count < kFewestNeighbours) scatter = scatter_around(asked, sample, kWidening * patch_m);
   if (scatter.count < kFewestNeighbours) return;
   Eigen::SelfAdjointEigenSolver<Matrix3d> solver;
   solver.computeDirect(scatter.covariance());
@@ -242,17 +267,51 @@ void set_shape(const ObjectView& view, const Vector3d& origin_0, std::size_t str
   }
 }
 
-void add_surface(const Vector3d& origin_0, ObjectView& view) {
-  const std::size_t stride = stride_for(view.points_0.size(), kMostSurfaceSamples);
-  const std::size_t asked = stride_for(view.points_0.size(), kMostNeighboursAsked);
-  for (std::size_t i = 0; i < view.points_0.size(); i += stride) {
-    SurfaceSample sample;
+void add_surface(const Vector3d& origin_0, std::vector<Neighbour>& asked, ObjectView& view) {
+  const std::size_t count = view.points_0.size();
+  asked.clear();
+  for (std::size_t i = 0; i < count; i += stride_for(count, kMostNeighboursAsked))
+    asked.push_back({view.points_0[i], view.t_s[i]});
+  const std::size_t stride = stride_for(count, kMostSurfaceSamples);
+  view.surface.reserve((count + stride - 1) / stride);
+  for (std::size_t i = 0; i < count; i += stride) {
+    SurfaceSample& sample = view.surface.emplace_back();
     sample.p_0 = view.points_0[i];
     sample.t_s = view.t_s[i];
-    set_shape(view, origin_0, asked, sample);
-    view.surface.push_back(sample);
+    set_shape(asked, view.patch_m, origin_0, sample);
   }
 }
+
+// The points of each object of a scan, in their order.
+class Members {
+ public:
+  explicit Members(const Detection& detection) {
+    std::vector<std::int32_t> moving;
+    for (std::size_t i = 0; i < detection.object.size(); ++i) {
+      if (detection.dynamic(i)) moving.push_back(static_cast<std::int32_t>(i));
+    }
+    const auto number = [&](std::int32_t i) -> std::size_t {
+      return detection.object[static_cast<std::size_t>(i)];
+    };
+    for (const std::int32_t i : moving) {
+      if (number(i) + 2 > begins_.size()) begins_.resize(number(i) + 2, 0);
+      ++begins_[number(i) + 1];
+    }
+    std::partial_sum(begins_.begin(), begins_.end(), begins_.begin());
+    members_.resize(moving.size());
+    std::vector<std::size_t> next = begins_;
+    for (const std::int32_t i : moving) members_[next[number(i)]++] = i;
+  }
+  [[nodiscard]] std::size_t numbers() const { return begins_.empty() ? 0 : begins_.size() - 1; }
+  [[nodiscard]] std::span<const std::int32_t> of(std::size_t number) const {
+    return {members_.begin() + static_cast<std::ptrdiff_t>(begins_[number]),
+            begins_[number + 1] - begins_[number]};
+  }
+
+ private:
+  std::vector<std::int32_t> members_;  // by number
+  std::vector<std::size_t> begins_;    // of each number among them, and the end
+};
 
 }  // namespace
 
@@ -263,21 +322,17 @@ Eigen::AlignedBox3d ObjectView::box(const Vector3d& velocity_0) const {
 }
 
 std::vector<ObjectView> object_views(const Detection& detection, const Trajectory& trajectory) {
-  std::vector<std::vector<std::int32_t>> members;  // of each number
-  for (std::size_t i = 0; i < detection.object.size(); ++i) {
-    if (!detection.dynamic(i)) continue;
-    const std::size_t number = detection.object[i];
-    if (number >= members.size()) members.resize(number + 1);
-    members[number].push_back(static_cast<std::int32_t>(i));
-  }
+  const Members members(detection);
   ViewBuilder builder(detection, trajectory);
+  std::vector<Neighbour> asked;
   std::vector<ObjectView> out;
-  for (std::size_t number = 0; number < members.size(); ++number) {
-    if (members[number].empty()) continue;
-    out.push_back(builder.view(static_cast<std::uint16_t>(number), members[number]));
-    const TrajectoryState state = trajectory.at(out.back().time);
-    out.back().sight.emplace(detection.scan, state, out.back().time);
-    add_surface(state.T_v0.inverse().translation(), out.back());
+  out.reserve(members.numbers());
+  for (std::size_t number = 0; number < members.numbers(); ++number) {
+    if (members.of(number).empty()) continue;
+    ObjectView& view = out.emplace_back(builder.view(static_cast<std::uint16_t>(number), members.of(number)));
+    const TrajectoryState state = trajectory.at(view.time);
+    view.sight.emplace(detection.scan, state, view.time);
+    add_surface(state.T_v0.inverse().translation(), asked, view);
   }
   return out;
 }

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -29,8 +32,10 @@ struct EdgeSample {
   double t_s = 0;
   Eigen::Vector3d across_0;
   double std_m = 0;
-  std::uint8_t side = 0;  ///< which way the neighbour lies in the image: edges of different sides never meet
 };
+
+/// Which way the next ray lies in the image: a column before, after, a row below, above.
+inline constexpr std::size_t kImageSides = 4;
 
 /// One object of one scan, in the world.
 struct ObjectView {
@@ -41,11 +46,17 @@ struct ObjectView {
   Eigen::Vector3d mean_0 = Eigen::Vector3d::Zero();
   Eigen::AlignedBox3d seen_box;        ///< about points_0
   std::vector<SurfaceSample> surface;  ///< at most kMostSurfaceSamples
-  std::vector<EdgeSample> edges;       ///< at most kMostEdgeSamples
-  double edge_share = 0;               ///< of its outline in the image
-  double patch_m = 0;                  ///< radius of the neighbourhoods
-  std::optional<SightLines> sight;     ///< of its scan, about `time`
+  std::vector<EdgeSample> edges;       ///< at most kMostEdgeSamples, those of a side together
+  std::array<std::size_t, kImageSides + 1> edges_begin{};  ///< of each side among them, and the end
+  double edge_share = 0;                                   ///< of its outline in the image
+  double patch_m = 0;                                      ///< radius of the neighbourhoods
+  std::optional<SightLines> sight;                         ///< of its scan, about `time`
 
+  /// Those of one side: edges of different sides never meet.
+  [[nodiscard]] std::span<const EdgeSample> edges_of(std::size_t side) const {
+    return {edges.begin() + static_cast<std::ptrdiff_t>(edges_begin[side]),
+            edges_begin[side + 1] - edges_begin[side]};
+  }
   /// The box about its points, moved with `velocity_0` to `time`.
   [[nodiscard]] Eigen::AlignedBox3d box(const Eigen::Vector3d& velocity_0) const;
 };

@@ -1,32 +1,35 @@
 #include "detection/sorted_points.hpp"
 
 #include <algorithm>
-#include <utility>
 
 #include <Eigen/Geometry>
 
 namespace mapless {
 
-SortedPoints::SortedPoints(std::vector<Eigen::Vector3d> points) {
+void SortedPoints::assign(std::span<const Eigen::Vector3d> points) {
+  entries_.clear();
   Eigen::AlignedBox3d box;
-  for (const Eigen::Vector3d& p : points) box.extend(p);
+  for (const Eigen::Vector3d& p : points) {
+    box.extend(p);
+    entries_.push_back({p, entries_.size()});
+  }
   if (!box.isEmpty()) box.sizes().maxCoeff(&axis_);
-  std::vector<std::pair<double, std::size_t>> order;
-  order.reserve(points.size());
-  for (std::size_t i = 0; i < points.size(); ++i) order.emplace_back(points[i][axis_], i);
-  std::sort(order.begin(), order.end());
-  entries_.reserve(points.size());
-  for (const auto& [along, index] : order) entries_.push_back({points[index], index});
+  std::sort(entries_.begin(), entries_.end(),
+            [this](const Entry& a, const Entry& b) { return a.point[axis_] < b.point[axis_]; });
 }
 
 SortedPoints::Nearest SortedPoints::nearest(const Eigen::Vector3d& p) const {
   Nearest out;
-  // False where this one, and all beyond it, are farther than the nearest so far.
+  // False where this one, and all beyond it, are farther than the nearest two so far.
   const auto look = [&](const Entry& entry) {
     const double along = entry.point[axis_] - p[axis_];
-    if (along * along > out.square) return false;
+    if (along * along > out.others_square) return false;
     const double square = (entry.point - p).squaredNorm();
-    if (square < out.square || (square == out.square && entry.index < out.index)) out = {entry.index, square};
+    if (square < out.square || (square == out.square && entry.index < out.index)) {
+      out = {entry.index, square, out.square};
+    } else {
+      out.others_square = std::min(out.others_square, square);
+    }
     return true;
   };
   const auto middle = std::partition_point(entries_.begin(), entries_.end(),

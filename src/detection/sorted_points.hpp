@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -12,11 +13,13 @@ namespace mapless {
 /// make and to ask than a tree.
 class SortedPoints {
  public:
-  explicit SortedPoints(std::vector<Eigen::Vector3d> points);
+  /// In place of those before, whose memory is used again.
+  void assign(std::span<const Eigen::Vector3d> points);
 
   struct Nearest {
     std::size_t index = 0;  ///< in the order given
     double square = std::numeric_limits<double>::infinity();
+    double others_square = std::numeric_limits<double>::infinity();  ///< of the nearest of the others
   };
   /// Of those nearest to `p`, the lowest index; infinitely far without points.
   [[nodiscard]] Nearest nearest(const Eigen::Vector3d& p) const;

@@ -1,12 +1,11 @@
 #include <algorithm>
-#include <cmath>
-#include <numeric>
 #include <span>
 
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/parallel_for.h>
 
 #include "detection/linked_neighbours.hpp"
+#include "detection/object_evidence.hpp"
 #include "detection/object_number.hpp"
 #include "detection/sliding_sides.hpp"
 #include <mapless/detection/vote_growth.hpp>
@@ -202,33 +201,10 @@ class VoteGrowth {
 
   void weigh_objects() {
     result_.objects = static_cast<int>(ends_.size());
+    EvidenceOfObjects evidence(scan_, points_, votes_, parameters_.min_evidence);
     for (std::size_t n = 0; n < ends_.size(); ++n) {
-      result_.evidence.push_back({static_cast<float>(advance_m(object(n))), votes_of(object(n))});
+      result_.evidence.push_back(evidence.of(object(n)));
     }
-  }
-
-  // About how far an object went since the scans of a moment ago: what goes on by a part of its
-  // length uncovers such a part of its points.
-  [[nodiscard]] double advance_m(std::span<const std::int32_t> object) const {
-    Eigen::Vector3f centre = Eigen::Vector3f::Zero();
-    std::size_t recent = 0;
-    for (const std::int32_t j : object) {
-      centre += points_.points[static_cast<std::size_t>(j)];
-      recent += votes_[static_cast<std::size_t>(j)].recently ? 1 : 0;
-    }
-    const auto count = static_cast<float>(object.size());
-    centre /= count;
-    float radius2 = 0;
-    for (const std::int32_t j : object) {
-      radius2 = std::max(radius2, (points_.points[static_cast<std::size_t>(j)] - centre).squaredNorm());
-    }
-    return 2 * std::sqrt(radius2) * static_cast<float>(recent) / count;
-  }
-
-  [[nodiscard]] int votes_of(std::span<const std::int32_t> object) const {
-    return std::accumulate(object.begin(), object.end(), 0, [&](int sum, std::int32_t j) {
-      return sum + votes_[static_cast<std::size_t>(j)].total();
-    });
   }
 
   const LidarScan& scan_;

@@ -1,8 +1,10 @@
 #include "detection/witnesses.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <limits>
+#include <span>
 
 namespace mapless {
 namespace {
@@ -13,15 +15,26 @@ constexpr std::size_t kAtOnce = FreespaceProbe::kAtOnce;
 // 12 and 4 back.
 constexpr int kEnough = 9;
 
-// The farthest first, and every third: those tell of seconds ago and of a moment ago. Where all of them saw a
-// surface the others need not be asked.
+// Two standard deviations of the difference between two ranges with 0.02 m of noise.
+constexpr float kSurfaceNoise_m = 0.06F;
+
+// What stood for so many scans stands: those before are asked where that is not settled. A sensor that moves
+// has rarely seen a place then.
+constexpr int kLongAgo = 32;
+
+// The farthest of no longer ago first, and every third: those tell of seconds ago and of a moment ago. Where
+// all of them saw a surface the others need not be asked.
 std::vector<AskedScan> in_order(std::vector<AskedScan> asked) {
   std::stable_sort(asked.begin(), asked.end(),
                    [](const AskedScan& a, const AskedScan& b) { return std::abs(a.gap) > std::abs(b.gap); });
+  const auto lately =
+      std::stable_partition(asked.begin(), asked.end(), [](const AskedScan& a) { return a.gap > kLongAgo; });
+  const std::span recent(lately, asked.end());
   std::vector<AskedScan> ordered;
   for (std::size_t first = 0; first < 3; ++first) {
-    for (std::size_t k = first; k < asked.size(); k += 3) ordered.push_back(asked[k]);
+    for (std::size_t k = first; k < recent.size(); k += 3) ordered.push_back(recent[k]);
   }
+  ordered.insert(ordered.end(), asked.begin(), lately);
   return ordered;
 }
 
@@ -126,6 +139,7 @@ void Witnesses::hear(const Witness& witness, const FreespaceProbe::Answer& answe
     votes.moving_seen = votes.moving_seen || (moved && witness.recent);
     votes.surface_seen = true;
     question.seen_next = question.seen_next || witness.later;
+    if (witness.later) question.next_off_m = std::abs(answer.short_by_m);
   } else if (answer.verdict == FreespaceVerdict::outside && answer.short_by_m <= vacated_m_ &&
              witness.probe.ended(answer)) {
     const Eigen::Vector3f place = witness.probe.endpoint(answer.laser, answer.column);
@@ -168,12 +182,15 @@ void Witnesses::count_leavers(Hearing& hearing) const {
 }
 
 // Whether the point may be of what left: that goes on, and where it clearly does the later scan finds no
-// surface at the point.
+// surface at the point, or finds it farther off by much of what it went.
 bool Witnesses::goes_on(const Hearing::Leaver& leaver) const {
   if (leaver.witness->later || !leaver.question->seen_next) return true;
   const LidarReturn& r = scan_.returns[leaver.question->i];
   const float advance_m = leaver.distance_m / static_cast<float>(leaver.witness->scans_off);
-  return advance_m <= kClearlyGone * own_.tolerance_m(r.laser, r.range_m);
+  // The first of the two where the second is not a number: that surface was beside the firing.
+  const float at_rest_m = std::min(kClearlyGone * own_.tolerance_m(r.laser, r.range_m),
+                                   kSurfaceNoise_m + kClearlyGone * leaver.question->next_off_m);
+  return advance_m <= at_rest_m;
 }
 
 }  // namespace mapless

@@ -33,6 +33,7 @@ class Witnesses {
       Eigen::Vector3f q;  // its point
       PointVotes votes;
       bool seen_next = false;   // as a surface, by the later scan
+      float next_off_m = 0;     // along the ray, from the point to that surface; NaN: beside it
       bool hider_left = false;  // of some scan
     };
     std::vector<Question> questions;

@@ -92,6 +92,32 @@ TEST(NextState, WhatMovesNeedsNoMoreVotes) {
   EXPECT_TRUE(next(moving(), object(kFast_mps, kWell_mps), kAdvance_m, 0).moves);
 }
 
+// 1 m/s is twice what is known well: it begins with twice the votes, and goes on with the once, half of them.
+TEST(NextState, TheWorseItsVelocityIsKnownTheMoreVotesAnObjectNeeds) {
+  TrackedObject o = object(5, 1);
+  o.age = 3;
+  MotionState known = standing();
+  known.velocity_known = true;
+  known.age = 2;
+  EXPECT_FALSE(next(known, o, kAdvance_m, 2 * kVotes - 1).moves);
+  EXPECT_TRUE(next(known, o, kAdvance_m, 2 * kVotes).moves);
+  known.moves = true;
+  EXPECT_FALSE(next(known, o, kAdvance_m, kVotes - 1).moves);
+  EXPECT_TRUE(next(known, o, kAdvance_m, kVotes).moves);
+}
+
+// Known to 0.5 m/s it needs none to go on; and in its second scan nothing can be known well yet.
+TEST(NextState, WhatIsKnownWellOrNewNeedsNoMoreVotes) {
+  MotionState known = moving();
+  known.velocity_known = true;
+  known.age = 2;
+  TrackedObject o = object(5, 0.5);
+  o.age = 3;
+  EXPECT_TRUE(next(known, o, kAdvance_m, 0).moves);
+  EXPECT_TRUE(next(moving(), object(5, 1), kAdvance_m, 0).moves);
+  EXPECT_TRUE(next(standing(), object(5, 1), kAdvance_m, kVotes).moves);
+}
+
 // In its second scan it may; once it was known, it may go on unknown.
 TEST(NextState, AnObjectWhoseVelocityIsNeverKnownStandsFromItsThirdScanOn) {
   TrackedObject o = object(0, kBadly_mps);
@@ -100,7 +126,7 @@ TEST(NextState, AnObjectWhoseVelocityIsNeverKnownStandsFromItsThirdScanOn) {
   o.age = 3;
   EXPECT_FALSE(next(second, o, kAdvance_m).moves);
   const MotionState known = next(second, object(kFast_mps, kWell_mps), kAdvance_m);
-  EXPECT_TRUE(next(known, o, kAdvance_m).moves);
+  EXPECT_TRUE(next(known, o, kAdvance_m, 10 * kVotes).moves);  // 10 m/s: as many as are needed then
 }
 
 TEST(NextState, ASpeedOfANewObjectSaysNothing) {

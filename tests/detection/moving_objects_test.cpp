@@ -79,9 +79,9 @@ TEST(MovingObjects, WhatWasAbsentForMoreThanASecondIsNew) {
   for (const int again : {11, 13}) {
     SCOPED_TRACE(again);
     MovingObjects moving{DetectorParameters{}};
-    const auto objects = [&](int k) { return moving.judge(propose(scene, k, kAdvance_m, 120)).objects; };
-    EXPECT_EQ(objects(0), 0);  // 120 votes of 160
-    EXPECT_EQ(objects(1), 1);  // 180
+    const auto objects = [&](int k) { return moving.judge(propose(scene, k, kAdvance_m, 75)).objects; };
+    EXPECT_EQ(objects(0), 0);  // 75 votes of 100
+    EXPECT_EQ(objects(1), 1);  // 112
     EXPECT_EQ(objects(again), again == 11 ? 1 : 0);
     EXPECT_EQ(objects(again + 1), 1);
   }

@@ -207,6 +207,36 @@ TEST_F(VoteImage, EveryObjectHasItsOwnAdvance) {
   EXPECT_GT(grow().evidence.at(0).advance_m, 0);
 }
 
+// Half of the second's: of two rows 40 and 20 votes, together 30 where surfaces were seen at all of them.
+TEST_F(VoteImage, WhereASurfaceWasSeenVotesCountHalf) {
+  parameters_.grow = false;
+  for (int c = 2; c < 6; ++c) set(0, c, 10);
+  for (int c = 2; c < 6; ++c) set(1, c, 5);
+  const auto seen = [&](bool below, bool above) {
+    for (int c = 2; c < 6; ++c) {
+      votes_[at(0, c)].surface_seen = below;
+      votes_[at(1, c)].surface_seen = above;
+    }
+    return grow().evidence.at(0).votes;
+  };
+  EXPECT_EQ(seen(false, false), 60);
+  EXPECT_EQ(seen(true, false), 40);
+  EXPECT_EQ(seen(false, true), 50);
+  EXPECT_EQ(seen(true, true), 30);
+}
+
+// A row of 40 votes counts 25, or half of that, the one of 20 as it is: one laser alone may be wrong.
+TEST_F(VoteImage, OneRowCountsNoMoreThanBeginsAnObject) {
+  parameters_.grow = false;
+  parameters_.min_evidence = 25;
+  for (int c = 2; c < 6; ++c) set(0, c, 10);
+  for (int c = 2; c < 6; ++c) set(1, c, 5);
+  for (int c = 2; c < 6; ++c) votes_[at(0, c)].surface_seen = votes_[at(1, c)].surface_seen = false;
+  EXPECT_EQ(grow().evidence.at(0).votes, 45);
+  for (int c = 2; c < 6; ++c) votes_[at(0, c)].surface_seen = true;
+  EXPECT_EQ(grow().evidence.at(0).votes, 33);  // 32.5
+}
+
 TEST_F(VoteImage, SumsTheVotesOfEveryObject) {
   parameters_.grow = false;  // which would add points
   for (int c : {2, 3, 4}) set(0, c, 3);

@@ -188,6 +188,23 @@ double VoteGrowthOracle::advance_m(const std::vector<PointVotes>& votes,
   return 2 * radius * recent / count;
 }
 
+// Half of every vote at a place where a surface was seen, each row scaled down to the most it may count.
+int VoteGrowthOracle::weighed_votes(const std::vector<PointVotes>& votes,
+                                    const std::vector<std::size_t>& object) const {
+  std::map<int, std::pair<double, double>> rows;  // votes of each, as they are and weighed
+  for (const std::size_t i : object) {
+    auto& [all, weighed] = rows[scan_.returns[i].laser];
+    all += votes[i].total();
+    weighed += votes[i].surface_seen ? 0.5 * votes[i].total() : votes[i].total();
+  }
+  double sum = 0;
+  for (const auto& [row, of_row] : rows) {
+    const auto& [all, weighed] = of_row;
+    sum += all > parameters_.min_evidence ? weighed / all * parameters_.min_evidence : weighed;
+  }
+  return static_cast<int>(std::lround(sum));
+}
+
 void VoteGrowthOracle::number(const std::vector<PointVotes>& votes, const std::vector<char>& dynamic,
                               RegionGrowthResult& result) const {
   const std::vector<std::size_t> objects = sets(dynamic);
@@ -202,9 +219,8 @@ void VoteGrowthOracle::number(const std::vector<PointVotes>& votes, const std::v
     auto& number = numbers[object];
     if (number == 0) {
       number = static_cast<std::uint16_t>(++result.objects);
-      int sum = 0;
-      for (const std::size_t member : members[object]) sum += votes[member].total();
-      result.evidence.push_back({static_cast<float>(advance_m(votes, members[object])), sum});
+      result.evidence.push_back(
+          {static_cast<float>(advance_m(votes, members[object])), weighed_votes(votes, members[object])});
     }
     result.object[i] = number;
   }

@@ -38,6 +38,8 @@ class VoteGrowthOracle {
   /// Diameter about the centroid, times the share of points seen through lately [m].
   [[nodiscard]] double advance_m(const std::vector<PointVotes>& votes,
                                  const std::vector<std::size_t>& object) const;
+  [[nodiscard]] int weighed_votes(const std::vector<PointVotes>& votes,
+                                  const std::vector<std::size_t>& object) const;
   [[nodiscard]] bool linked(std::size_t i, std::size_t j, int rows, int columns) const;
   [[nodiscard]] double link_m(const LidarReturn& r) const;
   [[nodiscard]] int image_column(const LidarReturn& r) const;

@@ -30,7 +30,8 @@ struct AskedScan {
 /// - Something hid the place that has left its own since, as the scan asked about shows, and that was no
 ///   farther off than VotingParameters::vacated_m: kVacatedVotes. It is the thing itself, moving away. But
 ///   not where the later scan sees a surface at the point that would have gone on by more than kClearlyGone
-///   tolerances by then, by how far the hider had been off: such a point was uncovered.
+///   tolerances by then, by how far the hider had been off, or by clearly more than that surface is off the
+///   point: such a point was uncovered.
 /// - Else it could not see: none.
 inline constexpr int kSeenThroughVotes = 4;
 inline constexpr int kSeenPastVotes = 2;

@@ -135,7 +135,7 @@ constexpr std::span<const std::string_view> choice_names(DetectionMethod) { retu
 
 /// Method "voting": every point is put to several earlier scans and a later one.
 struct VotingParameters {
-  int references = 10;
+  int references = 12;
   int first_gap = 1;
   double tolerance_m = 0.08;
   double tolerance_spacings = 0.4;
@@ -146,12 +146,12 @@ struct VotingParameters {
   double link_per_m = 0.015;
   double link_spacings = 1.5;
   double vacated_m = 2.0;
-  int seed_score = 40;
-  int min_seeds = 4;
+  int seed_score = 32;
+  int min_seeds = 2;
   bool grow = true;
   double min_advance_m = 0.03;
   double min_speed_mps = 0.2;
-  int min_evidence = 160;
+  int min_evidence = 100;
 
   static constexpr auto declarations() {
     using P = VotingParameters;
@@ -205,10 +205,13 @@ struct VotingParameters {
             "docs/method.md"),
         declare(&P::min_speed_mps, "min_speed_mps", "m/s", 0.0, 100.0,
                 "an object that is followed and slower than this stands", "docs/method.md"),
-        declare(&P::min_evidence, "min_evidence", "votes", 0, 100000,
-                "an object begins to move when the votes of its points, summed, with those of its earlier "
-                "scans, which count half for every scan they are back, are this many",
-                "docs/method.md"),
+        declare(
+            &P::min_evidence, "min_evidence", "votes", 0, 100000,
+            "an object begins to move when the votes of its points (half where some scan saw a surface; of "
+            "one row no more than this), with those of its earlier scans, which count half for every scan "
+            "they are back, are this many; from its third scan on more, by as much as the standard deviation "
+            "of its velocity is above 0.5 m/s",
+            "docs/method.md"),
     };
   }
 };

@@ -12,7 +12,8 @@ namespace mapless {
 /// What rays tell of the whole of an object, of method "voting".
 struct ObjectEvidence {
   float advance_m = 0;  ///< about how far it went since the scans of a moment ago
-  int votes = 0;        ///< of its points, summed (PointVotes::total)
+  int votes = 0;        ///< of its points (PointVotes::total): half where a surface was seen, of one row at
+                        ///< most VotingParameters::min_evidence
 };
 
 struct RegionGrowthResult {
