@@ -13,6 +13,7 @@
 #include "parameter_options.hpp"
 #include "recording_options.hpp"
 #include "run_summary.hpp"
+#include "say.hpp"
 #include "verbs.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/io/atomic_file.hpp>
@@ -51,29 +52,27 @@ std::size_t selected_count(const DetectOptions& options, const Dataset& dataset)
 }
 
 void announce(const Dataset& dataset, const MotionSource& motion) {
-  fmt::print(stderr, "mapless: format {}, sensor {}, {} scans\n", dataset.format(), dataset.model()->name,
-             dataset.size());
-  for (const std::string& note : dataset.notes()) fmt::print(stderr, "mapless: {}\n", note);
+  say("mapless: format {}, sensor {}, {} scans\n", dataset.format(), dataset.model()->name, dataset.size());
+  for (const std::string& note : dataset.notes()) say("mapless: {}\n", note);
   if (motion.estimated()) {
-    fmt::print(stderr, "mapless: trajectory: estimated by lidar odometry\n");
+    say("mapless: trajectory: estimated by lidar odometry\n");
     return;
   }
   std::string line;
   for (const auto& [name, value] : motion.source().conventions) {
     line += fmt::format("{}{} {}", line.empty() ? "" : ", ", name, value);
   }
-  fmt::print(stderr, "mapless: trajectory: {}\n", line);
+  say("mapless: trajectory: {}\n", line);
 }
 
 int report(const DetectOptions& options, const RunSummary& summary, bool complete) {
   if (!complete && summary.scans() == 0) {
-    fmt::print(stderr, "mapless: interrupted before the first scan was finished; nothing is written\n");
+    say("mapless: interrupted before the first scan was finished; nothing is written\n");
     return InterruptGuard::exit_code();
   }
   if (!complete) {
-    fmt::print(stderr,
-               "mapless: interrupted after {} finished scans; they are valid, the summary says incomplete\n",
-               summary.scans());
+    say("mapless: interrupted after {} finished scans; they are valid, the summary says incomplete\n",
+        summary.scans());
     return InterruptGuard::exit_code();
   }
   if (options.json) {
@@ -114,9 +113,10 @@ int detect(const DetectOptions& options) {
   const auto dataset = options.recording.open();
   const std::size_t count = selected_count(options, *dataset);
   require_time_order(*dataset, options.first, count);
-  MotionSource motion = options.odometry ? MotionSource::odometry(options.parameters.odometry())
-                                         : MotionSource(*dataset, options.trajectory, options.first,
-                                                        options.parameters.odometry());
+  MotionSource motion =
+      options.odometry
+          ? MotionSource::odometry(*dataset, options.first, options.parameters.odometry())
+          : MotionSource(*dataset, options.trajectory, options.first, options.parameters.odometry());
   announce(*dataset, motion);
   if (!motion.estimated()) require_coverage(*dataset, motion.trajectory(), options.first, count);
 
@@ -134,10 +134,9 @@ int detect(const DetectOptions& options) {
   DetectionRun run(*dataset, motion, result, parameters, summary, {options.first, count},
                    options.threads != 1, std::move(pace), make_folder);
   const bool complete = run_to_the_end(run, summary);
-  if (const std::string trouble = motion.trouble(); !trouble.empty())
-    fmt::print(stderr, "mapless: {}\n", trouble);
+  if (const std::string trouble = motion.trouble(); !trouble.empty()) say("mapless: {}\n", trouble);
   if (const std::string trouble = summary.input_output_trouble(); !trouble.empty())
-    fmt::print(stderr, "mapless: {}\n", trouble);
+    say("mapless: {}\n", trouble);
   return report(options, summary, complete);
 }
 

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include <mapless/core/errors.hpp>
+
 namespace mapless::app {
 namespace {
 
@@ -28,7 +30,13 @@ MotionSource::MotionSource(const Dataset& dataset, const TrajectoryRequest& requ
   }
 }
 
-MotionSource MotionSource::odometry(const OdometryParameters& parameters) {
+MotionSource MotionSource::odometry(const Dataset& dataset, std::size_t first,
+                                    const OdometryParameters& parameters) {
+  if (dataset.read(first).compensated_to) {
+    throw InputError({dataset.scan_file(first).string(), "points", "", "compensated for motion already",
+                      "odometry needs them as measured: use the poses they were compensated with, the "
+                      "recording's own or those of mapless detect --trajectory FILE"});
+  }
   MotionSource out;
   out.use_odometry(parameters);
   return out;

@@ -32,9 +32,10 @@ class MotionSource {
   MotionSource(const Dataset& dataset, const TrajectoryRequest& request, std::size_t first,
                const OdometryParameters& parameters = {});
 
-  /// Lidar odometry whatever the recording brings. Throws InputError for a compensated recording when its
-  /// first scan is added.
-  [[nodiscard]] static MotionSource odometry(const OdometryParameters& parameters = {});
+  /// Lidar odometry whatever the recording brings, from scan `first` on. Throws InputError where that is
+  /// motion-compensated.
+  [[nodiscard]] static MotionSource odometry(const Dataset& dataset, std::size_t first = 0,
+                                             const OdometryParameters& parameters = {});
 
   [[nodiscard]] bool estimated() const { return odometry_.has_value(); }
   /// Covers every scan that `add` or `flush` has returned.

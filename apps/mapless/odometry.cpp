@@ -1,4 +1,6 @@
+#include <cerrno>
 #include <chrono>
+#include <cstring>
 #include <ctime>
 #include <filesystem>
 #include <memory>
@@ -11,25 +13,31 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <tbb/global_control.h>
+#include <unistd.h>
 
+#include "interrupt.hpp"
 #include "json_text.hpp"
 #include "motion_source.hpp"
 #include "parameter_options.hpp"
 #include "progress.hpp"
 #include "recording_options.hpp"
+#include "say.hpp"
 #include "scan_poses.hpp"
 #include "verbs.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/evaluation/quantile.hpp>
+#include <mapless/io/result_folder.hpp>
 #include <mapless/io/trajectory_file.hpp>
 
 namespace mapless::app {
 namespace {
 
+namespace fs = std::filesystem;
+
 struct OdometryOptions {
   RecordingOptions recording;
   ParameterOptions parameters;
-  std::filesystem::path output;
+  fs::path output;
   std::string instant = "start";
   int poses_per_scan = 1;
   std::optional<std::size_t> threads;
@@ -37,18 +45,51 @@ struct OdometryOptions {
   bool json = false;
 };
 
-struct OutputFiles {
-  std::filesystem::path kitti, tum;
+class OutputFiles {
+ public:
+  explicit OutputFiles(fs::path folder)
+      : folder_(std::move(folder)), kitti_(folder_ / "poses_kitti.txt"), tum_(folder_ / "trajectory.txt") {}
 
-  explicit OutputFiles(const std::filesystem::path& folder)
-      : kitti(folder / "poses_kitti.txt"), tum(folder / "trajectory.txt") {}
-
-  void require_free() const {
-    for (const auto& file : {kitti, tum}) {
-      if (!std::filesystem::exists(file)) continue;
-      throw OutputError({file.string(), "", "", "is there already", "choose another folder, or --overwrite"});
+  // Before hours of work, not after them.
+  void require_free(bool overwrite) const {
+    require_writable();
+    if (overwrite) return require_own();
+    for (const fs::path& file : {kitti_, tum_}) {
+      if (fs::exists(file)) refuse(file, "is there already", "choose another folder, or --overwrite");
     }
   }
+  void write(const std::vector<TimedPose>& at_instants, const std::vector<TimedPose>& rows) const {
+    std::error_code error;
+    fs::create_directories(folder_, error);
+    if (error) refuse(folder_, "cannot be made: " + error.message(), "choose a folder you may write to");
+    write_kitti_poses(kitti_, at_instants);
+    write_tum_trajectory(tum_, rows);
+  }
+
+ private:
+  [[noreturn]] static void refuse(const fs::path& path, const std::string& problem,
+                                  const std::string& remedy) {
+    throw OutputError({path.string(), "", "", problem, remedy});
+  }
+
+  // A trajectory.txt alone is a recording's own, and with a summary it is of a detection.
+  void require_own() const {
+    const bool alone = fs::exists(tum_) && !fs::exists(kitti_);
+    if (!alone && !fs::exists(ResultFolder(folder_).summary())) return;
+    refuse(tum_, "is not of an earlier mapless odometry: it is not overwritten", "choose another folder");
+  }
+
+  // Of a folder that is still to be made, the nearest one there is.
+  void require_writable() const {
+    fs::path nearest = fs::absolute(folder_);
+    while (!fs::exists(nearest) && nearest.has_relative_path()) nearest = nearest.parent_path();
+    if (!fs::is_directory(nearest)) refuse(nearest, "is not a folder", "choose another folder");
+    if (access(nearest.c_str(), W_OK | X_OK) == 0) return;
+    refuse(nearest, std::string("cannot be written into: ") + std::strerror(errno),
+           "choose a folder you may write to");
+  }
+
+  fs::path folder_, kitti_, tum_;
 };
 
 Time instant_of(const LidarScan& scan, const std::string& instant) {
@@ -65,12 +106,14 @@ struct Estimate {
   std::vector<double> scan_cpu_ms;     ///< the same in time of the process's threads
 };
 
-// The motion as it is known in the end.
-Estimate estimate(const Dataset& dataset, const OdometryOptions& options, MotionSource& motion) {
+// The motion as it is known in the end; nothing where interrupted.
+std::optional<Estimate> estimate(const Dataset& dataset, const OdometryOptions& options,
+                                 MotionSource& motion) {
   Progress progress("scans");
   Estimate out;
   std::vector<std::pair<Time, Duration>> scans;  // instant and length
   for (std::size_t k = 0; k < dataset.size(); ++k) {
+    if (InterruptGuard::requested()) return std::nullopt;
     const auto scan = std::make_shared<const LidarScan>(dataset.read(k));
     scans.emplace_back(instant_of(*scan, options.instant), scan->end() - scan->start);
     const auto begin = std::chrono::steady_clock::now();
@@ -111,15 +154,19 @@ int odometry(const OdometryOptions& options) {
   std::optional<tbb::global_control> threads;
   if (options.threads) threads.emplace(tbb::global_control::max_allowed_parallelism, *options.threads);
   const OutputFiles files(options.output);
-  if (!options.overwrite) files.require_free();
+  files.require_free(options.overwrite);
   const auto dataset = options.recording.open();
-  MotionSource motion = MotionSource::odometry(options.parameters.odometry());
-  const Estimate found = estimate(*dataset, options, motion);
+  MotionSource motion = MotionSource::odometry(*dataset, 0, options.parameters.odometry());
+  const InterruptGuard interrupt;
+  const std::optional<Estimate> done = estimate(*dataset, options, motion);
+  if (!done) {
+    say("mapless: interrupted; nothing is written\n");
+    return InterruptGuard::exit_code();
+  }
+  const Estimate& found = *done;
   const std::string trouble = motion.trouble();
-  if (!trouble.empty()) fmt::print(stderr, "mapless: {}\n", trouble);
-  std::filesystem::create_directories(options.output);
-  write_kitti_poses(files.kitti, found.at_instants);
-  write_tum_trajectory(files.tum, found.rows);
+  if (!trouble.empty()) say("mapless: {}\n", trouble);
+  files.write(found.at_instants, found.rows);
   if (options.json) {
     fmt::print("{}", summary_json(options, found, trouble));
     return 0;
@@ -152,7 +199,7 @@ void add_odometry(CLI::App& app, int& exit_code) {
   verb->add_option("--threads", options->threads,
                    "threads used (all cores where not given); the result is the same")
       ->check(CLI::Range(1, 1024));
-  verb->add_flag("--overwrite", options->overwrite, "replace the poses of that folder");
+  verb->add_flag("--overwrite", options->overwrite, "replace the poses of an earlier run in that folder");
   verb->add_flag("--json", options->json, "print a summary with the time per scan as JSON");
   verb->callback([options, &exit_code] { exit_code = odometry(*options); });
 }

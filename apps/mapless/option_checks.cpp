@@ -36,4 +36,13 @@ CLI::Validator positive_number() {
   return {check, "", "positive number"};
 }
 
+CLI::Validator number_between(double min, double max) {
+  const auto check = [min, max](const std::string& text) {
+    double number = 0;
+    const bool good = parse(text, number) && number >= min && number <= max;  // false for NaN
+    return good ? std::string() : fmt::format("{}: not a number from {} to {}", text, min, max);
+  };
+  return {check, fmt::format("FLOAT in [{} - {}]", min, max), "number between"};
+}
+
 }  // namespace mapless::app

@@ -11,5 +11,7 @@ namespace mapless::app {
 [[nodiscard]] CLI::Validator whole_number(unsigned long long min);
 /// A finite number greater than 0.
 [[nodiscard]] CLI::Validator positive_number();
+/// A number from `min` to `max`.
+[[nodiscard]] CLI::Validator number_between(double min, double max);
 
 }  // namespace mapless::app

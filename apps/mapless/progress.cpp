@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "say.hpp"
+
 namespace mapless::app {
 namespace {
 
@@ -33,14 +35,14 @@ void Progress::update(std::size_t done, std::size_t total) {
     drawn_ = true;
   } else if (const std::size_t tenth = 10 * done / total; last_done_ == 0 || tenth > last_tenth_) {
     last_tenth_ = tenth;
-    fmt::print(stderr, "mapless: {} of {} {} ({} %), {:.1f} {}/s\n", done, total, what_, 100 * done / total,
-               rate(done), what_);
+    say("mapless: {} of {} {} ({} %), {:.1f} {}/s\n", done, total, what_, 100 * done / total, rate(done),
+        what_);
   }
   last_done_ = done;
 }
 
 void Progress::clear() {
-  if (drawn_) fmt::print(stderr, "\r\033[K");
+  if (drawn_) say("\r\033[K");
   drawn_ = false;
 }
 
@@ -52,8 +54,8 @@ double Progress::rate(std::size_t done) const {
 void Progress::draw_bar(std::size_t done, std::size_t total) const {
   const std::size_t filled = kBarWidth * done / total;
   const double left = rate(done) > 0 ? static_cast<double>(total - done) / rate(done) : 0;
-  fmt::print(stderr, "\r\033[K[{:#<{}}{:.<{}}] {}/{} {}  {:.1f}/s  {} left", "", filled, "",
-             kBarWidth - filled, done, total, what_, rate(done), clock_text(left));
+  say("\r\033[K[{:#<{}}{:.<{}}] {}/{} {}  {:.1f}/s  {} left", "", filled, "", kBarWidth - filled, done, total,
+      what_, rate(done), clock_text(left));
   std::fflush(stderr);
 }
 

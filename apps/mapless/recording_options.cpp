@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "option_checks.hpp"
 #include <mapless/lidar/lidar_model.hpp>
 
 namespace mapless::app {
@@ -55,7 +56,7 @@ void add_reading_options(CLI::App& verb, const std::string& prefix, const std::s
           "constant velocity (where not given: 0 for TUM rows; for one row per scan, to the "
           "begin of the first and the end of the last scan)")
       ->group(group)
-      ->check(CLI::Range(0.0, 3600.0))
+      ->check(number_between(0, 3600))
       ->needs(file);
 }
 
@@ -71,8 +72,8 @@ void add_recording_options(CLI::App& verb, RecordingOptions& options) {
       ->check(CLI::IsMember(dataset_formats()));
   verb.add_option(
       "--sensor", options.dataset.sensor,
-      fmt::format("geometry of the sensor: {}, or a calibration file (the recording's own, or estimated "
-                  "from its points, where not given)",
+      fmt::format("geometry of the sensor: {}, or a calibration file: Velodyne's YAML or a sensor.yaml (the "
+                  "recording's own, or estimated from its points, where not given)",
                   fmt::join(named_models(), ", ")));
   add_path(verb, "--labels", options.dataset.labels, "folder of true labels, instead of the recording's own");
   add_choice(

@@ -122,7 +122,7 @@ void add_render(CLI::App& app, int& exit_code) {
       ->capture_default_str();
   verb->add_option("--extent-m", options->drawing.extent_m,
                    "from the sensor to the left and right edge of the bird's-eye view [m]")
-      ->check(CLI::Range(1.0, 1000.0))
+      ->check(number_between(1, 1000))
       ->capture_default_str();
   verb->add_option(
           "--around", options->around,

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -9,7 +10,9 @@
 #include <tbb/global_control.h>
 
 #include "interrupt.hpp"
+#include "option_checks.hpp"
 #include "progress.hpp"
+#include "say.hpp"
 #include "verbs.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/core/timed.hpp>
@@ -93,7 +96,8 @@ int simulate(SimulateOptions options) {
   require_new(options.output);
   const auto model = std::make_shared<const LidarModel>(
       model_for_format(model_from_name_or_file(options.sensor), options.format));
-  const int count = static_cast<int>(std::floor(options.making.duration_s * model->rotation_rate_hz + 1e-6));
+  const double turns = std::floor(options.making.duration_s * model->rotation_rate_hz + 1e-6);
+  const int count = static_cast<int>(std::min(turns, 1e9));
   if (count < 1) {
     throw ParameterError({"--duration-s", "", fmt::format("{}", options.making.duration_s),
                           "shorter than one scan",
@@ -103,7 +107,7 @@ int simulate(SimulateOptions options) {
   options.sensing.seed = options.making.seed;
   options.sensing.faulty = options.faulty == "on";
 
-  fmt::print(stderr, "mapless: building {}\n", options.scene);
+  say("mapless: building {}\n", options.scene);
   const Scene scene = make_scene(options.scene, options.making);
   const auto writer = make_sequence_writer(options.format, options.output, model, scene);
   const auto trajectory =
@@ -117,8 +121,7 @@ int simulate(SimulateOptions options) {
   double seconds = 0;
   const int done = timed(seconds, [&] { return write_scans(sensor, *writer, room, count); });
   if (done < count) {
-    fmt::print(stderr, "mapless: interrupted after {} finished scans; they are a valid shorter sequence\n",
-               done);
+    say("mapless: interrupted after {} finished scans; they are a valid shorter sequence\n", done);
     return InterruptGuard::exit_code();
   }
   fmt::print("{} scans of {} ({}, {}), {:.1f} scans/s\nresult in {}\n", done, options.scene, model->name,
@@ -136,15 +139,18 @@ void add_simulate(CLI::App& app, int& exit_code) {
       ->required()
       ->check(CLI::IsMember(scene_names()));
   verb->add_option("-o,--output", options->output, "folder for the recording; must not exist")->required();
-  verb->add_option("--sensor", options->sensor, "a named model, or a calibration file")
+  verb->add_option("--sensor", options->sensor,
+                   "a named model, or a calibration file: Velodyne's YAML or a sensor.yaml")
       ->capture_default_str();
   verb->add_option("--duration-s", options->making.duration_s,
                    "how long [s]; the same seed for longer only goes on, at most 600")
+      ->check(positive_number())
       ->capture_default_str();
   verb->add_option("--seed", options->making.seed, "of the scene, the traffic and the noise")
+      ->check(whole_number(0))
       ->capture_default_str();
   verb->add_option("--range-noise-m", options->sensing.range_noise_m, "standard deviation of the ranges [m]")
-      ->check(CLI::Range(0.0, 1.0))
+      ->check(number_between(0, 1))
       ->capture_default_str();
   verb->add_option("--faulty", options->faulty, "whether glass, dark paint and far ground may give no return")
       ->check(CLI::IsMember({"on", "off"}))

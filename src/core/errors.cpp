@@ -1,7 +1,25 @@
+#include <cstddef>
+#include <utility>
+
 #include <mapless/core/errors.hpp>
 
 namespace mapless {
 namespace {
+
+constexpr std::size_t kLongestPart = 200;
+
+// Of a binary file read as text, the line may be all of it.
+std::string shortened(const std::string& part) {
+  return part.size() <= kLongestPart ? part : part.substr(0, kLongestPart) + "...";
+}
+
+// A zero would end the message, and an escape sequence be obeyed by the terminal.
+void make_printable(std::string& line) {
+  for (char& c : line) {
+    if (c == '\n' || c == '\r' || c == '\t') c = ' ';
+    if (static_cast<unsigned char>(c) < ' ' || c == '\x7f') c = '?';
+  }
+}
 
 std::string one_line(const ErrorDetail& detail) {
   std::string line;
@@ -11,13 +29,11 @@ std::string one_line(const ErrorDetail& detail) {
     line += part;
   };
   append("", detail.where);
-  append(": ", detail.field);
-  append(detail.field.empty() ? ": " : " = ", detail.value);
+  append(": ", shortened(detail.field));
+  append(detail.field.empty() ? ": " : " = ", shortened(detail.value));
   append(": ", detail.problem);
   append("; ", detail.remedy);
-  for (char& c : line) {
-    if (c == '\n' || c == '\r') c = ' ';
-  }
+  make_printable(line);
   return line;
 }
 

@@ -34,6 +34,10 @@ class FileDescriptor {
   int fd_;
 };
 
+// No file of a recording comes near, and what is piped in is smaller still; /dev/zero never ends.
+constexpr std::size_t kLargestFile = std::size_t{1} << 30;
+constexpr std::size_t kLargestStream = std::size_t{1} << 26;
+
 std::string system_reason() { return std::strerror(errno); }
 
 fs::path beside(const fs::path& file) {
@@ -113,6 +117,11 @@ std::string read_whole_file(const fs::path& file) {
   struct stat status {};
   if (fstat(in.get(), &status) != 0) refuse(system_reason());
   if (S_ISDIR(status.st_mode)) refuse("it is a folder");
+  const std::size_t largest = S_ISREG(status.st_mode) ? kLargestFile : kLargestStream;
+  const auto require_fitting = [&](std::size_t size) {
+    if (size > largest) refuse(fmt::format("it has more than {} bytes", largest));
+  };
+  require_fitting(static_cast<std::size_t>(status.st_size));
   // One byte more than the size, so that the end is seen without growing.
   std::string bytes(static_cast<std::size_t>(status.st_size) + 1, '\0');
   std::size_t size = 0;
@@ -123,6 +132,7 @@ std::string read_whole_file(const fs::path& file) {
     if (got < 0) refuse(system_reason());
     if (got == 0) break;
     size += static_cast<std::size_t>(got);
+    require_fitting(size);
   }
   bytes.resize(size);
   return bytes;

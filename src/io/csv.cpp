@@ -38,9 +38,10 @@ long long CsvLine::integer(std::size_t cell, std::string field, long long least,
   return *value;
 }
 
-double CsvLine::number(std::size_t cell, std::string field) const {
+double CsvLine::number(std::size_t cell) const {
   const auto value = parse_double(cells[cell]);
-  if (!value || !std::isfinite(*value)) refuse(std::move(field), cells[cell], "not a finite number");
+  if (!value || !std::isfinite(*value))
+    refuse(std::string(split_cells(head)[cell]), cells[cell], "not a finite number");
   return *value;
 }
 
@@ -56,7 +57,7 @@ std::vector<CsvLine> csv_lines(const std::filesystem::path& file, std::string_vi
   const std::size_t width = split_cells(head).size();
   std::vector<CsvLine> out;
   for (std::size_t i = 0; i < lines.size(); ++i) {
-    CsvLine line{fmt::format("{}:{}", file.string(), i + 1), remedy, split_cells(lines[i])};
+    CsvLine line{fmt::format("{}:{}", file.string(), i + 1), remedy, split_cells(lines[i]), head};
     if (i == 0 && lines[i] != head) line.refuse("head", lines[i], fmt::format("not {}", head));
     if (line.cells.size() != width) line.refuse("line", lines[i], fmt::format("not {} values", width));
     if (i > 0) out.push_back(std::move(line));

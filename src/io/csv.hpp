@@ -16,13 +16,14 @@ struct CsvLine {
   std::string where;
   std::string_view remedy;
   std::vector<std::string_view> cells;
+  std::string_view head;
 
   /// Throws InputError.
   [[noreturn]] void refuse(std::string field, std::string_view value, std::string problem) const;
   /// Each throws InputError where the cell is no such thing.
   [[nodiscard]] long long integer(std::size_t cell, std::string field, long long least,
                                   long long most = std::numeric_limits<long long>::max()) const;
-  [[nodiscard]] double number(std::size_t cell, std::string field = "number") const;
+  [[nodiscard]] double number(std::size_t cell) const;  // named as in the head
   [[nodiscard]] Time time(std::size_t cell, std::string field) const;
 };
 

@@ -26,7 +26,9 @@ std::vector<fs::path> velodyne_folders(const fs::path& path) {
   std::vector<fs::path> folders;
   std::error_code error;
   for (fs::directory_iterator it(path, error), end; !error && it != end; it.increment(error)) {
-    if (fs::is_directory(it->path() / "velodyne_points" / "data"))
+    // What else lies here may be closed to us, as lost+found at the root of a disk is.
+    std::error_code closed;
+    if (fs::is_directory(it->path() / "velodyne_points" / "data", closed))
       folders.push_back(it->path() / "velodyne_points");
   }
   std::sort(folders.begin(), folders.end());

@@ -8,6 +8,8 @@ namespace mapless {
 // bytes ago.
 bool lzf_decompress(std::string_view in, std::size_t size, std::string& out) {
   out.clear();
+  constexpr std::size_t kMostPerByte = 88;  // three bytes make at most 264
+  if (size > kMostPerByte * in.size()) return false;
   out.reserve(size);
   std::size_t at = 0;
   const auto next = [&]() -> std::size_t { return static_cast<std::uint8_t>(in[at++]); };

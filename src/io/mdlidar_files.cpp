@@ -26,6 +26,14 @@ using google::protobuf::io::CodedInputStream;
                     "fetch the file again"});
 }
 
+// Of any two times within, the difference fits.
+void require_time(std::int64_t ns, const char* field, const fs::path& file) {
+  constexpr std::int64_t kLargest = 4'000'000'000'000'000'000;
+  if (ns >= -kLargest && ns <= kLargest) return;
+  throw InputError({file.string(), field, std::to_string(ns),
+                    "not a time in nanoseconds within 126 years of 0", "fetch the file again"});
+}
+
 template <class Message>
 Message parse(const fs::path& file) {
   const std::string bytes = read_whole_file(file);
@@ -135,6 +143,8 @@ MdlidarFrameSummary read_mdlidar_summary(const fs::path& file) {
   MdlidarFrameSummary summary;
   summary.start = Time::from_nanoseconds(frame.start_time());
   summary.end = Time::from_nanoseconds(frame.end_time());
+  require_time(frame.start_time(), "start_time", file);
+  require_time(frame.end_time(), "end_time", file);
   const std::int64_t length = frame.end_time() - frame.start_time();
   if (length <= 0 || length > 1'000'000'000) {
     throw InputError({file.string(), "end_time", std::to_string(frame.end_time()),

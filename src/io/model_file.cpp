@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
@@ -73,6 +74,15 @@ bool equal_ignoring_case(const std::string& a, const std::string& b) {
                     [](unsigned char x, unsigned char y) { return std::tolower(x) == std::tolower(y); });
 }
 
+// What is neither of the two is often another vendor's calibration.
+bool is_velodyne_calibration(const std::string& file) try {
+  return YamlMap(file).maps("lasers", "laser").front().has("vert_correction");
+} catch (const InputError& error) {
+  ErrorDetail detail = error.detail();
+  detail.remedy = "give a calibration file of Velodyne's (YAML), or a sensor.yaml";
+  throw InputError(std::move(detail));
+}
+
 }  // namespace
 
 LidarModel read_sensor_yaml(const std::filesystem::path& file) {
@@ -137,8 +147,7 @@ LidarModel model_from_name_or_file(const std::string& name_or_file) {
         {"sensor", "name or file", name_or_file, "neither a named model nor a file",
          fmt::format("choose one of {}, or a calibration file", fmt::join(named_models(), ", "))});
   }
-  const std::vector<YamlMap> lasers = YamlMap(name_or_file).maps("lasers", "laser");
-  return lasers.front().has("vert_correction") ? read_velodyne_calibration(name_or_file)
+  return is_velodyne_calibration(name_or_file) ? read_velodyne_calibration(name_or_file)
                                                : read_sensor_yaml(name_or_file);
 }
 

@@ -125,11 +125,12 @@ void NativeWriter::add_scan(Time start, const std::vector<LidarRecord>& records,
     if (!intensities.empty()) put(cloud.bytes, i == kNoRecord ? std::uint8_t{0} : in_255ths(intensities[i]));
     if (!labels.empty()) cell_labels.push_back(i == kNoRecord ? kLabelUnknown : labels[i]);
   }
-  write_pcd(file, cloud);
+  // The scan last: where its labels find no room, the recording ends with the one before.
   if (!labels.empty()) {
     if (!fs::exists(folder_ / "labels")) make_folder(folder_ / "labels");
     write_label_file(folder_ / "labels" / (name + ".label"), cell_labels);
   }
+  write_pcd(file, cloud);
   starts_.push_back(start);
 }
 

@@ -100,10 +100,11 @@ class HeaderReader {
     if (value != "0.7" && value != ".7") refuse("VERSION", value, "not 0.7");
   }
 
-  std::size_t number(std::string_view key, std::string_view text, std::size_t max) const {
+  std::size_t number(std::string_view key, std::string_view text, std::size_t max,
+                     std::size_t min = 0) const {
     const auto value = parse_integer(text);
-    if (!value || *value < 0 || static_cast<unsigned long long>(*value) > max) {
-      refuse(key, text, fmt::format("not an integer from 0 to {}", max));
+    if (!value || *value < static_cast<long long>(min) || *value > static_cast<long long>(max)) {
+      refuse(key, text, fmt::format("not an integer from {} to {}", min, max));
     }
     return static_cast<std::size_t>(*value);
   }
@@ -132,7 +133,7 @@ class HeaderReader {
       const bool fits =
           type == "F" ? size == 4 || size == 8 : size == 1 || size == 2 || size == 4 || size == 8;
       if (!fits) refuse("SIZE", sizes_[i], fmt::format("no size of a field of type {}", type));
-      cloud_.add_field(std::string(names_[i]), type[0], size, number("COUNT", counts_[i], kMaxCount));
+      cloud_.add_field(std::string(names_[i]), type[0], size, number("COUNT", counts_[i], kMaxCount, 1));
     }
     if (cloud_.stride == 0 || cloud_.stride > kMaxStride) {
       refuse("SIZE x COUNT", std::to_string(cloud_.stride),

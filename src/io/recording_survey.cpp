@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "core/median.hpp"
+#include "io/point_oddities.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/io/atomic_file.hpp>
 #include <mapless/io/labels.hpp>
@@ -163,9 +164,12 @@ RecordingSurvey survey_recording(const Dataset& dataset,
   survey.scans = dataset.size();
   ScanSizes sizes;
   DuplicateFinder duplicates;
+  PointOddities points;
   for (std::size_t k = 0; k < survey.scans; ++k) {
     try {
-      survey_scan(dataset.read(k), k, survey, sizes);
+      const LidarScan scan = dataset.read(k);
+      survey_scan(scan, k, survey, sizes);
+      points.add(scan, k);
       duplicates.add(dataset, k, survey.oddities);
     } catch (const InputError& error) {
       survey.oddities.push_back(fmt::format("scan {}: {}", k, error.what()));
@@ -180,6 +184,8 @@ RecordingSurvey survey_recording(const Dataset& dataset,
   survey_times(dataset, survey);
   find_odd_sizes(sizes, survey);
   find_unusable_records(sizes, survey);
+  const std::vector<std::string> odd = points.lines();
+  survey.oddities.insert(survey.oddities.end(), odd.begin(), odd.end());
   return survey;
 }
 

@@ -1,10 +1,13 @@
 #include <algorithm>
+#include <cerrno>
 #include <charconv>
+#include <cstring>
 #include <fstream>
 #include <optional>
 #include <system_error>
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <mapless/core/errors.hpp>
 #include <mapless/io/atomic_file.hpp>
@@ -52,6 +55,13 @@ bool is_empty_folder(const fs::path& path) {
   return empty;
 }
 
+// An earlier result is left as it is where not all of it can be replaced.
+void require_writable(const fs::path& folder) {
+  if (!fs::is_directory(folder) || access(folder.c_str(), W_OK | X_OK) == 0) return;
+  refuse(folder, std::string("cannot be written into: ") + std::strerror(errno),
+         "choose a folder you may write to");
+}
+
 void remove_scan_files(const fs::path& folder, const char* extension) {
   std::error_code error;
   if (!fs::is_directory(folder, error)) return;
@@ -92,6 +102,7 @@ void ResultFolder::create(bool overwrite, std::string_view summary_text) const {
   check(path_, error, "make it");
   // The new summary replaces the old one before anything is removed: a run killed here leaves a folder that
   // still says what it is, and that it is not complete.
+  for (const fs::path& folder : {path_, labels(), stages()}) require_writable(folder);
   write_file_atomically(summary(), summary_text);
   remove_scan_files(labels(), ".label");
   remove_scan_files(stages(), ".stages");

@@ -10,7 +10,7 @@
 namespace mapless {
 
 /// Decimal seconds ("1317042272.283701593", "1.5e-3") as whole nanoseconds, exactly; further digits round
-/// half away from 0. Nothing for text that is not one number, or beyond 292 years. A double would be off by
+/// half away from 0. Nothing for text that is not one number, or beyond 126 years. A double would be off by
 /// 0.2 microseconds.
 [[nodiscard]] std::optional<Time> parse_decimal_seconds(std::string_view text);
 /// The inverse, with nine decimals.

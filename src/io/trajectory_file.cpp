@@ -74,7 +74,7 @@ Time tum_time(const Row& row) {
   (void)row.number(0);
   const std::optional<Time> time = parse_decimal_seconds(row.words[0]);
   if (!time) {
-    row.refuse(", time", std::string(row.words[0]), "is not decimal seconds within 292 years of 0",
+    row.refuse(", time", std::string(row.words[0]), "is not decimal seconds within 126 years of 0",
                "give times in seconds");
   }
   return *time;
@@ -138,7 +138,11 @@ std::string tum_row(Time time, const SE3& T_0v) {
 
 SampledTrajectory read_trajectory_file(const std::filesystem::path& file,
                                        const TrajectoryFileOptions& options) {
-  const std::string text = read_whole_file(file);
+  return parse_trajectory(read_whole_file(file), file, options);
+}
+
+SampledTrajectory parse_trajectory(std::string_view text, const std::filesystem::path& file,
+                                   const TrajectoryFileOptions& options) {
   const std::vector<Row> rows = split_rows(file.string(), text);
   const bool tum = rows.front().words.size() == kTumNumbers;
   if (!tum) check_one_row_per_scan(file.string(), rows.size(), options.row_times.size());

@@ -23,9 +23,9 @@ std::string name_of(const std::array<std::string_view, N>& names, Enum value) {
 }
 
 // KITTI rows are 12 numbers without a time: the first row tells.
-bool has_one_row_per_scan(const std::filesystem::path& file) {
-  std::istringstream text(read_whole_file(file));
-  for (std::string line; std::getline(text, line);) {
+bool has_one_row_per_scan(const std::string& text) {
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
     std::istringstream words(line.substr(0, line.find('#')));
     std::size_t count = 0;
     for (std::string word; words >> word;) ++count;
@@ -88,10 +88,11 @@ TrajectoryFileOptions file_options(const Dataset& dataset, const TrajectoryReque
 }
 
 TrajectorySource open_file(const Dataset& dataset, const TrajectoryRequest& request) {
-  const bool per_scan = has_one_row_per_scan(request.file);
+  const std::string text = read_whole_file(request.file);
+  const bool per_scan = has_one_row_per_scan(text);
   const TrajectoryFileOptions options = file_options(dataset, request, per_scan);
   TrajectorySource source;
-  source.trajectory = std::make_shared<SampledTrajectory>(read_trajectory_file(request.file, options));
+  source.trajectory = std::make_shared<SampledTrajectory>(parse_trajectory(text, request.file, options));
   source.conventions = {
       {"source", request.file.string()},
       {"direction", name_of(kDirectionNames, request.direction)},
@@ -111,8 +112,8 @@ std::string span_text(Time begin, Time end) {
 }  // namespace
 
 SampledTrajectory read_trajectory(const Dataset& dataset, const TrajectoryRequest& request) {
-  const bool per_scan = has_one_row_per_scan(request.file);
-  return read_trajectory_file(request.file, file_options(dataset, request, per_scan));
+  const std::string text = read_whole_file(request.file);
+  return parse_trajectory(text, request.file, file_options(dataset, request, has_one_row_per_scan(text)));
 }
 
 TrajectorySource open_trajectory(const Dataset& dataset, const TrajectoryRequest& request) {

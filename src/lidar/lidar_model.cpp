@@ -16,6 +16,12 @@ namespace {
   throw InputError({source, field, value, problem, "correct the description of the sensor"});
 }
 
+// What is beyond is in another unit, or would not fit memory and single precision.
+constexpr int kMostColumns = 1'000'000;
+constexpr double kFastest_hz = 10'000, kSlowest_hz = 0.001;
+constexpr double kFarthest_m = 1e6;
+constexpr double kHub_m = 100;
+
 void require_positive(double value, const std::string& field, const std::string& source) {
   if (!(std::isfinite(value) && value > 0))
     refuse(source, field, fmt::format("{}", value), "not a positive number");
@@ -28,7 +34,12 @@ void validate_laser(const Laser& laser, std::size_t index, const std::string& so
   };
   require_finite(laser.elevation_rad, "elevation");
   require_finite(laser.azimuth_offset_rad, "azimuth offset");
-  for (const double coordinate : laser.origin_h_m) require_finite(coordinate, "origin");
+  for (const double coordinate : laser.origin_h_m) {
+    require_finite(coordinate, "origin");
+    if (std::abs(coordinate) > kHub_m)
+      refuse(source, name + " origin", fmt::format("{} m", coordinate),
+             fmt::format("more than {} m from the hub's axis", kHub_m));
+  }
   if (std::abs(laser.elevation_rad) >= std::numbers::pi / 2) {
     refuse(source, name + " elevation", fmt::format("{} rad", laser.elevation_rad),
            "not between straight down and straight up");
@@ -79,8 +90,16 @@ double LidarModel::largest_elevation_step() const {
 void validate(const LidarModel& model, const std::string& source) {
   if (model.lasers.empty()) refuse(source, "lasers", "", "none given");
   if (model.columns <= 0) refuse(source, "columns", std::to_string(model.columns), "not a positive number");
+  if (model.columns > kMostColumns)
+    refuse(source, "columns", std::to_string(model.columns), fmt::format("more than {}", kMostColumns));
   require_positive(model.rotation_rate_hz, "rate_hz", source);
+  if (model.rotation_rate_hz < kSlowest_hz || model.rotation_rate_hz > kFastest_hz)
+    refuse(source, "rate_hz", fmt::format("{}", model.rotation_rate_hz),
+           fmt::format("not from {} to {}", kSlowest_hz, kFastest_hz));
   require_positive(model.max_range_m, "max_range_m", source);
+  if (model.max_range_m > kFarthest_m)
+    refuse(source, "max_range_m", fmt::format("{}", model.max_range_m),
+           fmt::format("more than {}", kFarthest_m));
   if (!(model.min_range_m >= 0 && model.min_range_m < model.max_range_m)) {
     refuse(source, "min_range_m", fmt::format("{}", model.min_range_m),
            fmt::format("not between 0 and max_range_m = {}", model.max_range_m));

@@ -1,9 +1,27 @@
 #include <algorithm>
 
+#include <fmt/format.h>
+
 #include "trajectory/domain.hpp"
+#include <mapless/core/errors.hpp>
 #include <mapless/trajectory/trajectory.hpp>
 
 namespace mapless {
+namespace {
+
+// More than twice round the Earth: geocentric and map coordinates are within.
+constexpr double kFarthest_m = 1e8;
+
+void require_near(const TimedPose& pose, std::size_t number, const std::string& source) {
+  const Eigen::Vector3d position = pose.T_v0.inverse().translation();
+  if (position.norm() <= kFarthest_m) return;  // false for NaN
+  throw InputError({source, fmt::format("position of pose {}", number),
+                    fmt::format("{:g} {:g} {:g}", position.x(), position.y(), position.z()),
+                    fmt::format("farther than {:g} m from the origin", kFarthest_m),
+                    "give positions in metres, or leave the row out"});
+}
+
+}  // namespace
 
 SampledTrajectory::SampledTrajectory(std::vector<TimedPose> poses, Duration max_extrapolation,
                                      std::string source)
@@ -11,6 +29,7 @@ SampledTrajectory::SampledTrajectory(std::vector<TimedPose> poses, Duration max_
   IncreasingTimes times(source_, "pose");
   for (const TimedPose& pose : poses_) times.add(pose.time);
   times.finish();
+  for (std::size_t i = 0; i < poses_.size(); ++i) require_near(poses_[i], i, source_);
   velocities_.reserve(poses_.size() - 1);
   for (std::size_t i = 0; i + 1 < poses_.size(); ++i) {
     const SE3 T_21 = poses_[i + 1].T_v0 * poses_[i].T_v0.inverse();

@@ -138,6 +138,20 @@ TEST_F(BenchmarkTest, ARunIsUsedAgainOnlyForTheSameParameters) {
   EXPECT_THAT(other.err, HasSubstr("15 runs, 1 of them finished before")) << "the paper's profile";
 }
 
+TEST_F(BenchmarkTest, ARunWhoseFiguresWereDamagedIsRunAgain) {
+  const fs::path out = folder / "out";
+  fs::copy(finished(), out, fs::copy_options::recursive);
+  const fs::path file = out / "rows" / (kRecording + ".table.true_poses.json");
+  auto row = nlohmann::ordered_json::parse(read_whole_file(file));
+  ASSERT_TRUE(row["result"].contains("measures"));
+  row["result"].erase("measures");
+  write_file_atomically(file, row.dump(2));
+  const CommandResult again = run_command(arguments(out));
+  EXPECT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_THAT(again.err, HasSubstr("15 runs, 14 of them finished before"));
+  EXPECT_EQ(lasting(figures(out)), lasting(figures(finished())));
+}
+
 TEST_F(BenchmarkTest, ARecordingTheSimulatorWouldMakeOtherwiseIsMadeAgain) {
   const std::string out = folder / "out";
   fs::copy(finished(), out, fs::copy_options::recursive);

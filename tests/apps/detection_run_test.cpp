@@ -36,7 +36,7 @@ class DetectionRunThreads : public testing::Test {
   // What `mapless detect` does, and the text of its summary.
   static std::string run(const fs::path& output, Setting setting) {
     const auto dataset = open_dataset(*shared / "street");
-    MotionSource motion = setting.odometry ? MotionSource::odometry() : MotionSource(*dataset, {}, 0);
+    MotionSource motion = setting.odometry ? MotionSource::odometry(*dataset) : MotionSource(*dataset, {}, 0);
     const ResultFolder result(output);
     RunSummary summary(*dataset, "street", motion.source(), "default", 0, kScans);
     const auto make_folder = [&] {

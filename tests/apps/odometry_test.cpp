@@ -1,3 +1,7 @@
+#include <csignal>
+#include <filesystem>
+#include <vector>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -68,6 +72,61 @@ TEST(Odometry, ReplacesPosesOnlyWhenAsked) {
   EXPECT_EQ(r.exit_code, 1);
   EXPECT_THAT(r.err, HasSubstr("--overwrite"));
   EXPECT_EQ(run_command({"odometry", folder / "street", "-o", out, "--overwrite"}).exit_code, 0);
+}
+
+TEST(Odometry, OverwritesNothingButItsOwnPoses) {
+  const test::TemporaryFolder folder;
+  test::write_toy_sequence(test::toy_street("VLP-16"), 2, folder / "street");
+  const std::filesystem::path truth = folder / "street/trajectory.txt";
+  const std::string before = read_whole_file(truth);
+  const auto r = run_command({"odometry", folder / "street", "-o", folder / "street", "--overwrite"});
+  EXPECT_EQ(r.exit_code, 1);
+  EXPECT_THAT(r.err, testing::AllOf(HasSubstr(truth.string()), HasSubstr("not overwritten")));
+  EXPECT_EQ(read_whole_file(truth), before);
+  for (const char* name : {"summary.json", "trajectory.txt", "poses_kitti.txt"}) {
+    write_file_atomically(folder / "street" / name, "of a detection");
+  }
+  EXPECT_EQ(run_command({"odometry", folder / "street", "-o", folder / "street", "--overwrite"}).exit_code,
+            1);
+  EXPECT_EQ(read_whole_file(truth), "of a detection");
+}
+
+TEST(Odometry, ThatItCannotWriteIsKnownBeforeTheWork) {
+  const test::TemporaryFolder folder;
+  write_file_atomically(folder / "file", "");
+  const auto r = run_command({"odometry", folder / "none", "-o", folder / "file/out"});
+  EXPECT_EQ(r.exit_code, 1);
+  EXPECT_THAT(r.err, testing::AllOf(HasSubstr("file"), HasSubstr("not a folder;")));
+}
+
+TEST(Odometry, InterruptedItWritesNothing) {
+  const test::TemporaryFolder folder;
+  test::write_toy_sequence(test::toy_street("VLP-16"), 40, folder / "street");
+  test::RunningCommand command({"odometry", folder / "street", "-o", folder / "out", "--threads", "1"});
+  ASSERT_TRUE(command.wait_for_error_line("1 of 40 scans"));
+  command.send(SIGINT);
+  const auto r = command.wait();
+  EXPECT_EQ(r.exit_code, 130) << r.err;
+  EXPECT_THAT(r.err, HasSubstr("interrupted; nothing is written"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "out"));
+}
+
+// The pose of every point is needed, and a compensated point has lost it.
+TEST(Odometry, OfCompensatedPointsNamesTheScan) {
+  const test::TemporaryFolder folder;
+  const std::string recording = folder / "kitti", out = folder / "out";
+  ASSERT_EQ(run_command({"simulate", "crossing", "--sensor", "VLP-16", "--format", "kitti", "--duration-s",
+                         "0.3", "-o", recording})
+                .exit_code,
+            0);
+  for (const auto& verb : {std::vector<std::string>{"odometry"}, {"detect", "--odometry"}}) {
+    std::vector<std::string> arguments = verb;
+    arguments.insert(arguments.end(), {recording, "-o", out});
+    const auto r = run_command(arguments);
+    EXPECT_EQ(r.exit_code, 1);
+    EXPECT_THAT(r.err,
+                testing::AllOf(HasSubstr("velodyne/000000.bin"), HasSubstr("mapless detect --trajectory")));
+  }
 }
 
 }  // namespace MAPLESS_FILE

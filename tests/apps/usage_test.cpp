@@ -1,9 +1,11 @@
 #include <algorithm>
 #include <cstdlib>
+#include <filesystem>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <sys/wait.h>
 
 #include "support/command.hpp"
 #include "support/temporary_folder.hpp"
@@ -63,6 +65,17 @@ TEST(Usage, NumbersAreCheckedInPlainWords) {
   expect_error(run_command({"detect", "in", "-o", "out", "--count", "0"}), 2, {"--count: 0", "at least 1"});
   expect_error(run_command({"render", "in", "out", "-o", "x.png", "--scan", "1.5"}), 2,
                {"--scan: 1.5", "whole number"});
+  for (const char* seed : {"-1", "99999999999999999999", "0x10"}) {
+    expect_error(run_command({"simulate", "town1", "-o", "out", "--seed", seed}), 2,
+                 {"--seed: " + std::string(seed), "whole number"});
+  }
+  expect_error(run_command({"simulate", "town1", "-o", "out", "--range-noise-m", "nan"}), 2,
+               {"--range-noise-m: nan", "from 0 to 1"});
+  expect_error(run_command({"simulate", "town1", "-o", "out", "--duration-s", "nan"}), 2,
+               {"--duration-s: nan", "greater than 0"});
+  EXPECT_EQ(run_command({"simulate", "town1", "-o", "out", "--duration-s", "1e300"}).exit_code, 2);
+  expect_error(run_command({"render", "in", "-o", "x.png", "--scan", "0", "--extent-m", "nan"}), 2,
+               {"--extent-m: nan", "from 1 to 1000"});
   for (const char* range : {"0", "nan", "inf", "near"}) {
     expect_error(run_command({"evaluate", "in", "out", "--max-range", range}), 2,
                  {"--max-range: " + std::string(range), "greater than 0"});
@@ -77,6 +90,39 @@ TEST(Usage, OutputThatCannotBePrintedIsAnError) {
   EXPECT_NE(std::system(command.c_str()), 0);  // NOLINT: a shell redirects
   EXPECT_THAT(read_whole_file(folder / "err"),
               AllOf(StartsWith("mapless: error: standard output"), HasSubstr("No space left")));
+}
+
+// Through a shell that redirects; its exit code.
+int run_in_shell(const std::string& arguments_and_redirections) {
+  const int status =
+      std::system((std::string(MAPLESS_COMMAND) + " " + arguments_and_redirections).c_str());  // NOLINT
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+TEST(Usage, LongOutputThatCannotBePrintedIsTheSameError) {
+  const test::TemporaryFolder folder;
+  EXPECT_EQ(run_in_shell("config > /dev/full 2> " + (folder / "err").string()), 1);
+  EXPECT_THAT(read_whole_file(folder / "err"),
+              AllOf(StartsWith("mapless: error: standard output"), HasSubstr("No space left")));
+}
+
+TEST(Usage, WorkGoesOnWhereNothingCanBeSaid) {
+  const test::TemporaryFolder folder;
+  const std::string make = "simulate crossing --sensor VLP-16 --duration-s 0.1 -o ";
+  EXPECT_EQ(run_in_shell(make + (folder / "full").string() + " 2> /dev/full > /dev/null"), 0);
+  EXPECT_EQ(run_in_shell(make + (folder / "closed").string() + " 2>&- > /dev/null"), 0);
+  EXPECT_EQ(read_whole_file(folder / "full/scans/000000.pcd"),
+            read_whole_file(folder / "closed/scans/000000.pcd"));
+  EXPECT_EQ(run_in_shell("frobnicate 2>&-"), 2);
+  EXPECT_EQ(run_in_shell("config >&- 2> /dev/null"), 1);
+}
+
+TEST(Usage, PathsTheSystemRefusesAreNamed) {
+  const test::TemporaryFolder folder;
+  std::filesystem::create_symlink("loop", folder / "loop");
+  const std::string loop = folder / "loop";
+  expect_error(run_command({"simulate", "town1", "-o", loop}), 1, {loop + ": cannot be looked at", ";"});
+  expect_error(run_command({"odometry", "in", "-o", loop}), 1, {loop, "symbolic links", ";"});
 }
 
 TEST(Config, PrintsEveryParameterWithItsUnit) {

@@ -22,6 +22,17 @@ TEST(Errors, LineBreaksInValuesDoNotBreakTheLine) {
   EXPECT_STREQ(InputError({"a", "b", "1\n2\r3", "bad", ""}).what(), "a: b = 1 2 3: bad");
 }
 
+TEST(Errors, WhatIsNoTextDoesNotCutTheLineNorReachTheTerminal) {
+  const std::string value("1\0\x1b[2J\x7f", 7);
+  EXPECT_STREQ(InputError({"a", "b", value, "bad", "mend it"}).what(), "a: b = 1??[2J?: bad; mend it");
+}
+
+TEST(Errors, OfALongValueOnlyTheBeginIsShown) {
+  const std::string message = InputError({"a", "b", std::string(100'000, 'x'), "bad", "mend it"}).what();
+  EXPECT_LT(message.size(), 300u);
+  EXPECT_TRUE(message.ends_with("xxx...: bad; mend it")) << message;
+}
+
 TEST(Errors, EveryKindIsAnError) {
   EXPECT_THROW(throw InputError({"", "", "", "p", ""}), Error);
   EXPECT_THROW(throw ParameterError({"", "", "", "p", ""}), Error);

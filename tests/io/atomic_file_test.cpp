@@ -98,6 +98,16 @@ TEST(AtomicFile, UnreadableFilesSayWhy) {
   EXPECT_THAT(message_of<InputError>([&] { (void)read_whole_file(folder.path()); }), HasSubstr("a folder"));
 }
 
+TEST(AtomicFile, WhatNeverEndsOrDoesNotFitIsRefused) {
+  const test::TemporaryFolder folder;
+  write_file_atomically(folder / "huge", "");
+  std::filesystem::resize_file(folder / "huge", std::uintmax_t{1} << 40);  // takes no room
+  EXPECT_THAT(message_of<InputError>([&] { (void)read_whole_file(folder / "huge"); }),
+              AllOf(HasSubstr("huge: cannot be read"), HasSubstr("more than 1073741824 bytes")));
+  EXPECT_THAT(message_of<InputError>([] { (void)read_whole_file("/dev/zero"); }),
+              AllOf(HasSubstr("/dev/zero"), HasSubstr("more than 67108864 bytes")));
+}
+
 TEST(AtomicFile, ManyWritersLeaveOneWholeFile) {
   const test::TemporaryFolder folder;
   std::vector<std::thread> writers;

@@ -68,6 +68,14 @@ TEST(OpenDataset, ANamedFormatThatIsNotThere) {
   }
 }
 
+// What lies beside the recording and cannot be looked into, as lost+found at the root of a disk, does not
+// matter.
+TEST(OpenDataset, WhatIsBesideARecordingMayBeClosed) {
+  const TemporaryFolder folder;
+  std::filesystem::create_symlink("loop", folder / "loop");
+  EXPECT_THAT(refusal(folder.path()), HasSubstr("no recording here"));
+}
+
 // As a folder one may not look into is; but root may look everywhere.
 TEST(OpenDataset, APathTheSystemRefusesIsNamed) {
   const std::string path(300, 'x');

@@ -108,6 +108,11 @@ TEST(SensorYaml, BadFilesNameFileLineKeyAndValue) {
   EXPECT_THAT(broken("direction: -1", "direction: 0"), HasSubstr("direction = 0"));
   EXPECT_THAT(broken("columns: 360", "columns: 36.5"), HasSubstr("columns = 36.5"));
   EXPECT_THAT(broken("columns: 360", "columns: 99999999999999999999"), HasSubstr("not an integer"));
+  // Memory for a thousand million columns, or a turn of no length, is not asked for.
+  EXPECT_THAT(broken("columns: 360", "columns: 1000000000"), HasSubstr("columns = 1000000000: more than"));
+  EXPECT_THAT(broken("rate_hz: 10", "rate_hz: 1e-300"), HasSubstr("rate_hz = 1e-300: not from"));
+  EXPECT_THAT(broken("rate_hz: 10", "rate_hz: 1e300"), HasSubstr("rate_hz = 1e+300: not from"));
+  EXPECT_THAT(broken("[0, 0, 0.1]", "[0, 1e30, 0.1]"), HasSubstr("laser 1 origin = 1e+30 m: more than"));
   EXPECT_THAT(broken("elevation_deg: -10", "elevation_deg: 10"), HasSubstr("increasing elevation"));
   EXPECT_THAT(broken("elevation_deg: 3", "elevation_deg: x"),
               AllOf(HasSubstr("s.yaml:10"), HasSubstr("laser 1 elevation_deg = x")));
@@ -240,6 +245,19 @@ TEST(ModelFromNameOrFile, TellsThemApart) {
     FAIL();
   } catch (const ParameterError& error) {
     EXPECT_THAT(error.what(), AllOf(HasSubstr("HDL-64"), HasSubstr("HDL-64E-S3")));
+  }
+}
+
+TEST(ModelFromNameOrFile, SaysWhatItReadsWhereAFileIsNeither) {
+  const test::TemporaryFolder folder;
+  for (const char* text : {"{\"beam_altitude_angles\": [1, 2]}", "Laser id,Elevation,Azimuth\n1,14.8,-1\n"}) {
+    write_file_atomically(folder / "other", text);
+    try {
+      (void)model_from_name_or_file(folder / "other");
+      FAIL();
+    } catch (const InputError& error) {
+      EXPECT_THAT(error.what(), AllOf(HasSubstr("other:1"), HasSubstr("Velodyne"), HasSubstr("sensor.yaml")));
+    }
   }
 }
 

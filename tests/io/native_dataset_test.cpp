@@ -284,5 +284,19 @@ TEST(NativeWriter, TrajectoryIsThatOfTheRecording) {
   EXPECT_LT((back.rotation() - T_0v.rotation()).norm(), 1e-6);
 }
 
+// As where the disk is full then.
+TEST(NativeDataset, WithoutRoomForLabelsItEndsWithTheScanBefore) {
+  const test::TemporaryFolder parent;
+  const fs::path folder = parent / "recording";
+  NativeWriter writer(folder, small_model());
+  const std::vector<LidarRecord> records = firings(0);
+  const std::vector<std::uint32_t> labels(records.size(), kLabelStatic);
+  writer.add_scan(Time(), records, labels);
+  fs::create_directory(folder / "labels/000001.label");
+  EXPECT_THROW(writer.add_scan(Time::from_seconds(0.1), records, labels), OutputError);
+  writer.finish({});
+  EXPECT_EQ(open_native(folder, {})->size(), 1u);
+}
+
 }  // namespace MAPLESS_FILE
 }  // namespace mapless

@@ -71,6 +71,12 @@ TEST(ObjectTruth, RefusesStatesThatAreNone) {
   }
 }
 
+TEST(ObjectTruth, NamesTheColumnOfWhatIsNoNumber) {
+  const test::TemporaryFolder folder;
+  write(folder / "object_states.csv", std::string(kHead) + "1,7,0,1,2,3,4,nan,6,7\n");
+  EXPECT_THAT(message_of(folder.path()), HasSubstr("object_states.csv:2: vy_mps = nan: not a finite number"));
+}
+
 TEST(ObjectStatesWriter, IsReadableAfterEveryScan) {
   const test::TemporaryFolder folder;
   ObjectStatesWriter writer(folder / "object_states.csv");

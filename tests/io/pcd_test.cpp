@@ -125,6 +125,8 @@ TEST(Pcd, LzfCopiesMayOverlapAndNeverLeaveTheirBounds) {
   EXPECT_FALSE(lzf_decompress(in, 21, out));
   EXPECT_FALSE(lzf_decompress(std::string_view(in).substr(0, 7), 20, out));
   EXPECT_FALSE(lzf_decompress(std::string("\x20\x05", 2), 3, out));
+  // A size no input can make is refused before memory is asked for: this much there is not.
+  EXPECT_FALSE(lzf_decompress(in, std::size_t{1} << 60, out));
   std::mt19937 rng(3);
   for (int i = 0; i < 2000; ++i) {
     std::string noise(rng() % 40, '\0');
@@ -187,6 +189,8 @@ TEST(Pcd, BadHeadersNameFileKeyAndValue) {
   EXPECT_THAT(broken("TYPE F", "TYPE X"), HasSubstr("TYPE = X"));
   EXPECT_THAT(broken("TYPE F F F U", "TYPE F F F F"), HasSubstr("SIZE = 2"));
   EXPECT_THAT(broken("COUNT 1", "COUNT 99999999"), HasSubstr("COUNT = 99999999"));
+  // A field without a value would be read from beyond the last point.
+  EXPECT_THAT(broken("COUNT 1 1 1 1 1", "COUNT 1 1 1 1 0"), HasSubstr("COUNT = 0: not an integer from 1"));
   EXPECT_THAT(broken("FIELDS x y z ring t", "FIELDS"), HasSubstr("FIELDS: none"));
   EXPECT_THAT(broken("DATA ascii", "DATA hex"), HasSubstr("DATA = hex"));
 }

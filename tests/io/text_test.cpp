@@ -35,15 +35,16 @@ TEST(DecimalSeconds, FurtherDigitsRound) {
 }
 
 TEST(DecimalSeconds, OtherTextIsRefused) {
-  for (const char* text : {"", "-", ".", "1.2.3", "1,5", "nan", "inf", "1e", "e5", "0x10", "1 2", "--1",
-                           "+-1", "9300000000", "1e30", "99999999999999999999999", "1e99999999999"}) {
+  for (const char* text :
+       {"", "-", ".", "1.2.3", "1,5", "nan", "inf", "1e", "e5", "0x10", "1 2", "--1", "+-1", "9300000000",
+        "4000000001", "-4000000001", "1e30", "99999999999999999999999", "1e99999999999"}) {
     EXPECT_FALSE(parse_decimal_seconds(text)) << text;
   }
 }
 
 TEST(DecimalSeconds, WrittenTimesReadBack) {
   for (const std::int64_t t : {INT64_C(0), INT64_C(1), INT64_C(-1), INT64_C(-1'500'000'000),
-                               INT64_C(1'317'042'272'283'701'593), INT64_C(9'000'000'000'000'000'000)}) {
+                               INT64_C(1'317'042'272'283'701'593), INT64_C(4'000'000'000'000'000'000)}) {
     EXPECT_EQ(ns(decimal_seconds(Time::from_nanoseconds(t))), t);
   }
   EXPECT_EQ(decimal_seconds(Time::from_nanoseconds(-1)), "-0.000000001");

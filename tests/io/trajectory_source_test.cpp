@@ -1,7 +1,9 @@
+#include <array>
 #include <limits>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "support/memory_dataset.hpp"
 #include "support/temporary_folder.hpp"
@@ -49,6 +51,23 @@ TEST_F(TrajectorySourceTest, WithoutAnyNamesTheOptionsThatHelp) {
     FAIL();
   } catch (const InputError& error) {
     EXPECT_THAT(error.detail().remedy, AllOf(HasSubstr("--trajectory"), HasSubstr("--stationary")));
+  }
+}
+
+TEST_F(TrajectorySourceTest, ReadsAPipe) {
+  const std::string text = read_whole_file(tum_file(0, 1));
+  std::array<int, 2> ends{};
+  for (const bool with_conventions : {true, false}) {
+    ASSERT_EQ(pipe(ends.data()), 0);
+    ASSERT_EQ(write(ends[1], text.data(), text.size()), static_cast<ssize_t>(text.size()));
+    close(ends[1]);
+    request.file = "/dev/fd/" + std::to_string(ends[0]);
+    if (with_conventions) {
+      EXPECT_NEAR(x_at(open_trajectory(dataset, request), 0.5), 5, 1e-9);
+    } else {
+      EXPECT_EQ(read_trajectory(dataset, request).poses().size(), 2u);
+    }
+    close(ends[0]);
   }
 }
 

@@ -91,6 +91,21 @@ TEST(SampledTrajectory, VelocityIsTheDerivativeOfThePose) {
   }
 }
 
+// What is beyond single precision would come out of detection as NaN, and be no place in any table.
+TEST(SampledTrajectory, PositionsThatCannotBeMetresAreRefused) {
+  for (const double far_m : {2e8, -1e20, 1e300, std::nan("")}) {
+    SCOPED_TRACE(far_m);
+    const SE3 T_v0(Eigen::Matrix3d::Identity(), Eigen::Vector3d(0, far_m, 0));
+    try {
+      (void)SampledTrajectory({{ms(0), SE3()}, {ms(1), T_v0}}, Duration(), "poses.txt");
+      FAIL();
+    } catch (const InputError& error) {
+      EXPECT_EQ(error.detail().where, "poses.txt");
+      EXPECT_EQ(error.detail().field, "position of pose 1");
+    }
+  }
+}
+
 TEST(SampledTrajectory, OutsideItsDomainIsAnErrorThatNamesTheTimes) {
   const SampledTrajectory trajectory({{ms(1000), SE3()}, {ms(2000), SE3()}}, Duration::from_seconds(0.5),
                                      "poses.txt");

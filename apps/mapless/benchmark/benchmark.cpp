@@ -23,6 +23,7 @@
 #include "interrupt.hpp"
 #include "json_text.hpp"
 #include "option_checks.hpp"
+#include "say.hpp"
 #include "verbs.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/io/atomic_file.hpp>
@@ -61,8 +62,8 @@ bool simulate_missing(const std::vector<const Job*>& jobs, const RecordingStore&
     tasks.emplace_back([&store, key](const auto& step_done) { return store.make(key, step_done); });
   }
   if (!tasks.empty()) {
-    fmt::print(stderr, "mapless: simulating {} recordings, {} are there already\n", tasks.size(),
-               keys.size() - tasks.size());
+    say("mapless: simulating {} recordings, {} are there already\n", tasks.size(),
+        keys.size() - tasks.size());
   }
   return work_side_by_side(tasks, threads, scans, "scans");
 }
@@ -117,9 +118,7 @@ Json figures(const std::vector<Job>& jobs, const BenchmarkOptions& options, cons
 }
 
 int report_interrupt(std::size_t finished, std::size_t of) {
-  fmt::print(
-      stderr,
-      "mapless: interrupted; {} of {} runs are finished and kept, the same command goes on from there\n",
+  say("mapless: interrupted; {} of {} runs are finished and kept, the same command goes on from there\n",
       finished, of);
   return InterruptGuard::exit_code();
 }
@@ -172,8 +171,7 @@ int benchmark(const BenchmarkOptions& options) {
   for (const Job& job : jobs) {
     if (!folder.finished(job)) missing.push_back(&job);
   }
-  fmt::print(stderr, "mapless: {} runs, {} of them finished before\n", jobs.size(),
-             jobs.size() - missing.size());
+  say("mapless: {} runs, {} of them finished before\n", jobs.size(), jobs.size() - missing.size());
 
   const InterruptGuard interrupt;
   if (!simulate_missing(missing, store, threads) || !run_missing(missing, store, folder, threads)) {

@@ -18,6 +18,13 @@ using Json = nlohmann::ordered_json;
       {folder.string(), "", "", problem, "choose a new folder, or one of an earlier benchmark"});
 }
 
+// A row that was changed or damaged since is not of this run, and is run again.
+std::string digest_of(const Json& result) {
+  Digest digest;
+  digest.add_bytes(result.dump());
+  return digest.text();
+}
+
 void make_folder(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
@@ -50,7 +57,9 @@ Json BenchmarkFolder::row_head(const Job& job) const { return {{"build", build_}
 std::optional<Json> BenchmarkFolder::finished(const Job& job) const {
   if (!fs::is_regular_file(row_file(job))) return std::nullopt;
   const Json row = Json::parse(read_whole_file(row_file(job)), nullptr, false);
-  if (row.is_discarded() || !row.contains("result")) return std::nullopt;
+  if (!row.is_object() || !row.contains("result") || !row.contains("digest") ||
+      row["digest"] != digest_of(row["result"]))
+    return std::nullopt;
   // Text against text: numbers come back from a file with another type, and are the same figures.
   const Json head = row_head(job);
   for (const char* key : {"build", "job"}) {
@@ -64,6 +73,7 @@ std::optional<Json> BenchmarkFolder::finished(const Job& job) const {
 
 void BenchmarkFolder::finish(const Job& job, const Json& result) const {
   Json row = row_head(job);
+  row["digest"] = digest_of(result);
   row["result"] = result;
   write_file_atomically(row_file(job), json_text(row));
 }

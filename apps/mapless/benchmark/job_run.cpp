@@ -29,7 +29,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 MotionSource motion_of(const Job& job, const Dataset& dataset) {
-  return job.odometry ? MotionSource::odometry() : MotionSource(dataset, {}, 0);
+  return job.odometry ? MotionSource::odometry(dataset) : MotionSource(dataset, {}, 0);
 }
 
 class JobRun {

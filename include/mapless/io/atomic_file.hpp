@@ -15,7 +15,7 @@ void write_file_atomically(const std::filesystem::path& file, std::string_view b
 /// was where that fails.
 void append_to_file(const std::filesystem::path& file, std::string_view bytes);
 
-/// The whole file. Throws InputError with the system's reason.
+/// The whole file, at most 1 GiB; of a pipe or device at most 64 MiB. Throws InputError with the reason.
 [[nodiscard]] std::string read_whole_file(const std::filesystem::path& file);
 
 }  // namespace mapless

@@ -37,7 +37,8 @@ struct RecordingSurvey {
   std::size_t moving_points = 0, still_points = 0, unknown_points = 0;  ///< of the truth
 
   std::vector<std::string>
-      oddities;  ///< one line each: what cannot be read, gaps, duplicates, order, size, NaN
+      oddities;  ///< one line each: what cannot be read, gaps, duplicates, order, size, NaN, points beyond
+                 ///< the sensor's range or off its beams, times in another unit
 };
 
 /// Reads every scan and label once. A scan or label file that cannot be read is an oddity, not an error.

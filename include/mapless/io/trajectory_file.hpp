@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <mapless/core/se3.hpp>
@@ -34,6 +35,9 @@ struct TrajectoryFileOptions {
 /// KITTI rows than row_times.
 [[nodiscard]] SampledTrajectory read_trajectory_file(const std::filesystem::path& file,
                                                      const TrajectoryFileOptions& options);
+/// The same of the text of `file`, which a pipe gives but once.
+[[nodiscard]] SampledTrajectory parse_trajectory(std::string_view text, const std::filesystem::path& file,
+                                                 const TrajectoryFileOptions& options);
 
 /// Tr (camera from velodyne) of KITTI odometry's calib.txt, or R and T of KITTI raw's calib_velo_to_cam.txt
 /// followed by R_rect_00 of calib_cam_to_cam.txt beside it where present. Throws InputError.

@@ -55,7 +55,8 @@ struct LidarModel {
 };
 
 /// Throws InputError naming `source` where a model cannot be one: no lasers, lasers not by increasing
-/// elevation, values not finite, columns or rates not positive, min_range >= max_range.
+/// elevation, values not finite, columns or rates not positive, min_range >= max_range, or beyond what any
+/// sensor has (columns 1e6, rates 0.001 to 10000 Hz, ranges 1e6 m, origins 100 m).
 void validate(const LidarModel& model, const std::string& source);
 
 /// Models by name: HDL-64E-S2, HDL-64E-S3, VLP-16, HDL-32E, OS1-64, OS1-128, Pandar64, XT-32

@@ -47,7 +47,8 @@ struct TimedPose {
 /// of them, T(t) = exp(r ln(T_2 T_1^-1)) T_1, and beyond the ends by at most `max_extrapolation`.
 class SampledTrajectory final : public Trajectory {
  public:
-  /// `poses` by strictly increasing time, at least two; throws InputError naming `source` otherwise.
+  /// `poses` by strictly increasing time, at least two, none farther than 1e8 m from the origin; throws
+  /// InputError naming `source` otherwise.
   SampledTrajectory(std::vector<TimedPose> poses, Duration max_extrapolation, std::string source);
   [[nodiscard]] Time begin() const override;
   [[nodiscard]] Time end() const override;
