@@ -13,7 +13,8 @@ help:
 	@echo 'make test      everything that is checked: formatting, lint, tests, sanitizers, the installed package'
 	@echo 'make build     the release command alone: build/mapless'
 	@echo 'make lint      formatting, layers, documents, clang-tidy'
-	@echo 'make peers     KISS-ICP beside our odometry, its table into docs/odometry.md; ARGS="--kitti DRIVE" for that drive'
+	@echo 'make peers     KISS-ICP beside our odometry and DUFOMap beside our detection, their tables into docs/odometry.md and'
+	@echo '               docs/accuracy.md; ARGS="--kitti DRIVE" for that drive too, in the odometry'
 	@echo 'make install   library, headers and command to PREFIX ($(PREFIX))'
 	@echo 'make clean     remove build and out'
 	@echo 'JOBS=$(JOBS) is how many processes build and test at once. Missing Debian packages are installed.'
@@ -46,6 +47,7 @@ peers: build
 	@python3 -m venv build/peers/python
 	@build/peers/python/bin/pip install --quiet -r benchmarks/peers/requirements.txt
 	@build/peers/python/bin/python benchmarks/peers/compare_odometry.py $(ARGS) --write docs/odometry.md
+	@build/peers/python/bin/python benchmarks/peers/compare_detection.py --write docs/accuracy.md
 
 install: build
 	@cmake --install build/release --prefix $(PREFIX)

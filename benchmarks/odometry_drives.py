@@ -16,11 +16,9 @@ import pathlib
 import shutil
 
 import numpy as np
-from scipy.spatial.transform import Rotation, Slerp
 
-from shared import run, write_between_marks
+from shared import SCENES, poses, run, simulate, write_between_marks
 
-SCENES = ["town1", "town2", "highway", "forest", "tunnel", "flyer", "tilted", "crossing"]
 SENSORS = ["HDL-64E-S2", "VLP-16", "OS1-128"]
 POSES_PER_SCAN = 10
 # Name of the column, format, and the bar it is held against.
@@ -34,21 +32,6 @@ COLUMNS = [
     ("start [m]", "{:.3f}", 0.10),
     ("ms a scan", "{:.1f}", None),
 ]
-
-
-def simulate(options, scene, sensor):
-    folder = options.work / f"{scene}_{sensor}_{options.seed}"
-    if not folder.exists():
-        command = [options.mapless, "simulate", scene, "-o", folder, "--sensor", sensor, "--seed", options.seed]
-        run(command + ["--duration-s", options.duration_s, "--range-noise-m", 0.02, "--threads", options.threads])
-    return folder
-
-
-def poses(rows, times):
-    """Positions and rotations of TUM rows at these times."""
-    times = np.clip(times, rows[0, 0], rows[-1, 0])
-    positions = np.stack([np.interp(times, rows[:, 0], rows[:, i]) for i in (1, 2, 3)], axis=1)
-    return positions, Slerp(rows[:, 0], Rotation.from_quat(rows[:, 4:8]))(times)
 
 
 def start_error(folder, result):
@@ -114,7 +97,9 @@ def main():
     troubles = []
     for sensor in options.sensors:
         for scene in options.scenes:
-            folder = simulate(options, scene, sensor)
+            folder = options.work / f"{scene}_{sensor}_{options.seed}"
+            how = ["--sensor", sensor, "--seed", options.seed, "--duration-s", options.duration_s]
+            simulate(options.mapless, scene, folder, *how, "--range-noise-m", 0.02, "--threads", options.threads)
             values, trouble = judge(options, folder, options.work / "result")
             cells = [cell(value, form, bar) for value, (_, form, bar) in zip(values, COLUMNS)]
             lines.append(" | ".join([f"{scene}, {sensor}"] + cells))

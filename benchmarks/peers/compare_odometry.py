@@ -13,12 +13,8 @@ between the two marks in that file.
 """
 
 import argparse
-import datetime
 import json
-import os
 import pathlib
-import platform
-import re
 import statistics
 import sys
 import time
@@ -29,7 +25,7 @@ from scipy.spatial.transform import Rotation
 from recordings import scans
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent))
-from shared import run, write_between_marks  # noqa: E402
+from shared import dated_table, run, simulate, write_between_marks  # noqa: E402
 
 SIMULATED = [
     ("town1", "HDL-64E-S2"),
@@ -49,13 +45,6 @@ COLUMNS = [
     "of all scans [m]",
     "ms a scan",
 ]
-
-
-def simulate(options, scene, sensor):
-    folder = options.work / f"{scene}_{sensor}_{options.duration_s:g}s"
-    if not folder.exists():
-        run([options.mapless, "simulate", scene, "-o", folder, "--sensor", sensor, "--duration-s", options.duration_s])
-    return folder
 
 
 def run_mapless(options, folder, output):
@@ -130,27 +119,6 @@ def compare(options, name, folder, evaluate_with):
         yield row
 
 
-def cpu_name():
-    text = pathlib.Path("/proc/cpuinfo").read_text() if os.path.exists("/proc/cpuinfo") else ""
-    found = re.search(r"model name\s*:\s*(.*)", text)
-    return found.group(1) if found else platform.processor()
-
-
-def document(options, rows):
-    table = [COLUMNS, ["---"] * len(COLUMNS)] + rows
-    command = f"benchmarks/peers/compare_odometry.py --duration-s {options.duration_s:g}"
-    command += " --kitti $DRIVE" if options.kitti else ""
-    return "\n".join(
-        [
-            f"{datetime.date.today()}, {os.cpu_count()} cores of {cpu_name()}, load {os.getloadavg()[0]:.1f}:",
-            "",
-            f"    {command}",
-            "",
-        ]
-        + ["| " + " | ".join(row) + " |" for row in table]
-    )
-
-
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--mapless", default="build/mapless", type=pathlib.Path)
@@ -163,11 +131,14 @@ def main():
     rows = []
     print(" | ".join(COLUMNS))
     for scene, sensor in SIMULATED:
-        rows += compare(options, f"{scene}, {sensor}", simulate(options, scene, sensor), [])
+        folder = options.work / f"{scene}_{sensor}_{options.duration_s:g}s"
+        simulate(options.mapless, scene, folder, "--sensor", sensor, "--duration-s", options.duration_s)
+        rows += compare(options, f"{scene}, {sensor}", folder, [])
     if options.kitti:
         reference = ["--reference-trajectory", options.kitti / "poses_icp.txt", "--reference-pose-instant", "middle"]
         rows += compare(options, options.kitti.name, options.kitti, reference)
-    text = document(options, rows)
+    command = f"benchmarks/peers/compare_odometry.py --duration-s {options.duration_s:g}"
+    text = dated_table(command + (" --kitti $DRIVE" if options.kitti else ""), COLUMNS, rows)
     print(text)
     if options.write:
         write_between_marks(options.write, "compare_odometry.py", text)

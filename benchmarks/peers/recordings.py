@@ -1,4 +1,4 @@
-"""Raw scans of a recording as other people's odometries take them: points and their times."""
+"""Raw scans of a recording as other people's programs take them: points and their times."""
 
 import pathlib
 
@@ -17,13 +17,20 @@ def read_pcd(file):
     return np.frombuffer(content, np.dtype(list(zip(header["FIELDS"], types))), offset=header_end)
 
 
-def native_scans(folder):
-    """Points [m] and times since the scan's start [s] of the hits, in the order of the file."""
+def native_hits(folder):
+    """Points [m] and times since the scan's start [s] of the hits, and which records of the file they are."""
     for file in sorted((folder / "scans").glob("*.pcd")):
         scan = read_pcd(file)
-        scan = scan[(scan["code"] == 0) & np.isfinite(scan["x"])]
+        hits = (scan["code"] == 0) & np.isfinite(scan["x"])
+        scan = scan[hits]
         points = np.stack([scan["x"], scan["y"], scan["z"]], axis=1).astype(np.float64)
-        yield points, scan["t"] * 1e-9
+        yield points, scan["t"] * 1e-9, hits
+
+
+def native_scans(folder):
+    """Points [m] and times since the scan's start [s] of the hits, in the order of the file."""
+    for points, times, _ in native_hits(folder):
+        yield points, times
 
 
 def kitti_raw_scans(drive):
