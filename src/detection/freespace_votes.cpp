@@ -6,6 +6,7 @@
 #include <oneapi/tbb/parallel_for.h>
 
 #include "detection/row_votes.hpp"
+#include "detection/sliding_rows.hpp"
 #include "detection/witnesses.hpp"
 #include <mapless/detection/freespace_votes.hpp>
 
@@ -46,7 +47,7 @@ std::vector<PointVotes> collect_votes(const LidarScan& scan, const LocalPoints& 
   const Witnesses witnesses(scan, points, asked, own, parameters);
   std::vector<PointVotes> votes(points.points.size());
   tbb::enumerable_thread_specific<RowVotes> of_thread(std::cref(scan), std::cref(points),
-                                                      std::cref(witnesses));
+                                                      std::cref(witnesses), std::cref(parameters));
   for (const bool between : {false, true}) {
     const std::vector<RowVotes::Row> rows = rows_of(scan, between);
     const std::size_t parts = (rows.size() + kMostRowsAtOnce - 1) / kMostRowsAtOnce;
@@ -55,6 +56,10 @@ std::vector<PointVotes> collect_votes(const LidarScan& scan, const LocalPoints& 
       of_thread.local().vote(std::span(rows).subspan(first, end - first), between, votes);
     });
   }
+  std::vector<RowLine> lines;
+  for (const RowVotes& v : of_thread) lines.insert(lines.end(), v.lines().begin(), v.lines().end());
+  std::sort(lines.begin(), lines.end(), [](const RowLine& a, const RowLine& b) { return a.first < b.first; });
+  hear_sliding_rows(scan, points, lines, RecedingEnds(scan, points, asked, own, parameters), votes);
   return votes;
 }
 

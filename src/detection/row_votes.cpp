@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "detection/four_lanes.hpp"
+#include "detection/off_line.hpp"
 
 namespace mapless {
 namespace {
@@ -35,18 +36,15 @@ Floats four_from(const float* first) {
   return four;
 }
 
-// Squared distance of a point from the line through a and b, or from the nearer of the two beyond them.
-float off_line2(const Eigen::Vector3f& q, const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
-  const Eigen::Vector3f chord = b - a;
-  const float length2 = chord.squaredNorm();
-  const float along = length2 > 0 ? std::clamp(chord.dot(q - a) / length2, 0.0F, 1.0F) : 0;
-  return (q - a - along * chord).squaredNorm();
-}
-
 }  // namespace
 
-RowVotes::RowVotes(const LidarScan& scan, const LocalPoints& points, const Witnesses& witnesses)
-    : scan_(scan), points_(points.points), witnesses_(witnesses), image_(scan) {}
+RowVotes::RowVotes(const LidarScan& scan, const LocalPoints& points, const Witnesses& witnesses,
+                   const VotingParameters& parameters)
+    : scan_(scan),
+      points_(points.points),
+      witnesses_(witnesses),
+      image_(scan),
+      lines_(scan, points, parameters) {}
 
 void RowVotes::vote(std::span<const Row> rows, bool between, std::vector<PointVotes>& votes) {
   between_ = between;
@@ -54,6 +52,8 @@ void RowVotes::vote(std::span<const Row> rows, bool between, std::vector<PointVo
   questions_.clear();
   open_.clear();
   for (const Row& row : rows) begin(row);
+  for (const Span& span : open_) lines_.add(span.left, span.right);
+  lines_.end();
   witnesses_.ask(questions_, hearing_, votes);
   while (!open_.empty()) {
     questions_.clear();

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "detection/row_lines.hpp"
 #include "detection/witnesses.hpp"
 #include <mapless/lidar/aligned_image.hpp>
 
@@ -17,7 +18,8 @@ namespace mapless {
 /// stand.
 class RowVotes {
  public:
-  RowVotes(const LidarScan& scan, const LocalPoints& points, const Witnesses& witnesses);
+  RowVotes(const LidarScan& scan, const LocalPoints& points, const Witnesses& witnesses,
+           const VotingParameters& parameters);
 
   /// A laser's returns.
   struct Row {
@@ -26,6 +28,8 @@ class RowVotes {
   /// Votes of rows, asked together. Where they are `between`, the rows below and above each were asked
   /// before.
   void vote(std::span<const Row> rows, bool between, std::vector<PointVotes>& votes);
+  /// Of the rows so far.
+  [[nodiscard]] const std::vector<RowLine>& lines() const { return lines_.lines(); }
 
  private:
   // Returns of one row: two that were asked, and those between that were not.
@@ -46,6 +50,7 @@ class RowVotes {
   const std::vector<Eigen::Vector3f>& points_;
   const Witnesses& witnesses_;
   AlignedImage image_;
+  RowLines lines_;
   bool between_ = false;
   std::vector<PointVotes>* votes_ = nullptr;
   // Of the row that is cut: its first point, all of them, and a few more zeros.

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <cstdint>
+
+namespace mapless {
+
+/// Returns of one laser that lie one after another on a straight line: a cut through one face of something.
+struct RowLine {
+  std::int32_t first, last;
+};
+
+}  // namespace mapless
