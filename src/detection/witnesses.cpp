@@ -10,6 +10,7 @@ namespace mapless {
 namespace {
 
 constexpr std::size_t kAtOnce = FreespaceProbe::kAtOnce;
+constexpr std::size_t kEights = 16;  // asked together: what is kept of them should stay at hand
 
 // Votes against a point that settle it, if no scan saw through: of the order in_order gives, three scans, 32,
 // 12 and 4 back.
@@ -86,22 +87,29 @@ void Witnesses::gather(const std::vector<std::size_t>& questions, Hearing& heari
 // in tells where to look for the next.
 void Witnesses::hear_all(const Witness& witness, Hearing& hearing) const {
   hearing.hiders.clear();
+  std::array<FreespaceProbe::Points, kEights> points;
+  std::array<FreespaceProbe::Answers, kEights> answers;
   float ahead = 0;  // of the point's own column
   const std::size_t size = hearing.open.size();
-  for (std::size_t first = 0; first < size; first += kAtOnce) {
-    const std::size_t count = std::min(kAtOnce, size - first);
-    std::array<Question*, kAtOnce> heard;  // the last one again where there are fewer
-    FreespaceProbe::Points points;
-    for (std::size_t l = 0; l < kAtOnce; ++l) {
-      heard[l] = &hearing.questions[hearing.open[std::min(first + l, size - 1)]];
-      points.x[l] = heard[l]->q.x();
-      points.y[l] = heard[l]->q.y();
-      points.z[l] = heard[l]->q.z();
+  for (std::size_t first = 0; first < size; first += kEights * kAtOnce) {
+    const std::size_t count = std::min(kEights * kAtOnce, size - first);
+    const std::size_t eights = (count + kAtOnce - 1) / kAtOnce;
+    for (std::size_t k = 0; k < eights * kAtOnce; ++k) {  // the last one again where there are fewer
+      const Question& question = hearing.questions[hearing.open[std::min(first + k, size - 1)]];
+      FreespaceProbe::Points& eight = points[k / kAtOnce];
+      const std::size_t l = k % kAtOnce;
+      eight.x[l] = question.q.x();
+      eight.y[l] = question.q.y();
+      eight.z[l] = question.q.z();
+      if (l == 0) eight.near = question.column;
+      eight.near_last = question.column;
     }
-    points.near = heard[0]->column + ahead;
-    const auto answers = witness.probe.look(points);
-    ahead = points.column[kAtOnce - 1] - heard[kAtOnce - 1]->column;
-    for (std::size_t l = 0; l < count; ++l) hear(witness, answers[l], *heard[l], hearing);
+    points[0].near += ahead;
+    witness.probe.look(std::span(points).first(eights), std::span(answers).first(eights));
+    ahead = points[eights - 1].column[kAtOnce - 1] - points[eights - 1].near_last;
+    for (std::size_t k = 0; k < count; ++k) {
+      hear(witness, answers[k / kAtOnce][k % kAtOnce], hearing.questions[hearing.open[first + k]], hearing);
+    }
   }
   ask_whether_left(witness, hearing);
 }
