@@ -26,6 +26,10 @@ constexpr float kSurely = 0.7F;
 constexpr float kMostColumnsAside = 120;
 
 }  // namespace
+
+template <int lanes>
+struct LaneNumbers;  // so many numbers side by side
+
 }  // namespace mapless
 
 #define MAPLESS_INLINE [[gnu::always_inline]] inline
