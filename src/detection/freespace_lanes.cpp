@@ -5,6 +5,8 @@
 #include <cstring>
 #include <limits>
 #include <numbers>
+#include <span>
+#include <type_traits>
 
 #include <mapless/detection/ray_image.hpp>
 
@@ -24,6 +26,10 @@ constexpr float kSurely = 0.7F;
 constexpr float kMostColumnsAside = 120;
 
 }  // namespace
+
+template <int lanes>
+struct LaneNumbers;  // so many numbers side by side
+
 }  // namespace mapless
 
 #define MAPLESS_INLINE [[gnu::always_inline]] inline
@@ -55,16 +61,24 @@ FreespaceProbe::Vectors FreespaceProbe::widest_vectors() {
 #endif
 }
 
-FreespaceProbe::Answers FreespaceProbe::look(Points& points, [[maybe_unused]] Vectors vectors) const {
-  Answers answers;
-  if (image_.columns() == 0) return answers;
+void FreespaceProbe::look(std::span<Points> points, std::span<Answers> answers,
+                          [[maybe_unused]] Vectors vectors) const {
+  if (image_.columns() == 0) {
+    std::fill(answers.begin(), answers.end(), Answers{});
+    return;
+  }
 #ifdef MAPLESS_EIGHT_LANES
   if (vectors == Vectors::of_eight) {
-    Lanes<8>::look(*this, 0, points, answers);
-    return answers;
+    Lanes<8>::look(*this, points, answers);
+    return;
   }
 #endif
-  for (std::size_t first = 0; first < kAtOnce; first += 4) Lanes<4>::look(*this, first, points, answers);
+  Lanes<4>::look(*this, points, answers);
+}
+
+FreespaceProbe::Answers FreespaceProbe::look(Points& points, Vectors vectors) const {
+  Answers answers;
+  look(std::span(&points, 1), std::span(&answers, 1), vectors);
   return answers;
 }
 

@@ -13,7 +13,6 @@ using Eigen::Vector3d;
 using Eigen::Vector3f;
 
 constexpr int kMaxColumnSteps = 12;
-constexpr float kFarAside = 2;    // a firing that many columns off does not speak for a point
 constexpr int kPosesATurn = 256;  // that a look at four points uses
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 

@@ -10,6 +10,7 @@ namespace mapless {
 namespace {
 
 constexpr std::size_t kAtOnce = FreespaceProbe::kAtOnce;
+constexpr std::size_t kEights = 16;  // asked together: what is kept of them should stay at hand
 
 // Votes against a point that settle it, if no scan saw through: of the order in_order gives, three scans, 32,
 // 12 and 4 back.
@@ -36,6 +37,39 @@ std::vector<AskedScan> in_order(std::vector<AskedScan> asked) {
   }
   ordered.insert(ordered.end(), asked.begin(), lately);
   return ordered;
+}
+
+struct Asked {
+  const Eigen::Vector3f& q;
+  float column;  // about where the scan asked looks that way
+};
+
+// Puts the points of(0), of(1), ... to a scan; `heard` is called with the number and the answer of each.
+// Consecutive firings look at consecutive columns of another scan too, so that the column one point was found
+// in tells where to look for the next.
+template <class Of, class Heard>
+void look_at_all(const FreespaceProbe& probe, std::size_t size, Of&& of, Heard&& heard) {
+  std::array<FreespaceProbe::Points, kEights> points;
+  std::array<FreespaceProbe::Answers, kEights> answers;
+  float ahead = 0;  // of the point's own column
+  for (std::size_t first = 0; first < size; first += kEights * kAtOnce) {
+    const std::size_t count = std::min(kEights * kAtOnce, size - first);
+    const std::size_t eights = (count + kAtOnce - 1) / kAtOnce;
+    for (std::size_t k = 0; k < eights * kAtOnce; ++k) {  // the last one again where there are fewer
+      const Asked asked = of(std::min(first + k, size - 1));
+      FreespaceProbe::Points& eight = points[k / kAtOnce];
+      const std::size_t l = k % kAtOnce;
+      eight.x[l] = asked.q.x();
+      eight.y[l] = asked.q.y();
+      eight.z[l] = asked.q.z();
+      if (l == 0) eight.near = asked.column;
+      eight.near_last = asked.column;
+    }
+    points[0].near += ahead;
+    probe.look(std::span(points).first(eights), std::span(answers).first(eights));
+    ahead = points[eights - 1].column[kAtOnce - 1] - points[eights - 1].near_last;
+    for (std::size_t k = 0; k < count; ++k) heard(first + k, answers[k / kAtOnce][k % kAtOnce]);
+  }
 }
 
 int recent_gap(const std::vector<AskedScan>& asked) {
@@ -82,27 +116,17 @@ void Witnesses::gather(const std::vector<std::size_t>& questions, Hearing& heari
   }
 }
 
-// Consecutive firings look at consecutive columns of another scan too, so that the column one point was found
-// in tells where to look for the next.
 void Witnesses::hear_all(const Witness& witness, Hearing& hearing) const {
   hearing.hiders.clear();
-  float ahead = 0;  // of the point's own column
-  const std::size_t size = hearing.open.size();
-  for (std::size_t first = 0; first < size; first += kAtOnce) {
-    const std::size_t count = std::min(kAtOnce, size - first);
-    std::array<Question*, kAtOnce> heard;  // the last one again where there are fewer
-    FreespaceProbe::Points points;
-    for (std::size_t l = 0; l < kAtOnce; ++l) {
-      heard[l] = &hearing.questions[hearing.open[std::min(first + l, size - 1)]];
-      points.x[l] = heard[l]->q.x();
-      points.y[l] = heard[l]->q.y();
-      points.z[l] = heard[l]->q.z();
-    }
-    points.near = heard[0]->column + ahead;
-    const auto answers = witness.probe.look(points);
-    ahead = points.column[kAtOnce - 1] - heard[kAtOnce - 1]->column;
-    for (std::size_t l = 0; l < count; ++l) hear(witness, answers[l], *heard[l], hearing);
-  }
+  const auto question = [&](std::size_t k) -> Question& { return hearing.questions[hearing.open[k]]; };
+  look_at_all(
+      witness.probe, hearing.open.size(),
+      [&](std::size_t k) {
+        return Asked{question(k).q, question(k).column};
+      },
+      [&](std::size_t k, const FreespaceProbe::Answer& answer) {
+        hear(witness, answer, question(k), hearing);
+      });
   ask_whether_left(witness, hearing);
 }
 
@@ -142,33 +166,29 @@ void Witnesses::hear(const Witness& witness, const FreespaceProbe::Answer& answe
     if (witness.later) question.next_off_m = std::abs(answer.short_by_m);
   } else if (answer.verdict == FreespaceVerdict::outside && answer.short_by_m <= vacated_m_ &&
              witness.probe.ended(answer)) {
-    const Eigen::Vector3f place = witness.probe.endpoint(answer.laser, answer.column);
-    if ((place - question.q).squaredNorm() <= vacated_m_ * vacated_m_) {
-      hearing.hiders.push_back({&question, place});
-    }
+    witness.probe.prepare_endpoint(answer.column);
+    hearing.hiders.push_back({&question, Eigen::Vector3f::Zero(), answer.laser, answer.column});
   }
 }
 
 // Whether what hid a point, near enough to be the same thing, is not there now.
 void Witnesses::ask_whether_left(const Witness& witness, Hearing& hearing) const {
-  const auto& hiders = hearing.hiders;
-  for (std::size_t first = 0; first < hiders.size(); first += kAtOnce) {
-    FreespaceProbe::Points points;
-    for (std::size_t l = 0; l < kAtOnce; ++l) {
-      const Hearing::Hider& hider = hiders[std::min(first + l, hiders.size() - 1)];
-      points.x[l] = hider.place.x();
-      points.y[l] = hider.place.y();
-      points.z[l] = hider.place.z();
-    }
-    points.near = hiders[first].question->column;
-    const auto answers = own_.look(points);
-    for (std::size_t l = 0; l < std::min(kAtOnce, hiders.size() - first); ++l) {
-      if (answers[l].verdict != FreespaceVerdict::inside) continue;
-      const auto& [question, place] = hiders[first + l];
-      question->hider_left = true;
-      hearing.leavers.push_back({question, &witness, (place - question->q).norm()});
-    }
-  }
+  auto& hiders = hearing.hiders;
+  std::erase_if(hiders, [&](Hearing::Hider& hider) {
+    hider.place = witness.probe.endpoint(hider.laser, hider.column);
+    return (hider.place - hider.question->q).squaredNorm() > vacated_m_ * vacated_m_;
+  });
+  look_at_all(
+      own_, hiders.size(),
+      [&](std::size_t k) {
+        return Asked{hiders[k].place, hiders[k].question->column};
+      },
+      [&](std::size_t k, const FreespaceProbe::Answer& answer) {
+        if (answer.verdict != FreespaceVerdict::inside) return;
+        const auto& [question, place, laser, column] = hiders[k];
+        question->hider_left = true;
+        hearing.leavers.push_back({question, &witness, (place - question->q).norm()});
+      });
 }
 
 void Witnesses::count_leavers(Hearing& hearing) const {

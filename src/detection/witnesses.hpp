@@ -42,6 +42,7 @@ class Witnesses {
     struct Hider {
       Question* question;
       Eigen::Vector3f place;
+      int laser, column;  // of the firing that ended there
     };
     std::vector<Hider> hiders;
     // What has left, of all scans.

@@ -2,6 +2,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <numbers>
 #include <random>
 #include <string>
@@ -206,6 +207,42 @@ TEST_P(ProbeAgreement, OfVectorsOfEightWithVectorsOfFour) {
                 std::bit_cast<std::uint32_t>(expected.short_by_m[k]))
           << "query " << i + k;
       ASSERT_EQ(eights.column[k], fours.column[k]) << "query " << i + k;
+    }
+  }
+}
+
+// Of many, each eight has the answers it has alone, to the last bit, where it is looked for as far beside its
+// guess as the last of the eight before was found beside its own.
+TEST_P(ProbeAgreement, OfManyAtOnceWithEightAlone) {
+  const Case& c = GetParam();
+  std::mt19937_64 random(19);
+  const test::ToyScene scene = scene_of(c);
+  const auto scan = scan_of(c, scene, random);
+  const CompensatedScan compensated = compensate(scan, *scene.trajectory);
+  const RayImage image(compensated);
+  const Vector3d origin_0 = image.origin_0() + Vector3d(30, -20, 1);
+  const FreespaceProbe probe(image, origin_0, {});
+  const FreespaceProbeOracle oracle(*scan, *scene.trajectory, {});
+  const std::vector<Vector3d> queries = queries_of(compensated, oracle, 2000, random);
+  for (const Vectors vectors : {Vectors::of_four, FreespaceProbe::widest_vectors()}) {
+    std::vector<FreespaceProbe::Points> many;
+    for (std::size_t i = 0; i < queries.size(); i += kAtOnce) {
+      many.push_back(points_of(probe, origin_0, queries, i));
+      many.back().near_last = static_cast<float>(i % 700);
+    }
+    std::vector<FreespaceProbe::Points> alone = many;
+    std::vector<FreespaceProbe::Answers> answers(many.size());
+    probe.look(many, answers, vectors);
+    for (std::size_t n = 0; n < alone.size(); ++n) {
+      if (n > 0) alone[n].near += alone[n - 1].column[kAtOnce - 1] - alone[n - 1].near_last;
+      const auto expected = probe.look(alone[n], vectors);
+      ASSERT_EQ(many[n].column, alone[n].column) << "eight " << n;
+      ASSERT_EQ(answers[n].verdict, expected.verdict) << "eight " << n;
+      ASSERT_EQ(answers[n].laser, expected.laser) << "eight " << n;
+      ASSERT_EQ(answers[n].column, expected.column) << "eight " << n;
+      ASSERT_EQ(std::memcmp(&answers[n].short_by_m, &expected.short_by_m, sizeof(expected.short_by_m)), 0)
+          << "eight " << n;
+      ASSERT_EQ(answers[n].aside_m, expected.aside_m) << "eight " << n;
     }
   }
 }
