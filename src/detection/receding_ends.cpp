@@ -6,6 +6,8 @@
 
 #include <Eigen/Geometry>
 
+#include "detection/look_at_all.hpp"
+
 namespace mapless {
 namespace {
 
@@ -88,23 +90,17 @@ bool RecedingEnds::may_be_free(const End& end) const {
 
 // Those beyond which the scan says so.
 void RecedingEnds::keep(std::vector<End>& ends, const FreespaceProbe& scan, FreespaceVerdict verdict) {
-  constexpr std::size_t kAtOnce = FreespaceProbe::kAtOnce;
+  std::vector<Eigen::Vector3f> beyond;
+  for (const End& end : ends) beyond.push_back(end.beyond(end.clear_m));
   std::size_t kept = 0;
-  for (std::size_t first = 0; first < ends.size(); first += kAtOnce) {
-    FreespaceProbe::Points points;
-    for (std::size_t l = 0; l < kAtOnce; ++l) {
-      const End& end = ends[std::min(first + l, ends.size() - 1)];
-      const Eigen::Vector3f q = end.beyond(end.clear_m);
-      points.x[l] = q.x();
-      points.y[l] = q.y();
-      points.z[l] = q.z();
-    }
-    points.near = ends[first].column;
-    const auto answers = scan.look(points);
-    for (std::size_t l = 0; l < std::min(kAtOnce, ends.size() - first); ++l) {
-      if (answers[l].verdict == verdict) ends[kept++] = ends[first + l];
-    }
-  }
+  look_at_all(
+      scan, ends.size(),
+      [&](std::size_t k) {
+        return LookedAt{beyond[k], ends[k].column};
+      },
+      [&](std::size_t k, const FreespaceProbe::Answer& answer) {
+        if (answer.verdict == verdict) ends[kept++] = ends[k];
+      });
   ends.resize(kept);
 }
 

@@ -6,11 +6,10 @@
 #include <limits>
 #include <span>
 
+#include "detection/look_at_all.hpp"
+
 namespace mapless {
 namespace {
-
-constexpr std::size_t kAtOnce = FreespaceProbe::kAtOnce;
-constexpr std::size_t kEights = 16;  // asked together: what is kept of them should stay at hand
 
 // Votes against a point that settle it, if no scan saw through: of the order in_order gives, three scans, 32,
 // 12 and 4 back.
@@ -37,39 +36,6 @@ std::vector<AskedScan> in_order(std::vector<AskedScan> asked) {
   }
   ordered.insert(ordered.end(), asked.begin(), lately);
   return ordered;
-}
-
-struct Asked {
-  const Eigen::Vector3f& q;
-  float column;  // about where the scan asked looks that way
-};
-
-// Puts the points of(0), of(1), ... to a scan; `heard` is called with the number and the answer of each.
-// Consecutive firings look at consecutive columns of another scan too, so that the column one point was found
-// in tells where to look for the next.
-template <class Of, class Heard>
-void look_at_all(const FreespaceProbe& probe, std::size_t size, Of&& of, Heard&& heard) {
-  std::array<FreespaceProbe::Points, kEights> points;
-  std::array<FreespaceProbe::Answers, kEights> answers;
-  float ahead = 0;  // of the point's own column
-  for (std::size_t first = 0; first < size; first += kEights * kAtOnce) {
-    const std::size_t count = std::min(kEights * kAtOnce, size - first);
-    const std::size_t eights = (count + kAtOnce - 1) / kAtOnce;
-    for (std::size_t k = 0; k < eights * kAtOnce; ++k) {  // the last one again where there are fewer
-      const Asked asked = of(std::min(first + k, size - 1));
-      FreespaceProbe::Points& eight = points[k / kAtOnce];
-      const std::size_t l = k % kAtOnce;
-      eight.x[l] = asked.q.x();
-      eight.y[l] = asked.q.y();
-      eight.z[l] = asked.q.z();
-      if (l == 0) eight.near = asked.column;
-      eight.near_last = asked.column;
-    }
-    points[0].near += ahead;
-    probe.look(std::span(points).first(eights), std::span(answers).first(eights));
-    ahead = points[eights - 1].column[kAtOnce - 1] - points[eights - 1].near_last;
-    for (std::size_t k = 0; k < count; ++k) heard(first + k, answers[k / kAtOnce][k % kAtOnce]);
-  }
 }
 
 int recent_gap(const std::vector<AskedScan>& asked) {
@@ -122,7 +88,7 @@ void Witnesses::hear_all(const Witness& witness, Hearing& hearing) const {
   look_at_all(
       witness.probe, hearing.open.size(),
       [&](std::size_t k) {
-        return Asked{question(k).q, question(k).column};
+        return LookedAt{question(k).q, question(k).column};
       },
       [&](std::size_t k, const FreespaceProbe::Answer& answer) {
         hear(witness, answer, question(k), hearing);
@@ -181,7 +147,7 @@ void Witnesses::ask_whether_left(const Witness& witness, Hearing& hearing) const
   look_at_all(
       own_, hiders.size(),
       [&](std::size_t k) {
-        return Asked{hiders[k].place, hiders[k].question->column};
+        return LookedAt{hiders[k].place, hiders[k].question->column};
       },
       [&](std::size_t k, const FreespaceProbe::Answer& answer) {
         if (answer.verdict != FreespaceVerdict::inside) return;
