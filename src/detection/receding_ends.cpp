@@ -13,11 +13,11 @@ namespace {
 
 // An end is known to within the tolerance of range and the columns on either side of it; they are farther
 // apart along a line that is seen at a slant.
-constexpr float kEndColumns = 3, kLeastAcross = 0.2F;
+constexpr float kEndColumns = 3, kLeastSlant = 0.2F;
 
 // How far an end has receded is told in steps. A rounded corner does not look like two.
 constexpr float kStep_m = 0.1F;
-constexpr int kFewestSteps = 2, kMostSteps = 10, kUnknown = -1;
+constexpr int kFewestSteps = 2, kMostSteps = 10, kNotSeen = -1;
 
 // Cosine. Where a line comes steeply towards the sensor, rays above and below see its slanting end farther
 // off or nearer, by any distance.
@@ -70,7 +70,7 @@ RecedingEnds::End RecedingEnds::end_of(const RowLine& line) const {
   const Eigen::Vector3f &from = points_[static_cast<std::size_t>(line.first)],
                         &to = points_[static_cast<std::size_t>(line.last)];
   const Eigen::Vector3f outward = (to - from).normalized();
-  const float across = std::max(outward.cross(to.normalized()).norm(), kLeastAcross);
+  const float across = std::max(outward.cross(to.normalized()).norm(), kLeastSlant);
   return {line, to, outward, static_cast<float>(r.column),
           own_.tolerance_m(r.laser, r.range_m) + kEndColumns * column_rad_ * r.range_m / across};
 }
@@ -106,7 +106,7 @@ void RecedingEnds::keep(std::vector<End>& ends, const FreespaceProbe& scan, Free
 
 RecedingEnds::Way RecedingEnds::way_of(const End& end) const {
   Steps steps;
-  steps.fill(kUnknown);
+  steps.fill(kNotSeen);
   for (const Earlier& e : earlier_) steps[static_cast<std::size_t>(e.gap)] = steps_receded(end, e);
   if (!goes_on(steps, end.clear_m)) return Way::stays;
   const auto gone = [&steps](const Earlier& e) { return steps[static_cast<std::size_t>(e.gap)]; };
@@ -128,24 +128,24 @@ RecedingEnds::Way RecedingEnds::way_of(const End& end) const {
 bool RecedingEnds::goes_on(const Steps& steps, float clear_m) const {
   int last = 0;
   for (const int n : steps) {
-    if (n != kUnknown && n < last - 1) return false;
-    last = n == kUnknown ? last : n;
+    if (n != kNotSeen && n < last - 1) return false;
+    last = n == kNotSeen ? last : n;
   }
   return std::none_of(pairs_.begin(), pairs_.end(), [&](const Pair& pair) {
     const int nearer = steps[static_cast<std::size_t>(earlier_[pair.nearer].gap)];
     const int farther = steps[static_cast<std::size_t>(earlier_[pair.farther].gap)];
     const auto at_least_m = [&](int n) { return clear_m + kStep_m * static_cast<float>(n); };
-    return nearer != kUnknown && at_least_m(farther) > 2 * at_least_m(nearer + 1);
+    return nearer != kNotSeen && at_least_m(farther) > 2 * at_least_m(nearer + 1);
   });
 }
 
-// kUnknown where the scan could not see.
+// kNotSeen where the scan could not see.
 int RecedingEnds::steps_receded(const End& end, const Earlier& since) const {
   for (int steps = 0; steps < kMostSteps; ++steps) {
     const Eigen::Vector3f q = end.beyond(end.clear_m + static_cast<float>(steps) * kStep_m);
     float then = end.column, now = end.column;
     const FreespaceVerdict seen = since.probe.ask(q, then);
-    if (steps == 0 && seen != FreespaceVerdict::border && seen != FreespaceVerdict::inside) return kUnknown;
+    if (steps == 0 && seen != FreespaceVerdict::border && seen != FreespaceVerdict::inside) return kNotSeen;
     if (seen != FreespaceVerdict::border || own_.ask(q, now) != FreespaceVerdict::inside) return steps;
   }
   return kMostSteps;
