@@ -2,6 +2,7 @@
 #include <utility>
 
 #include "detection/detection_pipeline.hpp"
+#include "detection/range_noise.hpp"
 #include "detection/reference_gaps.hpp"
 #include "detection/stage_record.hpp"
 #include <mapless/core/timed.hpp>
@@ -100,8 +101,9 @@ ProposedObjects VotingPipeline::judge(PendingScan query, const std::vector<Asked
   out.trace.resize(out.scan->returns.size());
 
   // 2., 3. Comparison and freespace check, of every point, against several earlier scans and a later one.
-  const auto votes = timed(out.seconds.backward,
-                           [&] { return collect_votes(*out.scan, query.points, asked, own, parameters_); });
+  const auto votes = timed(out.seconds.backward, [&] {
+    return collect_votes(*out.scan, query.points, asked, own, for_noise_of(*out.scan, parameters_));
+  });
   record_votes(out.trace, votes);
   // 4. Border effects have no neighbours that say the same.
   const auto seeds = timed(out.seconds.box_filter,

@@ -161,11 +161,11 @@ struct VotingParameters {
                 "paper step 2, 3"),
         declare(&P::first_gap, "first_gap", "scans", 1, 10, "how far back the first of them lies",
                 "paper step 2"),
-        declare(
-            &P::tolerance_m, "tolerance_m", "m", 0.001, 10.0,
-            "a ray that ends within tolerance_m + tolerance_spacings x laser spacing x range of a point's "
-            "range ends on its surface",
-            "paper step 3"),
+        declare(&P::tolerance_m, "tolerance_m", "m", 0.001, 10.0,
+                "a ray that ends within tolerance_m (four standard deviations of the scan's own noise where "
+                "that is more) + tolerance_spacings x laser spacing x range of a point's range ends on its "
+                "surface",
+                "paper step 3"),
         declare(&P::tolerance_spacings, "tolerance_spacings", "laser spacings", 0.0, 100.0,
                 "see tolerance_m: a slanting surface is nearer on one laser than on the next",
                 "docs/method.md"),
