@@ -8,9 +8,15 @@ namespace {
 
 constexpr std::size_t kLongestPart = 200;
 
+// Whether the byte goes on a character of UTF-8 that another began.
+bool goes_on_a_character(char byte) { return (static_cast<unsigned char>(byte) & 0xC0U) == 0x80U; }
+
 // Of a binary file read as text, the line may be all of it.
 std::string shortened(const std::string& part) {
-  return part.size() <= kLongestPart ? part : part.substr(0, kLongestPart) + "...";
+  if (part.size() <= kLongestPart) return part;
+  std::size_t end = kLongestPart;
+  while (end > kLongestPart - 4 && goes_on_a_character(part[end])) --end;
+  return part.substr(0, end) + "...";
 }
 
 // A zero would end the message, and an escape sequence be obeyed by the terminal.

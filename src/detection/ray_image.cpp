@@ -228,6 +228,12 @@ bool FreespaceProbe::ended(const Answer& answer) const {
   return image_.range_m(answer.laser, answer.column) < static_cast<float>(image_.model().max_range_m);
 }
 
+void FreespaceProbe::prepare_endpoint(int column) const {
+  const Eigen::Matrix4f& T_h0 = image_.pose(column).T_h0;
+  __builtin_prefetch(T_h0.data());
+  __builtin_prefetch(T_h0.data() + T_h0.size() - 1);
+}
+
 Vector3f FreespaceProbe::endpoint(int laser, int column) const {
   const Beam& beam = fan_.beams[static_cast<std::size_t>(laser)];
   const Pose& pose = image_.pose(column);

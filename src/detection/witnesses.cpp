@@ -4,9 +4,11 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
+#include <numbers>
 #include <span>
 
 #include "detection/look_at_all.hpp"
+#include "detection/range_noise.hpp"
 
 namespace mapless {
 namespace {
@@ -15,8 +17,9 @@ namespace {
 // 12 and 4 back.
 constexpr int kEnough = 9;
 
-// Two standard deviations of the difference between two ranges with 0.02 m of noise.
-constexpr float kSurfaceNoise_m = 0.06F;
+// Two standard deviations of the difference between two ranges, as a share of the tolerance, which is
+// kToleratedDeviations of one range.
+constexpr double kSurfaceNoise = 2 * std::numbers::sqrt2 / kToleratedDeviations;
 
 // What stood for so many scans stands: those before are asked where that is not settled. A sensor that moves
 // has rarely seen a place then.
@@ -51,6 +54,7 @@ Witnesses::Witnesses(const LidarScan& scan, const LocalPoints& points, const std
     : scan_(scan),
       points_(points.points),
       vacated_m_(static_cast<float>(parameters.vacated_m)),
+      surface_noise_m_(static_cast<float>(kSurfaceNoise * parameters.tolerance_m)),
       own_(own, points.origin_0, parameters) {
   const int recent = recent_gap(asked);
   for (const AskedScan& a : in_order(asked)) {
@@ -175,7 +179,7 @@ bool Witnesses::goes_on(const Hearing::Leaver& leaver) const {
   const float advance_m = leaver.distance_m / static_cast<float>(leaver.witness->scans_off);
   // The first of the two where the second is not a number: that surface was beside the firing.
   const float at_rest_m = std::min(kClearlyGone * own_.tolerance_m(r.laser, r.range_m),
-                                   kSurfaceNoise_m + kClearlyGone * leaver.question->next_off_m);
+                                   surface_noise_m_ + kClearlyGone * leaver.question->next_off_m);
   return advance_m <= at_rest_m;
 }
 

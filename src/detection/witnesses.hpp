@@ -78,7 +78,7 @@ class Witnesses {
 
   const LidarScan& scan_;
   const std::vector<Eigen::Vector3f>& points_;
-  float vacated_m_;
+  float vacated_m_, surface_noise_m_;
   FreespaceProbe own_;
   std::vector<Witness> witnesses_;
 };

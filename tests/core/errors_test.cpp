@@ -33,6 +33,13 @@ TEST(Errors, OfALongValueOnlyTheBeginIsShown) {
   EXPECT_TRUE(message.ends_with("xxx...: bad; mend it")) << message;
 }
 
+TEST(Errors, ALongValueIsNotCutWithinACharacter) {
+  std::string value = "x";
+  while (value.size() < 1000) value += "\u00e4";  // two bytes, of which every second place is within
+  const std::string message = InputError({"a", "b", value, "bad", "mend it"}).what();
+  EXPECT_TRUE(message.ends_with("\u00e4...: bad; mend it")) << message;
+}
+
 TEST(Errors, EveryKindIsAnError) {
   EXPECT_THROW(throw InputError({"", "", "", "p", ""}), Error);
   EXPECT_THROW(throw ParameterError({"", "", "", "p", ""}), Error);

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <random>
 #include <string>
+#include <tuple>
 
 #include <gtest/gtest.h>
 #include <tbb/parallel_for.h>
@@ -120,6 +121,33 @@ FreespaceProbe::Points points_of(const FreespaceProbe& probe, const Vector3d& or
   return points;
 }
 
+/// A scan of the case and points put to it.
+struct Inquiry {
+  Inquiry(const Case& c, int count, std::uint64_t seed)
+      : random(seed),
+        scene(scene_of(c)),
+        scan(scan_of(c, scene, random)),
+        compensated(compensate(scan, *scene.trajectory)),
+        image(compensated),
+        origin_0(image.origin_0() + Vector3d(30, -20, 1)),  // of a scan of three seconds later
+        probe(image, origin_0, parameters),
+        oracle(*scan, *scene.trajectory, parameters),
+        queries(queries_of(compensated, oracle, count, random)) {}
+  Inquiry(const Inquiry&) = delete;
+  Inquiry& operator=(const Inquiry&) = delete;
+
+  std::mt19937_64 random;
+  test::ToyScene scene;
+  std::shared_ptr<const LidarScan> scan;
+  CompensatedScan compensated;
+  RayImage image;
+  Vector3d origin_0;
+  VotingParameters parameters;
+  FreespaceProbe probe;
+  FreespaceProbeOracle oracle;
+  std::vector<Vector3d> queries;
+};
+
 std::vector<FreespaceVerdict> ask_side_by_side(const FreespaceProbe& probe, const Vector3d& origin_0,
                                                const std::vector<Vector3d>& queries) {
   std::vector<FreespaceVerdict> verdicts(queries.size());
@@ -133,27 +161,23 @@ std::vector<FreespaceVerdict> ask_side_by_side(const FreespaceProbe& probe, cons
 
 void ProbeAgreement::expect_agreement(Asked asked) const {
   const Case& c = GetParam();
-  std::mt19937_64 random(17);
-  const test::ToyScene scene = scene_of(c);
-  const auto scan = scan_of(c, scene, random);
-  const VotingParameters parameters;
-  const CompensatedScan compensated = compensate(scan, *scene.trajectory);
-  const RayImage image(compensated);
-  const FreespaceProbeOracle oracle(*scan, *scene.trajectory, parameters);
-  const std::vector<Vector3d> queries = queries_of(compensated, oracle, 600, random);
-  const Vector3d origin_0 = image.origin_0() + Vector3d(30, -20, 1);  // of a scan of three seconds later
-  const FreespaceProbe probe(image, origin_0, parameters);
+  const Inquiry inquiry(c, 600, 17);
+  const FreespaceProbe& probe = inquiry.probe;
+  const FreespaceProbeOracle& oracle = inquiry.oracle;
+  const std::vector<Vector3d>& queries = inquiry.queries;
+  const int columns = inquiry.scan->columns;
 
   // As much of a turn as the sensor itself turns in a scan, the lasers' azimuth offsets, and as much as a
   // point near the sensor wanders as it passes.
   const double turned = std::abs(c.yaw_rate_deg) / 10 * kDegree;
   const double seam = turned > 0 || c.speed > 0 ? turned + 20 * kDegree : 0;
   std::vector<FreespaceVerdict> verdicts(queries.size());
-  if (asked == Asked::side_by_side) verdicts = ask_side_by_side(probe, origin_0, queries);
+  if (asked == Asked::side_by_side) verdicts = ask_side_by_side(probe, inquiry.origin_0, queries);
   std::vector<char> right(queries.size());
   tbb::parallel_for(std::size_t{0}, queries.size(), [&](std::size_t i) {
-    if (asked == Asked::alone) verdicts[i] = ask(probe, origin_0, queries[i], static_cast<float>(i % 900));
-    right[i] = is_right(oracle, queries[i], verdicts[i], seam, scan->columns) ? 1 : 0;
+    if (asked == Asked::alone)
+      verdicts[i] = ask(probe, inquiry.origin_0, queries[i], static_cast<float>(i % 900));
+    right[i] = is_right(oracle, queries[i], verdicts[i], seam, columns) ? 1 : 0;
   });
   std::array<int, kVerdicts> seen{};
   int other = 0;
@@ -162,10 +186,10 @@ void ProbeAgreement::expect_agreement(Asked asked) const {
     if (right[i]) continue;
     ++other;
     // Half a column aside the next firing is the nearest; a laser fires up to 60 us after its column.
-    const double range = (queries[i] - origin_0).norm();
+    const double range = (queries[i] - inquiry.origin_0).norm();
     // Near the seam the laser above may have looked there at the start of the scan, the one below at its end.
     const bool near_seam = oracle.angle_from_seam(queries[i]) < seam;
-    const double slack = (near_seam ? 0.1 : 0.005) + range * (std::numbers::pi / scan->columns + 3e-4);
+    const double slack = (near_seam ? 0.1 : 0.005) + range * (std::numbers::pi / columns + 3e-4);
     EXPECT_LE(oracle.margin_m(queries[i], verdicts[i]), slack)
         << "query " << queries[i].transpose() << ": " << static_cast<int>(verdicts[i]) << " for "
         << static_cast<int>(oracle.ask(queries[i]));
@@ -184,16 +208,8 @@ TEST_P(ProbeAgreement, OfEightAtOnceWithBruteForceOverAllRays) { expect_agreemen
 // To the last bit, whatever stands beside a point: labels do not depend on the processor.
 TEST_P(ProbeAgreement, OfVectorsOfEightWithVectorsOfFour) {
   if (FreespaceProbe::widest_vectors() == Vectors::of_four) GTEST_SKIP() << "of this processor";
-  const Case& c = GetParam();
-  std::mt19937_64 random(18);
-  const test::ToyScene scene = scene_of(c);
-  const auto scan = scan_of(c, scene, random);
-  const CompensatedScan compensated = compensate(scan, *scene.trajectory);
-  const RayImage image(compensated);
-  const Vector3d origin_0 = image.origin_0() + Vector3d(30, -20, 1);
-  const FreespaceProbe probe(image, origin_0, {});
-  const FreespaceProbeOracle oracle(*scan, *scene.trajectory, {});
-  const std::vector<Vector3d> queries = queries_of(compensated, oracle, 10000, random);
+  const Inquiry inquiry(GetParam(), 10000, 18);
+  const auto& [probe, origin_0, queries] = std::tie(inquiry.probe, inquiry.origin_0, inquiry.queries);
   for (std::size_t i = 0; i < queries.size(); i += kAtOnce) {
     FreespaceProbe::Points fours = points_of(probe, origin_0, queries, i);
     FreespaceProbe::Points eights = fours;
@@ -214,16 +230,8 @@ TEST_P(ProbeAgreement, OfVectorsOfEightWithVectorsOfFour) {
 // Of many, each eight has the answers it has alone, to the last bit, where it is looked for as far beside its
 // guess as the last of the eight before was found beside its own.
 TEST_P(ProbeAgreement, OfManyAtOnceWithEightAlone) {
-  const Case& c = GetParam();
-  std::mt19937_64 random(19);
-  const test::ToyScene scene = scene_of(c);
-  const auto scan = scan_of(c, scene, random);
-  const CompensatedScan compensated = compensate(scan, *scene.trajectory);
-  const RayImage image(compensated);
-  const Vector3d origin_0 = image.origin_0() + Vector3d(30, -20, 1);
-  const FreespaceProbe probe(image, origin_0, {});
-  const FreespaceProbeOracle oracle(*scan, *scene.trajectory, {});
-  const std::vector<Vector3d> queries = queries_of(compensated, oracle, 2000, random);
+  const Inquiry inquiry(GetParam(), 2000, 19);
+  const auto& [probe, origin_0, queries] = std::tie(inquiry.probe, inquiry.origin_0, inquiry.queries);
   for (const Vectors vectors : {Vectors::of_four, FreespaceProbe::widest_vectors()}) {
     std::vector<FreespaceProbe::Points> many;
     for (std::size_t i = 0; i < queries.size(); i += kAtOnce) {

@@ -143,11 +143,7 @@ class FreespaceProbe {
   /// Where the ray of a cell with a return ended, minus origin_0 [m].
   [[nodiscard]] Eigen::Vector3f endpoint(int laser, int column) const;
   /// Fetches what `endpoint` wants from far memory, to be asked a little later.
-  void prepare_endpoint(int column) const {
-    const Eigen::Matrix4f& T_h0 = image_.pose(column).T_h0;
-    __builtin_prefetch(T_h0.data());
-    __builtin_prefetch(T_h0.data() + T_h0.size() - 1);
-  }
+  void prepare_endpoint(int column) const;
 
  private:
   using Pose = RayImage::Pose;
