@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 
 #include <tbb/parallel_for.h>
 
@@ -26,7 +25,9 @@ constexpr double kFarSpeed = 3;  // [m/s]
 constexpr double kAboutAsGood = 0.9;
 // A motion with which so much fewer points agree than with another leaves most of the scan where nothing was.
 constexpr double kFarFewer = 0.5;
-constexpr std::size_t kCarriedBack = 5;  // intervals
+// Scans before a start that went with no other moved as it begins, for so many: registered with it they made
+// the start of one flyer with sixteen lasers worse for each that they made better.
+constexpr std::size_t kCarriedBack = 5;
 
 // What the motion between the scan's two knots costs by the prior: half the squared error, as a logarithm of
 // probability.
@@ -38,7 +39,7 @@ double motion_cost(const MappedTrajectory& track, const UsableScan& scan,
   return 0.5 * e.dot(motion_information((k2.time - k1.time).seconds(), density) * e);
 }
 
-// What is known of the motion from one knot on, carried back to an earlier one, which stays where it is.
+// The motion at one knot, carried back to an earlier one, which stays where it is.
 void carry_back(std::size_t from, std::size_t to, std::vector<TrajectoryKnot>& knots) {
   const SE3 T_to = knots[to].T_v0;
   for (std::size_t k = from; k-- > to;) knots[k] = predicted(knots[k + 1], knots[k].time);
@@ -73,6 +74,8 @@ Matrix12d StartUp::carry_by_prior() {
 }
 
 void StartUp::begin_with(UsableScan scan) {
+  unplaced_from_ = std::max(scans_.empty() ? scan.interval : unplaced_from_,
+                            scan.interval - std::min(scan.interval, kCarriedBack));
   scans_.clear();
   scans_.push_back(std::move(scan));
 }
@@ -99,10 +102,6 @@ StartUp::Result StartUp::begin_anew() {
   track.clear_map();
   track.begin_anew_at(scans_.back().interval);
   UsableScan newest = std::move(scans_.back());
-  scans_.pop_back();
-  std::move(scans_.begin(), scans_.end(), std::back_inserter(unplaced_));
-  std::erase_if(unplaced_,
-                [&](const UsableScan& one) { return one.interval + kCarriedBack < newest.interval; });
   begin_with(std::move(newest));
   return {};
 }
@@ -252,36 +251,21 @@ bool StartUp::is_ambiguous() const {
   return false;
 }
 
-// From what is known of them; none where they come to something else.
-std::optional<Registration> StartUp::registered_jointly(std::vector<UsableScan> scans,
-                                                        MappedTrajectory& track) const {
-  MappedTrajectory joint(sigma_m_);
-  joint.knots = track.knots;
-  joint.begin_anew_at(scans.front().interval);
-  std::vector<UsableScan> in_window = scans;
-  for (UsableScan& scan : in_window) scan.interval -= joint.window_begin;
-  auto registration = register_jointly(joint.window(), joint.prior, in_window, settings_);
-  if (!registration || !is_plausible(registration->knots.back(), joint.knots.back())) return std::nullopt;
-  joint.marginalises = true;
-  joint.accept(*registration);
-  for (const UsableScan& scan : scans) joint.insert(scan, map_radius_m_);
-  track = std::move(joint);
-  return registration;
-}
-
-// All scans of the best motion, then with them those before it that found no place when they came.
 std::optional<Registration> StartUp::registered_jointly() {
   MappedTrajectory& track = candidates_.front().track;
-  auto registration = registered_jointly(scans_, track);
-  if (!registration || unplaced_.empty()) return registration;
-  MappedTrajectory longer = track;
-  carry_back(scans_.front().interval, unplaced_.front().interval, longer.knots);
-  std::vector<UsableScan> scans = unplaced_;
-  scans.insert(scans.end(), scans_.begin(), scans_.end());
-  if (auto all = registered_jointly(std::move(scans), longer)) {
-    track = std::move(longer);
-    return all;
-  }
+  MappedTrajectory joint(sigma_m_);
+  joint.knots = track.knots;
+  joint.begin_anew_at(scans_.front().interval);
+  std::vector<UsableScan> scans = scans_;
+  for (UsableScan& scan : scans) scan.interval -= joint.window_begin;
+  auto registration = register_jointly(joint.window(), joint.prior, scans, settings_);
+  if (!registration || !is_plausible(registration->knots.back(), track.knots.back())) return std::nullopt;
+  joint.marginalises = true;
+  joint.accept(*registration);
+  carry_back(scans_.front().interval, unplaced_from_, joint.knots);
+  joint.prior.mean = joint.knots.back();
+  for (const UsableScan& scan : scans_) joint.insert(scan, map_radius_m_);
+  track = std::move(joint);
   return registration;
 }
 

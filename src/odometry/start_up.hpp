@@ -62,8 +62,6 @@ class StartUp {
   [[nodiscard]] double less_its_cost(const Candidate& candidate) const;
   [[nodiscard]] bool may_be_another() const;
   [[nodiscard]] bool is_ambiguous() const;
-  std::optional<Registration> registered_jointly(std::vector<UsableScan> scans,
-                                                 MappedTrajectory& track) const;
   std::optional<Registration> registered_jointly();
   Result begin_anew();
 
@@ -71,8 +69,8 @@ class StartUp {
   RegistrationSettings settings_;
   MappedTrajectory unmoved_;           // before anything was known
   std::vector<Candidate> candidates_;  // best first, one at least
-  std::vector<UsableScan> unplaced_;   // last ones before them of which no two, or no more, went together
   std::vector<UsableScan> scans_;
+  std::size_t unplaced_from_ = 0;  // knot: scans from there to the first of them found no place
   bool ambiguous_ = false;
   bool decided_ = false;
 };
