@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include <tbb/parallel_for.h>
 
@@ -25,9 +26,7 @@ constexpr double kFarSpeed = 3;  // [m/s]
 constexpr double kAboutAsGood = 0.9;
 // A motion with which so much fewer points agree than with another leaves most of the scan where nothing was.
 constexpr double kFarFewer = 0.5;
-// Scans before a start that went with no other moved as it begins, for so many: registered with it they made
-// the start of one flyer with sixteen lasers worse for each that they made better.
-constexpr std::size_t kCarriedBack = 5;
+constexpr std::size_t kCarriedBack = 5;  // intervals
 
 // What the motion between the scan's two knots costs by the prior: half the squared error, as a logarithm of
 // probability.
@@ -74,8 +73,6 @@ Matrix12d StartUp::carry_by_prior() {
 }
 
 void StartUp::begin_with(UsableScan scan) {
-  unplaced_from_ = std::max(scans_.empty() ? scan.interval : unplaced_from_,
-                            scan.interval - std::min(scan.interval, kCarriedBack));
   scans_.clear();
   scans_.push_back(std::move(scan));
 }
@@ -102,6 +99,10 @@ StartUp::Result StartUp::begin_anew() {
   track.clear_map();
   track.begin_anew_at(scans_.back().interval);
   UsableScan newest = std::move(scans_.back());
+  scans_.pop_back();
+  std::move(scans_.begin(), scans_.end(), std::back_inserter(unplaced_));
+  std::erase_if(unplaced_,
+                [&](const UsableScan& one) { return one.interval + kCarriedBack < newest.interval; });
   begin_with(std::move(newest));
   return {};
 }
@@ -251,6 +252,23 @@ bool StartUp::is_ambiguous() const {
   return false;
 }
 
+// They are registered together with those after them, which stay as they are: hardly a plane of theirs is
+// worth to hold a later scan.
+void StartUp::place_unplaced(std::vector<TrajectoryKnot>& knots) const {
+  const std::size_t from = scans_.front().interval;
+  const std::size_t to = unplaced_.front().interval;
+  carry_back(from, to, knots);
+  std::vector<UsableScan> scans = unplaced_;
+  scans.insert(scans.end(), scans_.begin(), scans_.end());
+  for (UsableScan& scan : scans) scan.interval -= to;
+  const auto first = knots.begin() + static_cast<std::ptrdiff_t>(to);
+  const auto found = register_jointly({first, knots.end()}, prior_of_first(*first), scans, settings_);
+  if (!found || !is_plausible(found->knots.back(), knots.back())) return;
+  const SE3 moved = knots[from].T_v0.inverse() * found->knots[from - to].T_v0;
+  for (std::size_t k = from; k < knots.size(); ++k) knots[k].T_v0 = (knots[k].T_v0 * moved).normalized();
+  for (std::size_t k = to; k < from; ++k) knots[k] = found->knots[k - to];
+}
+
 std::optional<Registration> StartUp::registered_jointly() {
   MappedTrajectory& track = candidates_.front().track;
   MappedTrajectory joint(sigma_m_);
@@ -262,7 +280,7 @@ std::optional<Registration> StartUp::registered_jointly() {
   if (!registration || !is_plausible(registration->knots.back(), track.knots.back())) return std::nullopt;
   joint.marginalises = true;
   joint.accept(*registration);
-  carry_back(scans_.front().interval, unplaced_from_, joint.knots);
+  if (!unplaced_.empty()) place_unplaced(joint.knots);
   joint.prior.mean = joint.knots.back();
   for (const UsableScan& scan : scans_) joint.insert(scan, map_radius_m_);
   track = std::move(joint);

@@ -62,6 +62,7 @@ class StartUp {
   [[nodiscard]] double less_its_cost(const Candidate& candidate) const;
   [[nodiscard]] bool may_be_another() const;
   [[nodiscard]] bool is_ambiguous() const;
+  void place_unplaced(std::vector<TrajectoryKnot>& knots) const;
   std::optional<Registration> registered_jointly();
   Result begin_anew();
 
@@ -69,8 +70,8 @@ class StartUp {
   RegistrationSettings settings_;
   MappedTrajectory unmoved_;           // before anything was known
   std::vector<Candidate> candidates_;  // best first, one at least
+  std::vector<UsableScan> unplaced_;   // the last ones before `scans_`, which went with no other
   std::vector<UsableScan> scans_;
-  std::size_t unplaced_from_ = 0;  // knot: scans from there to the first of them found no place
   bool ambiguous_ = false;
   bool decided_ = false;
 };

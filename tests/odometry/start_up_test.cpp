@@ -87,7 +87,7 @@ TEST(StartUp, RegisteredTogetherScansDoNotLeaveTheMotionThatAgrees) {
 }
 
 // On top of a hill, no two of the first scans go together. They had been left where the sensor began.
-TEST(StartUp, ScansThatFoundNoPlaceMoveAsThoseAfterThem) { expect_right(SimulatedStart("flyer", 601, 0)); }
+TEST(StartUp, ScansThatFoundNoPlaceAreRegisteredAfterwards) { expect_right(SimulatedStart("flyer", 601, 0)); }
 
 // Where the speed is told, nobody waits longer.
 TEST(StartUp, FiveScansAreEnoughInATown) {
