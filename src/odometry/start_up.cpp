@@ -16,7 +16,7 @@ namespace {
 // which both numbers are chosen, showed one or the other; so did six of the right ones.
 constexpr double kAmbiguous = 0.75;
 // A motion is clearly better by so many standard deviations of the number of points asked.
-constexpr double kClearlyBetter = 1.5;
+constexpr double kClearlyMore = 1.5;
 constexpr double kWell = 0.8;  // times the keypoints of a scan, of three at most
 // A point that others saw through speaks against a motion as so many that agree speak for it: walls and
 // ground agree with any motion along them, but nothing right sees through them, only what moves itself.
@@ -231,7 +231,7 @@ bool StartUp::may_be_another() const {
   double keypoints = 0;
   for (std::size_t s = 2; s < scans_.size(); ++s)
     keypoints += static_cast<double>(scans_[s].bins.points().size());
-  const double enough = candidates_.front().score - kClearlyBetter * std::sqrt(keypoints);
+  const double enough = candidates_.front().score - kClearlyMore * std::sqrt(keypoints);
   return candidates_.size() > 1 && candidates_[1].score > enough;  // no two of them are alike
 }
 
