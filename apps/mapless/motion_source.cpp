@@ -10,8 +10,9 @@
 namespace mapless::app {
 namespace {
 
-// Where no scan has points to register, detection goes on with a sensor that stands still.
-constexpr std::size_t kMostWaiting = 10;
+// Where no scan has points to register, detection goes on with a sensor that stands still. A start that stays
+// open takes ten scans, and a few before them may have found no place.
+constexpr std::size_t kMostWaiting = 16;
 
 bool needs_odometry(const Dataset& dataset, const TrajectoryRequest& request, std::size_t first) {
   if (request.stationary || !request.file.empty() || dataset.trajectory() != nullptr) return false;

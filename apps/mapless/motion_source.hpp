@@ -44,7 +44,8 @@ class MotionSource {
   [[nodiscard]] std::shared_ptr<const Trajectory> known_from(Time from) const;
   [[nodiscard]] const TrajectorySource& source() const { return source_; }
 
-  /// The scans whose motion is known now, in order. Odometry keeps the first five until it has started.
+  /// The scans whose motion is known now, in order. Odometry keeps the first five to ten until it has
+  /// started.
   std::vector<std::shared_ptr<const LidarScan>> add(std::shared_ptr<const LidarScan> scan);
   /// The scans still kept.
   std::vector<std::shared_ptr<const LidarScan>> flush();

@@ -9,6 +9,9 @@ namespace mapless {
 namespace {
 
 constexpr int kSteps = 30;
+// The maps move with the scans, so that a step need not lead to more agreement, and where points hardly hold
+// a direction one can lead far off. From one good step to the next the agreement changes by less than this.
+constexpr double kAboutAsMany = 0.99;
 // Every pair of scans is seen from both sides, by points of the one on planes of the other and by points of
 // the other on planes of the one: what they tell counts half.
 constexpr double kOfBothSides = 0.5;
@@ -47,8 +50,8 @@ void add_scan(std::size_t interval, std::vector<BinSums>& sums, const Registrati
   add_points(sums, interval, kOfBothSides * kPointShare, system);
 }
 
-bool improve_jointly(const KnotPrior& prior, const std::vector<UsableScan>& scans,
-                     const RegistrationSettings& settings, Registration& registration) {
+std::optional<double> improve_jointly(const KnotPrior& prior, const std::vector<UsableScan>& scans,
+                                      const RegistrationSettings& settings, Registration& registration) {
   std::vector<TrajectoryKnot>& knots = registration.knots;
   WindowSystem system(knots.size());
   add_knot_prior(prior, knots, 0, system);
@@ -61,15 +64,18 @@ bool improve_jointly(const KnotPrior& prior, const std::vector<UsableScan>& scan
     std::vector<PlaneNear> planes;
     sums[s] = sum_residuals(scans[s].bins, interval, others, settings.weights, planes);
   });
-  for (std::size_t s = 0; s < scans.size(); ++s)
+  double agreement = 0;
+  for (std::size_t s = 0; s < scans.size(); ++s) {
     add_scan(scans[s].interval, sums[s], settings, registration, system);
+    agreement += registration.agreement;
+  }
   const auto solution = solve(system);
-  if (!solution) return false;
+  if (!solution) return std::nullopt;
   for (std::size_t k = 0; k < knots.size(); ++k) knots[k] = perturbed(knots[k], solution->step[k]);
   registration.last_information = solution->last_information;
   registration.converged = are_small(solution->step);
   ++registration.iterations;
-  return true;
+  return agreement;
 }
 
 }  // namespace
@@ -79,8 +85,17 @@ std::optional<Registration> register_jointly(std::vector<TrajectoryKnot> knots, 
                                              const RegistrationSettings& settings) {
   Registration out;
   out.knots = std::move(knots);
+  Registration best;
+  double most = 0;
   while (out.iterations < kSteps && !out.converged) {
-    if (!improve_jointly(prior, scans, settings, out)) return std::nullopt;
+    const std::vector<TrajectoryKnot> before = out.knots;
+    const auto agreement = improve_jointly(prior, scans, settings, out);
+    if (!agreement) return std::nullopt;
+    if (*agreement < kAboutAsMany * most) return best;
+    if (*agreement <= most) continue;
+    most = *agreement;
+    best = out;
+    best.knots = before;
   }
   return out;
 }

@@ -1,6 +1,8 @@
 #include "odometry/start_up.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <iterator>
 
 #include <tbb/parallel_for.h>
 
@@ -13,6 +15,8 @@ namespace {
 // that few points agree with. The four wrong ones of 18 starts on simulated motorways, from
 // which both numbers are chosen, showed one or the other; so did six of the right ones.
 constexpr double kAmbiguous = 0.75;
+// A motion is clearly better by so many standard deviations of the number of points asked.
+constexpr double kClearlyMore = 1.5;
 constexpr double kWell = 0.8;  // times the keypoints of a scan, of three at most
 // A point that others saw through speaks against a motion as so many that agree speak for it: walls and
 // ground agree with any motion along them, but nothing right sees through them, only what moves itself.
@@ -20,6 +24,9 @@ constexpr double kThroughCounts = 10;
 // A map that a wrong motion has smeared has planes in more places, and a few more points agree with it.
 constexpr double kFarSpeed = 3;  // [m/s]
 constexpr double kAboutAsGood = 0.9;
+// A motion with which so much fewer points agree than with another leaves most of the scan where nothing was.
+constexpr double kFarFewer = 0.5;
+constexpr std::size_t kCarriedBack = 5;  // intervals
 
 // What the motion between the scan's two knots costs by the prior: half the squared error, as a logarithm of
 // probability.
@@ -29,6 +36,14 @@ double motion_cost(const MappedTrajectory& track, const UsableScan& scan,
   const TrajectoryKnot& k2 = track.knots[scan.interval + 1];
   const Vector12d e = motion_error(k1, k2);
   return 0.5 * e.dot(motion_information((k2.time - k1.time).seconds(), density) * e);
+}
+
+// The motion at one knot, carried back to an earlier one, which stays where it is.
+void carry_back(std::size_t from, std::size_t to, std::vector<TrajectoryKnot>& knots) {
+  const SE3 T_to = knots[to].T_v0;
+  for (std::size_t k = from; k-- > to;) knots[k] = predicted(knots[k + 1], knots[k].time);
+  const SE3 moved = knots[to].T_v0.inverse() * T_to;
+  for (std::size_t k = to; k < knots.size(); ++k) knots[k].T_v0 = (knots[k].T_v0 * moved).normalized();
 }
 
 // Farther than one of them can be found from the other in the scans to come.
@@ -66,8 +81,10 @@ StartUp::Result StartUp::add(UsableScan scan) {
   scans_.push_back(std::move(scan));
   if (!(scans_.size() == 2 ? follow_pair() : follow_all())) return begin_anew();
   Result result = {candidates_.front().registration, false};
-  if (scans_.size() < kScans) return result;
-  result.ambiguous = is_ambiguous();
+  if (scans_.size() < kFewestScans) return result;
+  ambiguous_ = ambiguous_ || is_ambiguous();
+  if (scans_.size() < kMostScans && may_be_another()) return result;
+  result.ambiguous = ambiguous_;
   follow_again();
   if (const auto joint = registered_jointly()) result.registration = joint;
   decided_ = true;
@@ -82,6 +99,10 @@ StartUp::Result StartUp::begin_anew() {
   track.clear_map();
   track.begin_anew_at(scans_.back().interval);
   UsableScan newest = std::move(scans_.back());
+  scans_.pop_back();
+  std::move(scans_.begin(), scans_.end(), std::back_inserter(unplaced_));
+  std::erase_if(unplaced_,
+                [&](const UsableScan& one) { return one.interval + kCarriedBack < newest.interval; });
   begin_with(std::move(newest));
   return {};
 }
@@ -137,6 +158,7 @@ bool StartUp::follow_all() {
   }
   if (followed.empty()) return false;
   candidates_ = std::move(followed);
+  leave_out_far_fewer();
   keep_best();
   return true;
 }
@@ -174,6 +196,13 @@ double StartUp::seen_through(const MappedTrajectory& track, const UsableScan& sc
   return through / scans;
 }
 
+void StartUp::leave_out_far_fewer() {
+  double most = 0;
+  for (const Candidate& one : candidates_) most = std::max(most, one.registration.agreement);
+  std::erase_if(candidates_,
+                [&](const Candidate& one) { return one.registration.agreement < kFarFewer * most; });
+}
+
 // Half of them, and two at least, of which no two have come to the same motion.
 void StartUp::keep_best() {
   std::stable_sort(candidates_.begin(), candidates_.end(),
@@ -197,6 +226,15 @@ double StartUp::less_its_cost(const Candidate& candidate) const {
   return out;
 }
 
+// Whether no clearly larger number of points agrees with the best motion than with another one.
+bool StartUp::may_be_another() const {
+  double keypoints = 0;
+  for (std::size_t s = 2; s < scans_.size(); ++s)
+    keypoints += static_cast<double>(scans_[s].bins.points().size());
+  const double enough = candidates_.front().score - kClearlyMore * std::sqrt(keypoints);
+  return candidates_.size() > 1 && candidates_[1].score > enough;  // no two of them are alike
+}
+
 // Motions that lie between the best and another one look good by their points alone, but not by what it costs
 // to go from the one to the other within these scans.
 bool StartUp::is_ambiguous() const {
@@ -214,6 +252,23 @@ bool StartUp::is_ambiguous() const {
   return false;
 }
 
+// They are registered together with those after them, which stay as they are: hardly a plane of theirs is
+// worth to hold a later scan.
+void StartUp::place_unplaced(std::vector<TrajectoryKnot>& knots) const {
+  const std::size_t from = scans_.front().interval;
+  const std::size_t to = unplaced_.front().interval;
+  carry_back(from, to, knots);
+  std::vector<UsableScan> scans = unplaced_;
+  scans.insert(scans.end(), scans_.begin(), scans_.end());
+  for (UsableScan& scan : scans) scan.interval -= to;
+  const auto first = knots.begin() + static_cast<std::ptrdiff_t>(to);
+  const auto found = register_jointly({first, knots.end()}, prior_of_first(*first), scans, settings_);
+  if (!found || !is_plausible(found->knots.back(), knots.back())) return;
+  const SE3 moved = knots[from].T_v0.inverse() * found->knots[from - to].T_v0;
+  for (std::size_t k = from; k < knots.size(); ++k) knots[k].T_v0 = (knots[k].T_v0 * moved).normalized();
+  for (std::size_t k = to; k < from; ++k) knots[k] = found->knots[k - to];
+}
+
 std::optional<Registration> StartUp::registered_jointly() {
   MappedTrajectory& track = candidates_.front().track;
   MappedTrajectory joint(sigma_m_);
@@ -225,6 +280,8 @@ std::optional<Registration> StartUp::registered_jointly() {
   if (!registration || !is_plausible(registration->knots.back(), track.knots.back())) return std::nullopt;
   joint.marginalises = true;
   joint.accept(*registration);
+  if (!unplaced_.empty()) place_unplaced(joint.knots);
+  joint.prior.mean = joint.knots.back();
   for (const UsableScan& scan : scans_) joint.insert(scan, map_radius_m_);
   track = std::move(joint);
   return registration;

@@ -14,8 +14,10 @@ namespace mapless {
 /// of them together.
 class StartUp {
  public:
-  /// Scans the motion is decided from.
-  static constexpr std::size_t kScans = 5;
+  /// Scans the motion is decided from, where they tell it.
+  static constexpr std::size_t kFewestScans = 5;
+  /// Where they leave two motions about as likely: until one is left, and at most so many.
+  static constexpr std::size_t kMostScans = 10;
 
   StartUp(const OdometryParameters& parameters, const RegistrationSettings& settings);
 
@@ -55,9 +57,12 @@ class StartUp {
   bool follow(const UsableScan& scan, Candidate& candidate) const;
   void follow_again();
   [[nodiscard]] double seen_through(const MappedTrajectory& track, const UsableScan& scan) const;
+  void leave_out_far_fewer();
   void keep_best();
   [[nodiscard]] double less_its_cost(const Candidate& candidate) const;
+  [[nodiscard]] bool may_be_another() const;
   [[nodiscard]] bool is_ambiguous() const;
+  void place_unplaced(std::vector<TrajectoryKnot>& knots) const;
   std::optional<Registration> registered_jointly();
   Result begin_anew();
 
@@ -65,7 +70,9 @@ class StartUp {
   RegistrationSettings settings_;
   MappedTrajectory unmoved_;           // before anything was known
   std::vector<Candidate> candidates_;  // best first, one at least
+  std::vector<UsableScan> unplaced_;   // the last ones before `scans_`, which went with no other
   std::vector<UsableScan> scans_;
+  bool ambiguous_ = false;
   bool decided_ = false;
 };
 

@@ -61,10 +61,10 @@ class LidarOdometry {
   LidarOdometry(LidarOdometry&&) noexcept;
   LidarOdometry& operator=(LidarOdometry&&) noexcept;
 
-  /// Extends the trajectory to the end of `scan`. The first five usable scans, until started(), may change
-  /// all knots before them: together they tell how fast the sensor was from the first on. Throws InputError
-  /// for a scan that starts before the last one or ends within it, or was compensated by somebody else; the
-  /// odometry is then as before the call.
+  /// Extends the trajectory to the end of `scan`. The first five to ten usable scans, until started(), may
+  /// change all knots before them: together they tell how fast the sensor was from the first on. Throws
+  /// InputError for a scan that starts before the last one or ends within it, or was compensated by somebody
+  /// else; the odometry is then as before the call.
   OdometryUpdate process(const std::shared_ptr<const LidarScan>& scan);
 
   /// Takes what the map has of moving things out of it again, as a detector finds them: `object` has one

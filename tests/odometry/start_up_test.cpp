@@ -1,0 +1,100 @@
+#include <memory>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include <mapless/lidar/lidar_model.hpp>
+#include <mapless/lidar/lidar_scan.hpp>
+#include <mapless/odometry/lidar_odometry.hpp>
+#include <mapless/simulation/scene.hpp>
+#include <mapless/simulation/simulated_sensor.hpp>
+
+// Starts that went wrong, of simulated drives with sixteen lasers, which know the truth. What is asked is
+// that they are right to what detection tolerates of a point that stands, not a figure that was measured.
+namespace mapless {
+namespace MAPLESS_FILE {
+
+constexpr double kStands_m = 0.2;  // the tolerance of a ray: what stands must not move by more
+constexpr int kAfterwards = 12;    // scans, by when any start is decided
+
+/// A sensor on its way through a scene, whose recording begins with scan `first`.
+class SimulatedStart {
+ public:
+  SimulatedStart(const std::string& scene, std::uint64_t seed, int first)
+      : scene_(make_scene(scene, {seed, 0.1 * (first + kAfterwards + 1), true})),
+        model_(std::make_shared<const LidarModel>(named_model("VLP-16"))),
+        truth_(std::make_shared<const SampledTrajectory>(scene_.poses, Duration(), "scene")),
+        world_(scene_.world),
+        sensor_(model_, truth_, world_, {0.02, true, seed}) {
+    for (int k = 0; k < kAfterwards; ++k) process(first + k);
+  }
+
+  /// How far, after the motion from instant `a` to instant `b`, the sensor is from where it says [m].
+  [[nodiscard]] double error_m(Time a, Time b) const {
+    const auto moved = [&](const Trajectory& t) { return t.at(a).T_v0 * t.at(b).T_v0.inverse(); };
+    return (moved(odometry.trajectory()).translation() - moved(*truth_).translation()).norm();
+  }
+
+  LidarOdometry odometry;
+  std::vector<Time> starts;
+  int started_with = 0;  ///< scans
+
+ private:
+  void process(int number) {
+    const SimulatedScan cast = sensor_.scan(number);
+    LidarScan scan;
+    scan.model = model_;
+    scan.start = cast.start;
+    scan.column_period = Duration::from_seconds(1 / model_->rotation_rate_hz / model_->columns);
+    scan.columns = model_->columns;
+    starts.push_back(scan.start);
+    (void)odometry.process(
+        std::make_shared<const LidarScan>(organise(std::move(scan), cast.records, "simulated scan")));
+    if (odometry.started() && started_with == 0) started_with = static_cast<int>(starts.size());
+  }
+
+  Scene scene_;
+  std::shared_ptr<const LidarModel> model_;
+  std::shared_ptr<const Trajectory> truth_;
+  SimulatedWorld world_;
+  SimulatedSensor sensor_;
+};
+
+void expect_right(const SimulatedStart& start) {
+  ASSERT_TRUE(start.odometry.started());
+  for (std::size_t k = 0; k + 4 < start.starts.size(); ++k)
+    EXPECT_LT(start.error_m(start.starts[k], start.starts[k + 4]), kStands_m) << "from scan " << k;
+}
+
+// In the hand, in a tunnel: with five scans four motions up to 2.5 m/s apart had agreed with as many points
+// to one in 250, and that the sensor stood seemed as good as any.
+TEST(StartUp, WaitsWhereTheFirstScansLeaveTheSpeedOpen) {
+  const SimulatedStart tunnel("tunnel", 701, 0);
+  EXPECT_GT(tunnel.started_with, 5);
+  EXPECT_LE(tunnel.started_with, 10);
+  expect_right(tunnel);
+}
+
+// On a motorway, among many who overtake and are overtaken: rising at 22 m/s, past everything that was seen,
+// nothing speaks against the motion, and hardly anything for it.
+TEST(StartUp, AMotionThatLeavesMostOfTheScanWithoutAPlaceIsNone) {
+  expect_right(SimulatedStart("highway", 201, 5));
+}
+
+// Registered all together, these scans left the right speed after 16 steps, for the half of it and less.
+TEST(StartUp, RegisteredTogetherScansDoNotLeaveTheMotionThatAgrees) {
+  expect_right(SimulatedStart("highway", 300, 300));
+}
+
+// On top of a hill, no two of the first scans go together. They had been left where the sensor began.
+TEST(StartUp, ScansThatFoundNoPlaceAreRegisteredAfterwards) { expect_right(SimulatedStart("flyer", 601, 0)); }
+
+// Where the speed is told, nobody waits longer.
+TEST(StartUp, FiveScansAreEnoughInATown) {
+  const SimulatedStart town("town1", 601, 0);
+  EXPECT_EQ(town.started_with, 5);
+  expect_right(town);
+}
+
+}  // namespace MAPLESS_FILE
+}  // namespace mapless
