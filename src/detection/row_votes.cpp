@@ -75,7 +75,10 @@ void RowVotes::begin(const Row& row) {
 void RowVotes::load(const Row& row) {
   first_ = row.begin;
   const std::size_t size = row.end - row.begin;
-  for (std::vector<float>* v : {&x_, &y_, &z_}) v->assign(size + 4, 0);
+  for (std::vector<float>* v : {&x_, &y_, &z_}) {
+    v->resize(size + 4);
+    std::fill(v->end() - 4, v->end(), 0.0F);
+  }
   for (std::size_t i = 0; i < size; ++i) {
     const Eigen::Vector3f& p = points_[first_ + i];
     x_[i] = p.x();
