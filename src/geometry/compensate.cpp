@@ -1,4 +1,6 @@
+#include <array>
 #include <cstdlib>
+#include <cstring>
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -41,21 +43,25 @@ CompensatedScan without_points(std::shared_ptr<const LidarScan> scan, SensorMoti
 
 // Where a sensor at `place` + dt `drift` sees what it has at p.
 struct LocalMotion {
-  Eigen::Matrix4f place, drift;  // of homogeneous points; dt in nanoseconds
+  using Four = float __attribute__((vector_size(16)));
+  struct Affine {
+    std::array<Four, 4> columns;
+    explicit Affine(const Eigen::Matrix4f& T) { std::memcpy(columns.data(), T.data(), sizeof(columns)); }
+    [[nodiscard]] Four operator*(const Eigen::Vector3f& p) const {
+      return columns[0] * p.x() + columns[1] * p.y() + (columns[2] * p.z() + columns[3]);
+    }
+  };
+  Affine place, drift;  // dt in nanoseconds
 };
 
 LocalMotion local_motion(const SE3& T_0v, const Vector6d& varpi, const Eigen::Vector3d& origin_0) {
   const Eigen::Matrix3d& C_0v = T_0v.rotation();
-  LocalMotion motion{Eigen::Matrix4f::Zero(), Eigen::Matrix4f::Zero()};
-  motion.place.topLeftCorner<3, 3>() = C_0v.cast<float>();
-  motion.place.topRightCorner<3, 1>() = (T_0v.translation() - origin_0).cast<float>();
-  motion.drift.topLeftCorner<3, 3>() = (-1e-9 * C_0v * hat(varpi.tail<3>())).cast<float>();
-  motion.drift.topRightCorner<3, 1>() = (-1e-9 * C_0v * varpi.head<3>()).cast<float>();
-  return motion;
-}
-
-Eigen::Vector4f product(const Eigen::Matrix4f& T, const Eigen::Vector3f& p) {
-  return T.col(0) * p.x() + T.col(1) * p.y() + (T.col(2) * p.z() + T.col(3));
+  Eigen::Matrix4f place = Eigen::Matrix4f::Zero(), drift = place;
+  place.topLeftCorner<3, 3>() = C_0v.cast<float>();
+  place.topRightCorner<3, 1>() = (T_0v.translation() - origin_0).cast<float>();
+  drift.topLeftCorner<3, 3>() = (-1e-9 * C_0v * hat(varpi.tail<3>())).cast<float>();
+  drift.topRightCorner<3, 1>() = (-1e-9 * C_0v * varpi.head<3>()).cast<float>();
+  return {LocalMotion::Affine(place), LocalMotion::Affine(drift)};
 }
 
 }  // namespace
@@ -98,9 +104,9 @@ std::pair<CompensatedScan, LocalPoints> compensate_locally(std::shared_ptr<const
         continue;
       }
       const LocalMotion& column = columns[static_cast<std::size_t>(r.column)];
-      Eigen::Vector4f p = product(column.place, r.position_v);
-      if (dt_ns != 0) p += static_cast<float>(dt_ns) * product(column.drift, r.position_v);
-      local.points[i] = p.head<3>();
+      LocalMotion::Four p = column.place * r.position_v;
+      if (dt_ns != 0) p += static_cast<float>(dt_ns) * (column.drift * r.position_v);
+      local.points[i] = {p[0], p[1], p[2]};
     }
   });
   return {without_points(std::move(scan), std::move(motion)), std::move(local)};
