@@ -6,7 +6,7 @@
 
 #include <Eigen/Geometry>
 
-#include "detection/look_at_all.hpp"
+#include "detection/packed_points.hpp"
 
 namespace mapless {
 namespace {
@@ -90,17 +90,12 @@ bool RecedingEnds::may_be_free(const End& end) const {
 
 // Those beyond which the scan says so.
 void RecedingEnds::keep(std::vector<End>& ends, const FreespaceProbe& scan, FreespaceVerdict verdict) {
-  std::vector<Eigen::Vector3f> beyond;
-  for (const End& end : ends) beyond.push_back(end.beyond(end.clear_m));
+  PackedPoints beyond;
+  for (const End& end : ends) beyond.add(end.beyond(end.clear_m), end.column);
   std::size_t kept = 0;
-  look_at_all(
-      scan, ends.size(),
-      [&](std::size_t k) {
-        return LookedAt{beyond[k], ends[k].column};
-      },
-      [&](std::size_t k, const FreespaceProbe::Answer& answer) {
-        if (answer.verdict == verdict) ends[kept++] = ends[k];
-      });
+  beyond.look(scan, [&](std::size_t k, const FreespaceProbe::Answer& answer) {
+    if (answer.verdict == verdict) ends[kept++] = ends[k];
+  });
   ends.resize(kept);
 }
 
