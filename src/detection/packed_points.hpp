@@ -41,8 +41,6 @@ class PackedPoints {
   /// look for the next.
   template <class Heard>
   void look(const FreespaceProbe& probe, Heard&& heard) {
-    constexpr std::size_t kEights = 16;  // asked together: what is said of them should stay at hand
-    std::array<FreespaceProbe::Answers, kEights> answers;
     const std::size_t eights = (size() + kAtOnce - 1) / kAtOnce;
     for (std::size_t k = size(); k < eights * kAtOnce; ++k) copy(size() - 1, k);  // where there are fewer
     float ahead = 0;                                                              // of the point's own column
@@ -53,15 +51,16 @@ class PackedPoints {
         asked[k].near_last = columns_[std::min((first + k + 1) * kAtOnce, size()) - 1];
       }
       asked.front().near += ahead;
-      probe.look(asked, std::span(answers).first(asked.size()));
+      probe.look(asked, std::span(answers_).first(asked.size()));
       ahead = asked.back().column.back() - asked.back().near_last;
       const std::size_t end = std::min((first + kEights) * kAtOnce, size());
-      for (std::size_t k = first * kAtOnce; k < end; ++k) heard(k, answers[k / kAtOnce - first][k % kAtOnce]);
+      for (std::size_t k = first * kAtOnce; k < end; ++k) heard(k, answers_[k / kAtOnce - first][k % kAtOnce]);
     }
   }
 
  private:
   static constexpr std::size_t kAtOnce = FreespaceProbe::kAtOnce;
+  static constexpr std::size_t kEights = 16;  // asked together: what is said of them should stay at hand
   using Eight = FreespaceProbe::Points;
 
   void copy(std::size_t from, std::size_t to) {
@@ -74,6 +73,7 @@ class PackedPoints {
 
   std::vector<Eight> eights_;
   std::vector<float> columns_;  // of each point
+  std::array<FreespaceProbe::Answers, kEights> answers_;
 };
 
 }  // namespace mapless

@@ -91,6 +91,9 @@ void Witnesses::hear_all(const Witness& witness, Hearing& hearing) const {
 
 // The scans from witness `next` on, which are not asked, are taken to see a surface as those before did.
 void Witnesses::settle(std::size_t next, Hearing& hearing) const {
+  int most = 0;
+  for (std::size_t k = 0; k < next; ++k) most += witnesses_[k].surface_votes;
+  if (most < kEnough) return;
   std::size_t still_open = 0;
   for (std::size_t n = 0; n < hearing.open.size(); ++n) {
     Question& question = hearing.questions[hearing.open[n]];
