@@ -12,6 +12,10 @@ namespace {
 // Votes against a point that settle it, if no scan saw through: of the order in_order gives, three scans, 32,
 // 12 and 4 back.
 constexpr int kEnough = 9;
+// Fewer, once so many scans were asked: of a point that some could not see and the others saw a surface at,
+// those left say the same.
+constexpr std::size_t kManyAsked = 6;
+constexpr int kEnoughOfMany = 6;
 
 // Two standard deviations of the difference between two ranges with 0.02 m of noise.
 constexpr float kSurfaceNoise_m = 0.06F;
@@ -93,12 +97,13 @@ void Witnesses::hear_all(const Witness& witness, Hearing& hearing) const {
 void Witnesses::settle(std::size_t next, Hearing& hearing) const {
   int most = 0;
   for (std::size_t k = 0; k < next; ++k) most += witnesses_[k].surface_votes;
-  if (most < kEnough) return;
+  const int enough = next < kManyAsked ? kEnough : kEnoughOfMany;
+  if (most < enough) return;
   std::size_t still_open = 0;
   for (std::size_t n = 0; n < hearing.open.size(); ++n) {
     Question& question = hearing.questions[hearing.open[n]];
     PointVotes& votes = question.votes;
-    if (is_static(votes) && votes.total() <= -kEnough && !question.hider_left) {
+    if (is_static(votes) && votes.total() <= -enough && !question.hider_left) {
       for (std::size_t k = next; k < witnesses_.size(); ++k)
         count(witnesses_[k], -witnesses_[k].surface_votes, votes);
       continue;
