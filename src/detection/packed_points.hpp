@@ -54,7 +54,8 @@ class PackedPoints {
       probe.look(asked, std::span(answers_).first(asked.size()));
       ahead = asked.back().column.back() - asked.back().near_last;
       const std::size_t end = std::min((first + kEights) * kAtOnce, size());
-      for (std::size_t k = first * kAtOnce; k < end; ++k) heard(k, answers_[k / kAtOnce - first][k % kAtOnce]);
+      for (std::size_t k = first * kAtOnce; k < end; ++k)
+        heard(k, answers_[k / kAtOnce - first][k % kAtOnce]);
     }
   }
 
