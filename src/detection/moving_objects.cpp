@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "detection/dynamic_returns.hpp"
 #include "detection/object_number.hpp"
 #include "detection/scan_trajectory.hpp"
 #include <mapless/core/timed.hpp>
@@ -36,12 +37,11 @@ void keep_moving(const std::vector<bool>& moves, Detection& detection) {
     object.number = numbers[object.number] = static_cast<std::uint16_t>(moving.size() + 1);
     moving.push_back(object);
   }
-  for (std::size_t i = 0; i < detection.object.size(); ++i) {
-    const std::uint16_t old = detection.object[i];
-    if (old == 0) continue;
-    detection.object[i] = numbers[old];
-    if (numbers[old] == 0) detection.trace[i].growth = GrowthVerdict::stopped;
-  }
+  for_each_dynamic(detection.object, [&](std::size_t i) {
+    const std::uint16_t number = numbers[detection.object[i]];
+    detection.object[i] = number;
+    if (number == 0) detection.trace[i].growth = GrowthVerdict::stopped;
+  });
   detection.objects = static_cast<int>(moving.size());
   detection.tracked = std::move(moving);
 }

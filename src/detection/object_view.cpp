@@ -10,6 +10,7 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "detection/dynamic_returns.hpp"
 #include <mapless/lidar/aligned_image.hpp>
 
 namespace mapless {
@@ -287,9 +288,8 @@ class Members {
  public:
   explicit Members(const Detection& detection) {
     std::vector<std::int32_t> moving;
-    for (std::size_t i = 0; i < detection.object.size(); ++i) {
-      if (detection.dynamic(i)) moving.push_back(static_cast<std::int32_t>(i));
-    }
+    for_each_dynamic(detection.object,
+                     [&](std::size_t i) { moving.push_back(static_cast<std::int32_t>(i)); });
     const auto number = [&](std::int32_t i) -> std::size_t {
       return detection.object[static_cast<std::size_t>(i)];
     };

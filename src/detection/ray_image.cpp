@@ -3,6 +3,7 @@
 #include <limits>
 #include <numbers>
 
+#include "detection/dynamic_returns.hpp"
 #include <mapless/detection/ray_image.hpp>
 
 namespace mapless {
@@ -76,11 +77,10 @@ RayImage::RayImage(const CompensatedScan& scan)
 
 void RayImage::mark_dynamic(const LidarScan& scan, const std::vector<std::uint16_t>& object) {
   dynamic_.assign(model_->lasers.size() * poses_.size(), false);
-  for (std::size_t i = 0; i < object.size(); ++i) {
+  for_each_dynamic(object, [&](std::size_t i) {
     const LidarReturn& r = scan.returns[i];
-    if (object[i] == 0) continue;
     dynamic_[static_cast<std::size_t>(r.laser) * poses_.size() + static_cast<std::size_t>(r.column)] = true;
-  }
+  });
 }
 
 FreespaceProbe::FreespaceProbe(const RayImage& image, const Vector3d& origin_0,

@@ -6,7 +6,7 @@
 
 #include <Eigen/Geometry>
 
-#include "detection/look_at_all.hpp"
+#include "detection/packed_points.hpp"
 
 namespace mapless {
 namespace {
@@ -49,8 +49,8 @@ std::vector<RecedingEnds::Line> RecedingEnds::among(std::span<const RowLine> lin
   std::vector<End> ends;
   for (const RowLine& line : lines) {
     for (const RowLine& to : {RowLine{line.last, line.first}, line}) {
-      const End end = end_of(to);
-      if (may_be_free(end)) ends.push_back(end);
+      const Course course = course_of(to);
+      if (may_be_free(to, course)) ends.push_back(end_of(to, course));
     }
   }
   // The farthest scan tells of most that they have not.
@@ -65,42 +65,40 @@ std::vector<RecedingEnds::Line> RecedingEnds::among(std::span<const RowLine> lin
   return receding;
 }
 
-RecedingEnds::End RecedingEnds::end_of(const RowLine& line) const {
-  const LidarReturn& r = scan_.returns[static_cast<std::size_t>(line.last)];
+RecedingEnds::Course RecedingEnds::course_of(const RowLine& line) const {
   const Eigen::Vector3f &from = points_[static_cast<std::size_t>(line.first)],
                         &to = points_[static_cast<std::size_t>(line.last)];
-  const Eigen::Vector3f outward = (to - from).normalized();
-  const float across = std::max(outward.cross(to.normalized()).norm(), kLeastSlant);
-  return {line, to, outward, static_cast<float>(r.column),
+  return {(to - from).normalized(), to.normalized()};
+}
+
+RecedingEnds::End RecedingEnds::end_of(const RowLine& line, const Course& course) const {
+  const LidarReturn& r = scan_.returns[static_cast<std::size_t>(line.last)];
+  const float across = std::max(course.outward.cross(course.ray).norm(), kLeastSlant);
+  return {line, points_[static_cast<std::size_t>(line.last)], course.outward, static_cast<float>(r.column),
           own_.tolerance_m(r.laser, r.range_m) + kEndColumns * column_rad_ * r.range_m / across};
 }
 
 // At a glance: not where the next return is in front of what would go on along the line.
-bool RecedingEnds::may_be_free(const End& end) const {
-  const std::int32_t next = end.line.last + (end.line.last > end.line.first ? 1 : -1);
+bool RecedingEnds::may_be_free(const RowLine& line, const Course& course) const {
+  const std::int32_t next = line.last + (line.last > line.first ? 1 : -1);
   if (next < 0 || next >= static_cast<std::int32_t>(points_.size())) return true;
-  const Eigen::Vector3f ray = end.point.normalized(),
-                        step = points_[static_cast<std::size_t>(next)] - end.point;
-  const float out_along_ray = end.outward.dot(ray), step_along_ray = step.dot(ray);
+  const Eigen::Vector3f step =
+      points_[static_cast<std::size_t>(next)] - points_[static_cast<std::size_t>(line.last)];
+  const float out_along_ray = course.outward.dot(course.ray), step_along_ray = step.dot(course.ray);
   if (out_along_ray < -kMostTowards) return false;
-  const float out_across = (end.outward - out_along_ray * ray).norm(),
-              step_across = (step - step_along_ray * ray).norm();
+  const float out_across = (course.outward - out_along_ray * course.ray).norm(),
+              step_across = (step - step_along_ray * course.ray).norm();
   return step_along_ray * out_across > out_along_ray * step_across;
 }
 
 // Those beyond which the scan says so.
 void RecedingEnds::keep(std::vector<End>& ends, const FreespaceProbe& scan, FreespaceVerdict verdict) {
-  std::vector<Eigen::Vector3f> beyond;
-  for (const End& end : ends) beyond.push_back(end.beyond(end.clear_m));
+  PackedPoints beyond;
+  for (const End& end : ends) beyond.add(end.beyond(end.clear_m), end.column);
   std::size_t kept = 0;
-  look_at_all(
-      scan, ends.size(),
-      [&](std::size_t k) {
-        return LookedAt{beyond[k], ends[k].column};
-      },
-      [&](std::size_t k, const FreespaceProbe::Answer& answer) {
-        if (answer.verdict == verdict) ends[kept++] = ends[k];
-      });
+  beyond.look(scan, [&](std::size_t k, const FreespaceProbe::Answer& answer) {
+    if (answer.verdict == verdict) ends[kept++] = ends[k];
+  });
   ends.resize(kept);
 }
 
@@ -115,7 +113,8 @@ RecedingEnds::Way RecedingEnds::way_of(const End& end) const {
     return nearer >= kFewestSteps && gone(earlier_[pair.farther]) > nearer;
   });
   if (!goes) return Way::stays;
-  const End other = end_of({end.line.last, end.line.first});
+  const RowLine back{end.line.last, end.line.first};
+  const End other = end_of(back, course_of(back));
   const bool held = std::any_of(earlier_.begin(), earlier_.end(), [&](const Earlier& e) {
     return stays(other, end.clear_m + kStep_m * static_cast<float>(gone(e)), e) ||
            steps_receded(other, e) > 0;

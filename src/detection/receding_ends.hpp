@@ -51,8 +51,13 @@ class RecedingEnds {
   static constexpr int kLongestGap = 8;
   using Steps = std::array<int, kLongestGap + 1>;  // by gap, how far an end has receded since
 
-  [[nodiscard]] End end_of(const RowLine& line) const;
-  [[nodiscard]] bool may_be_free(const End& end) const;
+  // Unit directions in which a line would go on beyond its end, and in which the end is seen.
+  struct Course {
+    Eigen::Vector3f outward, ray;
+  };
+  [[nodiscard]] Course course_of(const RowLine& line) const;
+  [[nodiscard]] End end_of(const RowLine& line, const Course& course) const;
+  [[nodiscard]] bool may_be_free(const RowLine& line, const Course& course) const;
   static void keep(std::vector<End>& ends, const FreespaceProbe& scan, FreespaceVerdict verdict);
   enum class Way { stays, slides, shortens };
   [[nodiscard]] Way way_of(const End& end) const;

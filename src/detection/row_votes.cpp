@@ -75,7 +75,10 @@ void RowVotes::begin(const Row& row) {
 void RowVotes::load(const Row& row) {
   first_ = row.begin;
   const std::size_t size = row.end - row.begin;
-  for (std::vector<float>* v : {&x_, &y_, &z_}) v->assign(size + 4, 0);
+  for (std::vector<float>* v : {&x_, &y_, &z_}) {
+    v->resize(size + 4);
+    std::fill(v->end() - 4, v->end(), 0.0F);
+  }
   for (std::size_t i = 0; i < size; ++i) {
     const Eigen::Vector3f& p = points_[first_ + i];
     x_[i] = p.x();
@@ -117,11 +120,16 @@ std::size_t RowVotes::farthest_off(const Span& span) const {
     most = farther ? off2 : most;
     farthest = farther ? index : farthest;
   }
-  std::size_t k = 0;
-  for (std::size_t l = 1; l < 4; ++l) {
-    if (most[l] > most[k] || (most[l] == most[k] && farthest[l] < farthest[k])) k = l;
-  }
-  return first_ + static_cast<std::size_t>(farthest[k]);
+  const auto take_farther = [&](const Floats& other_most, const Ints& other) {
+    const Ints farther = (other_most > most) | ((other_most == most) & (other < farthest));
+    most = farther ? other_most : most;
+    farthest = farther ? other : farthest;
+  };
+  take_farther(__builtin_shufflevector(most, most, 2, 3, 0, 1),
+               __builtin_shufflevector(farthest, farthest, 2, 3, 0, 1));
+  take_farther(__builtin_shufflevector(most, most, 1, 0, 3, 2),
+               __builtin_shufflevector(farthest, farthest, 1, 0, 3, 2));
+  return first_ + static_cast<std::size_t>(farthest[0]);
 }
 
 // Gives the points between their votes, or leaves questions to be asked and spans to be settled then.

@@ -4,7 +4,6 @@
 #include "detection/detection_pipeline.hpp"
 #include "detection/range_noise.hpp"
 #include "detection/reference_gaps.hpp"
-#include "detection/stage_record.hpp"
 #include <mapless/core/timed.hpp>
 #include <mapless/detection/freespace_votes.hpp>
 #include <mapless/detection/vote_growth.hpp>
@@ -22,12 +21,14 @@ FreespaceVerdict freespace(int votes) {
   return votes > 0 ? FreespaceVerdict::inside : FreespaceVerdict::border;
 }
 
-void record_votes(std::vector<StageTrace>& trace, const std::vector<PointVotes>& votes) {
+std::vector<StageTrace> recorded(const std::vector<PointVotes>& votes, const std::vector<BoxVerdict>& seeds,
+                                 const std::vector<GrowthVerdict>& growth) {
+  std::vector<StageTrace> trace(votes.size());
   for (std::size_t i = 0; i < trace.size(); ++i) {
-    trace[i].comparison = compared(votes[i]);
-    trace[i].backward = freespace(votes[i].earlier);
-    trace[i].forward = freespace(votes[i].total());
+    const PointVotes& v = votes[i];
+    trace[i] = {compared(v), freespace(v.earlier), freespace(v.total()), seeds[i], growth[i]};
   }
+  return trace;
 }
 
 class VotingPipeline final : public DetectionPipeline {
@@ -98,21 +99,18 @@ ProposedObjects VotingPipeline::judge(PendingScan query, const std::vector<Asked
   Detection out;
   out.seconds = query.seconds;
   out.scan = std::move(query.scan);
-  out.trace.resize(out.scan->returns.size());
 
   // 2., 3. Comparison and freespace check, of every point, against several earlier scans and a later one.
   const auto votes = timed(out.seconds.backward, [&] {
     return collect_votes(*out.scan, query.points, asked, own, for_noise_of(*out.scan, parameters_));
   });
-  record_votes(out.trace, votes);
   // 4. Border effects have no neighbours that say the same.
   const auto seeds = timed(out.seconds.box_filter,
                            [&] { return filter_votes(*out.scan, query.points, votes, parameters_); });
-  record(out.trace, &StageTrace::box, seeds);
   // 5. Clustering and region growth: whole objects.
   auto regions = timed(out.seconds.region_growth,
                        [&] { return grow_votes(*out.scan, query.points, votes, seeds, parameters_); });
-  record(out.trace, &StageTrace::growth, regions.verdict);
+  out.trace = recorded(votes, seeds, regions.verdict);
   out.object = std::move(regions.object);
   out.objects = regions.objects;
   return {std::move(out), std::move(query.column_states), std::move(regions.evidence)};

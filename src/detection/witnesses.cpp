@@ -7,7 +7,6 @@
 #include <numbers>
 #include <span>
 
-#include "detection/look_at_all.hpp"
 #include "detection/range_noise.hpp"
 
 namespace mapless {
@@ -16,6 +15,10 @@ namespace {
 // Votes against a point that settle it, if no scan saw through: of the order in_order gives, three scans, 32,
 // 12 and 4 back.
 constexpr int kEnough = 9;
+// Fewer, once so many scans were asked: of a point that some could not see and the others saw a surface at,
+// those left say the same.
+constexpr std::size_t kManyAsked = 6;
+constexpr int kEnoughOfMany = 6;
 
 // Two standard deviations of the difference between two ranges, as a share of the tolerance, which is
 // kToleratedDeviations of one range.
@@ -79,38 +82,45 @@ void Witnesses::gather(const std::vector<std::size_t>& questions, Hearing& heari
   hearing.questions.clear();
   hearing.open.clear();
   hearing.leavers.clear();
+  hearing.points.clear();
   for (const std::size_t i : questions) {
     hearing.open.push_back(hearing.questions.size());
-    hearing.questions.push_back(
-        {static_cast<std::uint32_t>(i), static_cast<float>(scan_.returns[i].column), points_[i], {}});
+    hearing.questions.push_back({static_cast<std::uint32_t>(i), {}});
+    hearing.points.add(points_[i], column(i));
   }
 }
 
 void Witnesses::hear_all(const Witness& witness, Hearing& hearing) const {
   hearing.hiders.clear();
-  const auto question = [&](std::size_t k) -> Question& { return hearing.questions[hearing.open[k]]; };
-  look_at_all(
-      witness.probe, hearing.open.size(),
-      [&](std::size_t k) {
-        return LookedAt{question(k).q, question(k).column};
-      },
-      [&](std::size_t k, const FreespaceProbe::Answer& answer) {
-        hear(witness, answer, question(k), hearing);
-      });
+  hearing.points.look(witness.probe, [&](std::size_t k, const FreespaceProbe::Answer& answer) {
+    hear(witness, answer, hearing.questions[hearing.open[k]], hearing);
+  });
   ask_whether_left(witness, hearing);
 }
 
 // The scans from witness `next` on, which are not asked, are taken to see a surface as those before did.
 void Witnesses::settle(std::size_t next, Hearing& hearing) const {
-  std::erase_if(hearing.open, [&](std::size_t n) {
-    PointVotes& votes = hearing.questions[n].votes;
-    const bool stands = is_static(votes) && votes.total() <= -kEnough && !hearing.questions[n].hider_left;
-    if (!stands) return false;
-    for (std::size_t k = next; k < witnesses_.size(); ++k) {
-      count(witnesses_[k], -witnesses_[k].surface_votes, votes);
+  int most = 0;
+  for (std::size_t k = 0; k < next; ++k) most += witnesses_[k].surface_votes;
+  const int enough = next < kManyAsked ? kEnough : kEnoughOfMany;
+  if (most < enough) return;
+  std::size_t still_open = 0;
+  for (std::size_t n = 0; n < hearing.open.size(); ++n) {
+    Question& question = hearing.questions[hearing.open[n]];
+    PointVotes& votes = question.votes;
+    if (is_static(votes) && votes.total() <= -enough && !question.hider_left) {
+      for (std::size_t k = next; k < witnesses_.size(); ++k)
+        count(witnesses_[k], -witnesses_[k].surface_votes, votes);
+      continue;
     }
-    return true;
-  });
+    if (still_open != n) {
+      hearing.open[still_open] = hearing.open[n];
+      hearing.points.move(n, still_open);
+    }
+    ++still_open;
+  }
+  hearing.open.resize(still_open);
+  hearing.points.shrink(still_open);
 }
 
 void Witnesses::count(const Witness& witness, int number, PointVotes& votes) {
@@ -137,28 +147,27 @@ void Witnesses::hear(const Witness& witness, const FreespaceProbe::Answer& answe
   } else if (answer.verdict == FreespaceVerdict::outside && answer.short_by_m <= vacated_m_ &&
              witness.probe.ended(answer)) {
     witness.probe.prepare_endpoint(answer.column);
-    hearing.hiders.push_back({&question, Eigen::Vector3f::Zero(), answer.laser, answer.column});
+    hearing.hiders.push_back({&question, answer.laser, answer.column});
   }
 }
 
 // Whether what hid a point, near enough to be the same thing, is not there now.
 void Witnesses::ask_whether_left(const Witness& witness, Hearing& hearing) const {
-  auto& hiders = hearing.hiders;
-  std::erase_if(hiders, [&](Hearing::Hider& hider) {
-    hider.place = witness.probe.endpoint(hider.laser, hider.column);
-    return (hider.place - hider.question->q).squaredNorm() > vacated_m_ * vacated_m_;
+  hearing.places.clear();
+  std::erase_if(hearing.hiders, [&](Hearing::Hider& hider) {
+    const Eigen::Vector3f place = witness.probe.endpoint(hider.laser, hider.column);
+    const std::size_t i = hider.question->i;
+    hider.distance2_m2 = (place - points_[i]).squaredNorm();
+    if (hider.distance2_m2 > vacated_m_ * vacated_m_) return true;
+    hearing.places.add(place, column(i));
+    return false;
   });
-  look_at_all(
-      own_, hiders.size(),
-      [&](std::size_t k) {
-        return LookedAt{hiders[k].place, hiders[k].question->column};
-      },
-      [&](std::size_t k, const FreespaceProbe::Answer& answer) {
-        if (answer.verdict != FreespaceVerdict::inside) return;
-        const auto& [question, place, laser, column] = hiders[k];
-        question->hider_left = true;
-        hearing.leavers.push_back({question, &witness, (place - question->q).norm()});
-      });
+  hearing.places.look(own_, [&](std::size_t k, const FreespaceProbe::Answer& answer) {
+    if (answer.verdict != FreespaceVerdict::inside) return;
+    const Hearing::Hider& hider = hearing.hiders[k];
+    hider.question->hider_left = true;
+    hearing.leavers.push_back({hider.question, &witness, std::sqrt(hider.distance2_m2)});
+  });
 }
 
 void Witnesses::count_leavers(Hearing& hearing) const {

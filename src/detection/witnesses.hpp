@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include "detection/packed_points.hpp"
 #include <mapless/detection/freespace_votes.hpp>
 
 namespace mapless {
@@ -28,9 +29,7 @@ class Witnesses {
   /// Room for what is known of one call, kept for the next.
   struct Hearing {
     struct Question {
-      std::uint32_t i;    // return of the scan
-      float column;       // it was fired in
-      Eigen::Vector3f q;  // its point
+      std::uint32_t i;  // return of the scan
       PointVotes votes;
       bool seen_next = false;   // as a surface, by the later scan
       float next_off_m = 0;     // along the ray, from the point to that surface; NaN: beside it
@@ -38,13 +37,15 @@ class Witnesses {
     };
     std::vector<Question> questions;
     std::vector<std::size_t> open;  // those not settled yet
+    PackedPoints points;            // of each of them
     // What hid a point from one scan, and may have left.
     struct Hider {
       Question* question;
-      Eigen::Vector3f place;
-      int laser, column;  // of the firing that ended there
+      int laser, column;       // of the firing that ended there
+      float distance2_m2 = 0;  // of the point from there, squared
     };
     std::vector<Hider> hiders;
+    PackedPoints places;  // of each of them
     // What has left, of all scans.
     struct Leaver {
       Question* question;
@@ -66,6 +67,7 @@ class Witnesses {
     int scans_off;
   };
 
+  [[nodiscard]] float column(std::size_t i) const { return static_cast<float>(scan_.returns[i].column); }
   void gather(const std::vector<std::size_t>& questions, Hearing& hearing) const;
   void hear_all(const Witness& witness, Hearing& hearing) const;
   void hear(const Witness& witness, const FreespaceProbe::Answer& answer, Question& question,

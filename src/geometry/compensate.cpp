@@ -1,4 +1,7 @@
+#include <array>
 #include <cstdlib>
+#include <cstring>
+#include <span>
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -39,23 +42,34 @@ CompensatedScan without_points(std::shared_ptr<const LidarScan> scan, SensorMoti
   return compensated;
 }
 
-// Where a sensor at `place` + dt `drift` sees what it has at p.
-struct LocalMotion {
-  Eigen::Matrix4f place, drift;  // of homogeneous points; dt in nanoseconds
+// A motion of points in single precision.
+class Affine {
+ public:
+  using Four = float __attribute__((vector_size(16)));
+  explicit Affine(const Eigen::Matrix4f& T) { std::memcpy(columns_.data(), T.data(), sizeof(columns_)); }
+  [[nodiscard]] Four operator*(const Eigen::Vector3f& p) const {
+    return columns_[0] * p.x() + columns_[1] * p.y() + (columns_[2] * p.z() + columns_[3]);
+  }
+
+ private:
+  std::array<Four, 4> columns_;
 };
 
-LocalMotion local_motion(const SE3& T_0v, const Vector6d& varpi, const Eigen::Vector3d& origin_0) {
-  const Eigen::Matrix3d& C_0v = T_0v.rotation();
-  LocalMotion motion{Eigen::Matrix4f::Zero(), Eigen::Matrix4f::Zero()};
-  motion.place.topLeftCorner<3, 3>() = C_0v.cast<float>();
-  motion.place.topRightCorner<3, 1>() = (T_0v.translation() - origin_0).cast<float>();
-  motion.drift.topLeftCorner<3, 3>() = (-1e-9 * C_0v * hat(varpi.tail<3>())).cast<float>();
-  motion.drift.topRightCorner<3, 1>() = (-1e-9 * C_0v * varpi.head<3>()).cast<float>();
-  return motion;
+// Where a sensor at a column's instant sees about origin_0 what it has at p.
+Affine place_of(const SE3& T_0v, const Eigen::Vector3d& origin_0) {
+  Eigen::Matrix4f place = Eigen::Matrix4f::Zero();
+  place.topLeftCorner<3, 3>() = T_0v.rotation().cast<float>();
+  place.topRightCorner<3, 1>() = (T_0v.translation() - origin_0).cast<float>();
+  return Affine(place);
 }
 
-Eigen::Vector4f product(const Eigen::Matrix4f& T, const Eigen::Vector3f& p) {
-  return T.col(0) * p.x() + T.col(1) * p.y() + (T.col(2) * p.z() + T.col(3));
+// By how much that differs a nanosecond later.
+Affine drift_of(const SE3& T_0v, const Vector6d& varpi) {
+  const Eigen::Matrix3d& C_0v = T_0v.rotation();
+  Eigen::Matrix4f drift = Eigen::Matrix4f::Zero();
+  drift.topLeftCorner<3, 3>() = (-1e-9 * C_0v * hat(varpi.tail<3>())).cast<float>();
+  drift.topRightCorner<3, 1>() = (-1e-9 * C_0v * varpi.head<3>()).cast<float>();
+  return Affine(drift);
 }
 
 }  // namespace
@@ -82,27 +96,32 @@ std::pair<CompensatedScan, LocalPoints> compensate_locally(std::shared_ptr<const
   SensorMotion motion(*scan, trajectory);
   LocalPoints local{Eigen::Vector3d::Zero(), std::vector<Eigen::Vector3f>(scan->returns.size())};
   if (!motion.column_T_0v.empty()) local.origin_0 = motion.column_T_0v.front().translation();
-  std::vector<LocalMotion> columns;
-  columns.reserve(motion.column_T_0v.size());
+  std::vector<Affine> places, drifts;  // apart: where all lasers fire at once the one is enough
+  places.reserve(motion.column_T_0v.size());
+  drifts.reserve(motion.column_T_0v.size());
   for (std::size_t c = 0; c < motion.column_T_0v.size(); ++c) {
-    columns.push_back(local_motion(motion.column_T_0v[c], motion.column_states[c].varpi, local.origin_0));
+    places.push_back(place_of(motion.column_T_0v[c], local.origin_0));
+    drifts.push_back(drift_of(motion.column_T_0v[c], motion.column_states[c].varpi));
   }
   const std::int64_t period_ns = scan->column_period.nanoseconds();
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, local.points.size(), 1024), [&](const auto& range) {
-    for (std::size_t i = range.begin(); i < range.end(); ++i) {
-      const LidarReturn& r = scan->returns[i];
-      const std::int64_t dt_ns = r.time_ns - r.column * period_ns;
-      if (std::abs(dt_ns) > period_ns) {  // too long for a motion to first order
-        const Eigen::Vector3d p_0 = motion.to_world(r.position_v.cast<double>(), r.column, r.time_ns);
-        local.points[i] = (p_0 - local.origin_0).cast<float>();
-        continue;
-      }
-      const LocalMotion& column = columns[static_cast<std::size_t>(r.column)];
-      Eigen::Vector4f p = product(column.place, r.position_v);
-      if (dt_ns != 0) p += static_cast<float>(dt_ns) * product(column.drift, r.position_v);
-      local.points[i] = p.head<3>();
-    }
-  });
+  const std::span<const LidarReturn> returns = scan->returns;
+  const std::span<Eigen::Vector3f> points = local.points;
+  tbb::parallel_for(
+      tbb::blocked_range<std::size_t>(0, points.size(), 1024), [&, returns, points](const auto& range) {
+        for (std::size_t i = range.begin(); i < range.end(); ++i) {
+          const LidarReturn& r = returns[i];
+          const std::int64_t dt_ns = r.time_ns - r.column * period_ns;
+          if (std::abs(dt_ns) > period_ns) {  // too long for a motion to first order
+            const Eigen::Vector3d p_0 = motion.to_world(r.position_v.cast<double>(), r.column, r.time_ns);
+            points[i] = (p_0 - local.origin_0).cast<float>();
+            continue;
+          }
+          const auto c = static_cast<std::size_t>(r.column);
+          Affine::Four p = places[c] * r.position_v;
+          if (dt_ns != 0) p += static_cast<float>(dt_ns) * (drifts[c] * r.position_v);
+          points[i] = {p[0], p[1], p[2]};
+        }
+      });
   return {without_points(std::move(scan), std::move(motion)), std::move(local)};
 }
 

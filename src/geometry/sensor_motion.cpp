@@ -17,11 +17,13 @@ SensorMotion::SensorMotion(const LidarScan& scan, const Trajectory& trajectory)
     (void)trajectory.at(scan.column_time(scan.columns - 1));
   }
   if (!scan.returns.empty()) {
-    const auto [first, last] =
-        std::minmax_element(scan.returns.begin(), scan.returns.end(),
-                            [](const LidarReturn& a, const LidarReturn& b) { return a.time_ns < b.time_ns; });
-    (void)trajectory.at(scan.time_of(*first));
-    (void)trajectory.at(scan.time_of(*last));
+    std::int32_t first_ns = scan.returns.front().time_ns, last_ns = first_ns;
+    for (const LidarReturn& r : scan.returns) {
+      first_ns = std::min(first_ns, r.time_ns);
+      last_ns = std::max(last_ns, r.time_ns);
+    }
+    (void)exact_state(first_ns);
+    (void)exact_state(last_ns);
   }
   const auto columns = static_cast<std::size_t>(scan.columns);
   column_states.resize(columns);

@@ -86,6 +86,14 @@ TEST(CollectVotes, WhatStoodForThirtyTwoScansStandsWhateverWasThereBefore) {
   }
 }
 
+// Once six scans were asked, -6 is enough: a wall that was hidden from four of them, and that three others
+// saw, was there 64 scans ago. Of three scans alone -6 is not.
+TEST(CollectVotes, WhatSomeCouldNotSeeStandsByFewerVotesOfMany) {
+  expect_votes({{10, 64}, {4, 32}, {4, 24}, {4, 16}, {4, 12}, {7, 8}, {7, 4}, {7, 2}},
+               {-4 - 3 - 2 - 1, 0, false, true, false});
+  expect_votes({{10, 64}, {7, 8}, {7, 4}, {7, 2}}, {4 - 3 - 2 - 1, 0, true, true, false});
+}
+
 // What a scan more than four off saw through may have come to rest since.
 TEST(CollectVotes, SeenThroughLatelyIsByAScanWithinFour) {
   expect_votes({{7, 2}, {10, 4}}, {-1 + 4, 0, true, true, true});

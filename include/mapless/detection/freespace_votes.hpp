@@ -50,13 +50,13 @@ inline constexpr int kRecentGap = 4;
 
 /// The sum of what other scans say of one point.
 struct PointVotes {
-  std::int16_t earlier = 0;   ///< of the earlier scans
-  std::int16_t later = 0;     ///< of the later scan
-  bool seen_through = false;  ///< some scan saw through, also the place that a sliding surface has left
-  bool surface_seen = false;  ///< some scan saw a surface
-  bool recently = false;      ///< seen through, or vacated, by a scan that tells whether something moves now
-  bool vacated = false;       ///< what hid it from some scan has left
-  bool moving_seen = false;   ///< a scan a moment ago saw a surface there and it was found moving
+  std::int16_t earlier = 0;       ///< of the earlier scans
+  std::int16_t later = 0;         ///< of the later scan
+  bool seen_through : 1 = false;  ///< some scan saw through, also the place that a sliding surface has left
+  bool surface_seen : 1 = false;  ///< some scan saw a surface
+  bool recently : 1 = false;  ///< seen through, or vacated, by a scan that tells whether something moves now
+  bool vacated : 1 = false;   ///< what hid it from some scan has left
+  bool moving_seen : 1 = false;  ///< a scan a moment ago saw a surface there and it was found moving
 
   [[nodiscard]] int total() const { return earlier + later; }
 };
