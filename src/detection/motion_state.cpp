@@ -6,6 +6,7 @@
 #include <Eigen/Cholesky>
 
 #include "detection/longest_absence.hpp"
+#include <mapless/detection/freespace_votes.hpp>
 
 namespace mapless {
 namespace {
@@ -21,6 +22,11 @@ constexpr double kSure = 2;
 
 constexpr double kMostUnproven_m = 1;  // several times what the rays tell
 
+// What stands is seen to its ends bit by bit, and its velocity errs by as much as what is seen of it grows:
+// of that rays show no advance. In so many scans it stood, and of the way so much it shows.
+constexpr int kStoodScans = 3;
+constexpr double kShareOfWay = 0.5;
+
 bool differs_from_zero(const TrackedObject& object) {
   return object.velocity_0.dot(object.velocity_covariance_0.ldlt().solve(object.velocity_0)) > kSure * kSure;
 }
@@ -30,6 +36,14 @@ bool differs_from_zero(const TrackedObject& object) {
 double evidence_needed(const TrackedObject& object, const VotingParameters& parameters) {
   const double std_mps = object.age > kUntoldScans ? object.velocity_std_0().maxCoeff() : 0;
   return parameters.min_evidence * std::max(1.0, std_mps / kKnownStd_mps);
+}
+
+// Whether rays show what a velocity says to be gone since scans of a moment ago.
+bool goes_as_told(const MotionState& last, const TrackedObject& object, const ObjectEvidence& evidence,
+                  Time now) {
+  const double scans = object.age - last.age;
+  const double way_m = object.velocity_0.norm() * (now - last.seen).seconds() * kRecentGap / scans;
+  return static_cast<double>(evidence.advance_m) >= kShareOfWay * way_m;
 }
 
 }  // namespace
@@ -50,13 +64,15 @@ MotionState next_state(const MotionState& last, const TrackedObject& object, con
     next.slow = known ? speed_mps < parameters.min_speed_mps : !advances;
     next.unproven_m = advances ? 0 : last.unproven_m + speed_mps * (now - last.seen).seconds();
   }
+  next.stood = last.moves ? 0 : last.stood + (known && next.slow ? 1 : 0);
   const bool believed = next.velocity_known || object.age <= kUntoldScans;
   const bool twice = last.slow || (known && !advances);  // or both say so
   const double needed = evidence_needed(object, parameters);
   const bool flickers = needed > parameters.min_evidence && next.evidence < needed / 2;
   const bool stops = (next.slow && twice) || next.unproven_m >= kMostUnproven_m || flickers;
   const bool may_stand = object.age > 1 && known && !differs;
-  const bool begins = advances && !next.slow && !may_stand && next.evidence >= needed;
+  const bool goes = last.stood < kStoodScans || goes_as_told(last, object, evidence, now);
+  const bool begins = advances && goes && !next.slow && !may_stand && next.evidence >= needed;
   next.moves = believed && (last.moves ? !stops : begins);
   return next;
 }

@@ -15,6 +15,7 @@ struct MotionState {
   bool moves = false;
   bool slow = false;
   bool velocity_known = false;  ///< it was once
+  int stood = 0;                ///< scans its velocity said so in, since it last moved
   double evidence = 0;          ///< votes of its scans, those of the last in full, of each before half
   int age = 0;                  ///< TrackedObject::age
   double unproven_m = 0;        ///< gone by its speed since its last advance
@@ -27,7 +28,8 @@ struct MotionState {
 /// `min_evidence`, to which those of earlier scans count half for each scan they are back: border effects are
 /// small and gone in the next scan. From its third scan on it takes more of them by as much as the standard
 /// deviation of its velocity is above 0.5 m/s, and half of that to go on. A speed that is known has to differ
-/// from 0 by two standard deviations then, too. It moves until it is slower in two of its scans in a row, or
+/// from 0 by two standard deviations then, too, and of what stood in three scans the advance has to be half
+/// of what that speed makes in kRecentGap scans. It moves until it is slower in two of its scans in a row, or
 /// in one that shows no such advance either; the advance tells instead of the speed where the registration
 /// hardly does, as of a wall, which slides along itself at any speed. It stands, too, once it would have gone
 /// 1 m by its speed since its last advance, and from its third scan on while its velocity was never known.

@@ -161,6 +161,32 @@ TEST(NextState, AnObjectThatMayStandDoesNotBeginToMove) {
   EXPECT_TRUE(next(moving(), object(0.59, 0.3), kAdvance_m).moves);
 }
 
+// 2 m/s are 0.8 m in four scans of 0.1 s, of which rays have to show half.
+TEST(NextState, WhatStoodInThreeScansBeginsWithHalfOfTheWayItsVelocitySays) {
+  MotionState state = standing();
+  TrackedObject o = object(2, kWell_mps);
+  for (const int stood : {2, 3}) {
+    state.stood = stood;
+    EXPECT_EQ(next(state, o, 0.39F).moves, stood < 3);
+    EXPECT_TRUE(next(state, o, 0.41F).moves);
+  }
+  o.age = 3;  // not seen in the scan between: two scans in 0.1 s
+  EXPECT_TRUE(next(state, o, kAdvance_m).moves);
+  EXPECT_FALSE(next(state, object(2, kWell_mps), kAdvance_m).moves);
+}
+
+TEST(NextState, CountsTheScansItsVelocitySaidItStood) {
+  MotionState state = standing();
+  state = next(state, object(kSlow_mps, kWell_mps), kLess_m);
+  state = next(state, object(kSlow_mps, kWell_mps), kAdvance_m);
+  EXPECT_EQ(state.stood, 2);
+  state = next(state, object(kFast_mps, kWell_mps), kLess_m);
+  state = next(state, object(0, kBadly_mps), kLess_m);  // slow, but nobody knows
+  EXPECT_EQ(state.stood, 2);
+  state.moves = true;
+  EXPECT_EQ(next(state, object(kSlow_mps, kWell_mps), kLess_m).stood, 0);
+}
+
 TEST(NextState, AnObjectOfUnknownSpeedBeginsToMoveWithAnAdvanceAlone) {
   EXPECT_TRUE(next(standing(), object(0, kBadly_mps), kAdvance_m).moves);
   EXPECT_FALSE(next(standing(), object(19, kBadly_mps), kLess_m).moves);
