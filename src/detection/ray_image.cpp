@@ -155,7 +155,7 @@ FreespaceProbe::Sighting FreespaceProbe::sight(const Vector3f& q, const Beam& be
   }
   // Near the seam a laser's own firing may lie beyond the scan's end.
   if (q_l.x() <= 0 || std::abs(q_l.y() * columns_per_m) > kFarAside) return {};
-  return {&beam, at, q_l.x(), q_l.z()};
+  return {&beam, at, q_l.x(), q_l.z(), q_l.y()};
 }
 
 FreespaceProbe::Bracket FreespaceProbe::bracket(const Vector3f& q, float column, const Vector3f& q_h) const {
@@ -210,7 +210,7 @@ FreespaceProbe::Answer FreespaceProbe::look_about_image(const Vector3f& q, float
   if (rays.below.found()) look_around(rays.below, &nearest == &rays.below, window);
   const auto answer = [&](FreespaceVerdict verdict) {
     return Answer{verdict, nearest.beam->laser, nearest.column, nearest.range_m - window.nearest_range_m,
-                  std::abs(nearest.height_m)};
+                  std::max(std::abs(nearest.height_m), std::abs(nearest.left_m))};
   };
   if (window.border) return answer(FreespaceVerdict::border);
   if (std::isnan(window.nearest_range_m)) return answer(FreespaceVerdict::unobserved);

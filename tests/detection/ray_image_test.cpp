@@ -1,8 +1,11 @@
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <numbers>
 #include <random>
+#include <utility>
 
+#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
 #include "oracle/freespace_probe_oracle.hpp"
@@ -60,6 +63,37 @@ TEST(FreespaceProbe, NamesTheFiringThatPassesNearest) {
     EXPECT_EQ(answer.laser, r.laser);
     EXPECT_EQ(answer.column, r.column);
   }
+}
+
+// Of a point beside a ray and one above it: less than half a column and half a laser spacing off, 9 and 140
+// mm where these rays are looked at.
+TEST(FreespaceProbe, TellsHowFarTheFiringPasses) {
+  const auto room = test::toy_room("VLP-16", test::drive(0, 0));
+  const auto scan = test::cast_scan(room, 0).scan;
+  const RayImage image(compensate(scan, *room.trajectory));
+  const FreespaceProbe probe(image, Vector3d::Zero(), {});
+  int asked = 0;
+  for (std::size_t i = 0; i < scan->returns.size(); i += 997) {
+    const LidarReturn& r = scan->returns[i];
+    const Eigen::Vector3f along = probe.endpoint(r.laser, r.column).normalized();
+    const Eigen::Vector3f left = Eigen::Vector3f::UnitZ().cross(along).normalized();
+    const Eigen::Vector3f up = along.cross(left);
+    for (const auto& [aside_m, above_m] : {std::pair(0.006F, 0.002F), {-0.006F, 0.0F}, {0.002F, -0.03F}}) {
+      const Eigen::Vector3f q = 5 * along + aside_m * left + above_m * up;
+      float column = 0;
+      const auto alone = probe.look(q, column);
+      if (alone.laser != r.laser) continue;  // above the highest laser, or below the lowest
+      FreespaceProbe::Points eight{};
+      eight.x.fill(q.x());
+      eight.y.fill(q.y());
+      eight.z.fill(q.z());
+      const float expected_m = std::max(std::abs(aside_m), std::abs(above_m));
+      EXPECT_NEAR(alone.aside_m, expected_m, 5e-4F);
+      EXPECT_NEAR(probe.look(eight)[3].aside_m, expected_m, 5e-4F);
+      ++asked;
+    }
+  }
+  EXPECT_GT(asked, 50);
 }
 
 /// What a resting sensor saw, and how a probe answers about points given by azimuth, elevation and range from

@@ -20,8 +20,8 @@ struct AskedScan {
 ///
 /// - It saw through the point's place: kSeenThroughVotes where the nearest ray passed within
 ///   kThroughItself_m of it, or met nothing at all: what stands hardly ever looks like that. Where the ray
-///   passed farther above or below and ended on something else, kSeenPastVotes: so do rails, ridges and
-///   leaves between two lasers look, scan after scan.
+///   passed farther above, below or beside it and ended on something else, kSeenPastVotes: so do rails,
+///   ridges and leaves between two lasers look, and poles between two firings, scan after scan.
 /// - It saw a surface there: 1 vote against for the nearest scans up to kMostSurfaceVotes for the farthest
 ///   (surface_votes). Slow things and surfaces that slide within themselves are where they were a moment ago,
 ///   and not where they were seconds ago. But where that surface was proposed to move then: none, and

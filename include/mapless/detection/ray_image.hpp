@@ -87,7 +87,7 @@ class FreespaceProbe {
     FreespaceVerdict verdict = FreespaceVerdict::unobserved;
     int laser = -1, column = -1;
     float short_by_m = 0;  ///< how far before the point that firing ended; NaN where it is not known
-    float aside_m = 0;     ///< how far above or below the point its ray passes
+    float aside_m = 0;     ///< how far from the point its ray passes, up or to the side, by whichever is more
   };
   /// `q`: a point minus origin_0 [m]. `column` is a guess of where the scan looks that way, and holds the
   /// column found afterwards; any number will do, a good one is faster.
@@ -155,6 +155,7 @@ class FreespaceProbe {
     int column = 0;
     float range_m = 0;   // of the point's foot on the beam
     float height_m = 0;  // of the point above the beam
+    float left_m = 0;    // and left of it
     [[nodiscard]] bool found() const { return beam != nullptr; }
   };
   struct Bracket {
