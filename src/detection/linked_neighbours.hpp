@@ -70,11 +70,15 @@ class LinkedNeighbours {
     }
   }
 
-  /// The return in the cell beside that of i in its row, -1 to the left or 1 to the right, or -1.
-  [[nodiscard]] std::int32_t beside(std::int32_t i, int side) const {
+  enum class Way { columns, rows };
+  /// The return so many columns or rows from that of i in the aligned image, below 0 to the left or down; or
+  /// below 0.
+  [[nodiscard]] std::int32_t beside(std::int32_t i, Way way, int steps) const {
     const LidarReturn& r = scan_.returns[static_cast<std::size_t>(i)];
-    const int column = image_.aligned_column(r.laser, r.column) + side;
-    return scan_.cell(r.laser, image_.scan_column(r.laser, column));
+    const int row = r.laser + (way == Way::rows ? steps : 0);
+    if (row < 0 || row >= scan_.rows()) return empty_cell(ReturnCode::absent);
+    const int column = image_.aligned_column(r.laser, r.column) + (way == Way::columns ? steps : 0);
+    return scan_.cell(row, image_.scan_column(row, column));
   }
 
   /// Whether i and j belong together in space, wherever they are in the scan image.

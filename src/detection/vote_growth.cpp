@@ -153,7 +153,7 @@ class VoteGrowth {
   // The sides of one object after another; whether there are any. The marks are on what moves.
   bool slide() {
     const std::size_t before = dynamic_.size();
-    SlidingSides sides(scan_, neighbours_, votes_, marks_);
+    SlidingSides sides(scan_, points_, neighbours_, votes_, marks_);
     for (std::size_t n = 0; n < ends_.size(); ++n) {
       for (const std::int32_t i : sides.of(object(n))) {
         verdict(i) = GrowthVerdict::grown;

@@ -33,6 +33,11 @@ class BusSide : public test::VoteImage {
     points_.points[at(laser, column)] = r.position_v;
     set(laser, column, votes);
   }
+  // Half a metre from row to row: far enough apart to tell how straight a surface goes on.
+  void stretch() {
+    for (std::size_t i = 0; i < scan_.returns.size(); ++i)
+      points_.points[i].z() = 0.5F * static_cast<float>(scan_.returns[i].laser);
+  }
   [[nodiscard]] long found() const {
     const auto objects = grow().object;
     return std::count_if(objects.begin(), objects.end(), [](std::uint16_t object) { return object != 0; });
@@ -53,6 +58,28 @@ TEST_F(BusSide, IsNoneWhereItGoesOnIntoWhatStands) {
   set(2, kLast - 1, -4);
   set(2, kLast, -4);
   EXPECT_EQ(found(), kAll);  // four
+}
+
+// The row above stands, in line with those below.
+TEST_F(BusSide, IsNoneWhereItGoesStraightOnAcrossRowsIntoWhatStands) {
+  for (int c = kFirst; c <= kLast; ++c) set(4, c, -9);
+  stretch();
+  EXPECT_EQ(found(), kFound);
+  for (int c = kFirst; c <= kLast; ++c) put(4, c, 6, -9);  // not in line: a metre behind
+  stretch();
+  EXPECT_EQ(found(), kAll - 10);
+}
+
+// The row above nobody saw before. The side goes straight on from both ends, as the ground would not.
+TEST_F(BusSide, GoesStraightOnIntoWhatIsNotKnownIfItDoesFromWhatMoves) {
+  for (int c = kFirst; c <= kLast; ++c) votes_[at(4, c)] = {0, -1, false, true, false, false, false};
+  stretch();
+  EXPECT_EQ(found(), kAll - 10);
+  for (int l = 1; l < 4; ++l) {
+    for (const int c : {kFirst, kFirst + 1, kLast - 1, kLast}) put(l, c, 4, 3);
+  }
+  stretch();
+  EXPECT_EQ(found(), kFound);
 }
 
 // A nearer thing hides where it ends.
