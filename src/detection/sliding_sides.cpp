@@ -12,7 +12,7 @@ constexpr int kFreePerHeld = 3;
 // How straight a surface goes on is told by points so far apart, no more than so many cells: by less the
 // noise decides.
 constexpr float kApart_m = 0.2F;
-constexpr int kMostSteps = 32;
+constexpr int kMostCells = 32;
 constexpr float kStraightOn = 0.94F;  // cosine of 20 degrees: a side does not go on into the ground so
 
 // Where what moves goes on, so many times as often at an angle as straight: a side has rims and lights, and
@@ -103,7 +103,7 @@ bool SlidingSides::goes_straight_on(std::int32_t i, Way way, int side) const {
 // The first return that way that is far enough off, or -1.
 std::int32_t SlidingSides::apart(std::int32_t i, Way way, int side) const {
   const Eigen::Vector3f& p = points_[static_cast<std::size_t>(i)];
-  for (int steps = 1; steps <= kMostSteps; ++steps) {
+  for (int steps = 1; steps <= kMostCells; ++steps) {
     const std::int32_t j = neighbours_.beside(i, way, steps * side);
     if (j >= 0 && (points_[static_cast<std::size_t>(j)] - p).squaredNorm() >= kApart_m * kApart_m) return j;
   }
