@@ -15,7 +15,7 @@ struct MotionState {
   bool moves = false;
   bool slow = false;
   bool velocity_known = false;  ///< it was once
-  int stood = 0;                ///< scans its velocity said so in, since it last moved
+  int stood = 0;                ///< scans since it last moved in which its velocity was known, and slow
   double evidence = 0;          ///< votes of its scans, those of the last in full, of each before half
   int age = 0;                  ///< TrackedObject::age
   double unproven_m = 0;        ///< gone by its speed since its last advance

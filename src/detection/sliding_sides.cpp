@@ -6,7 +6,7 @@ namespace {
 // A thing is not larger than that many times what was found moving of it.
 constexpr std::size_t kMostPerFound = 8;
 
-// Of the ends of rows, how many times as many are in front of something farther as go on into what stands.
+// Of their ends, how many times as many are in front of something farther as go on into what stands.
 constexpr int kFreePerHeld = 3;
 
 // How straight a surface goes on is told by points so far apart, no more than so many cells: by less the
@@ -78,10 +78,12 @@ void SlidingSides::look_along(std::int32_t i, Rims& rims) const {
 void SlidingSides::look_beyond(std::int32_t i, Way way, int side, Rims& rims) const {
   const std::int32_t j = neighbours_.beside(i, way, side);
   if (j < 0 || reached_[static_cast<std::size_t>(j)] != 0 || !neighbours_.linked(i, j)) return;
+  const bool moving = moves(j);
+  if (!moving && way == Way::columns) return;  // look_along has told
   const bool straight = goes_straight_on(i, way, side);
-  if (moves(j)) {
+  if (moving) {
     ++(straight ? rims.straight : rims.bent);
-  } else if (way == Way::rows && straight) {
+  } else if (straight) {
     ++(votes_[static_cast<std::size_t>(j)].total() < kSliding ? rims.held : rims.unknown);
   }
 }

@@ -42,7 +42,7 @@ class SlidingSides {
   [[nodiscard]] bool end_of_themselves() const;
 
   // Rims of the sides: in front of something farther, where the surface goes on into what stands or straight
-  // on into what is not known, and where what moves goes on, straight or at an angle.
+  // on into what is not known, and where what moves goes on, straight or not as far as can be told.
   struct Rims {
     int free = 0, held = 0, unknown = 0, straight = 0, bent = 0;
   };

@@ -26,7 +26,9 @@ constexpr double kFarSpeed = 3;  // [m/s]
 constexpr double kAboutAsGood = 0.9;
 // A motion with which so much fewer points agree than with another leaves most of the scan where nothing was.
 constexpr double kFarFewer = 0.5;
-constexpr std::size_t kCarriedBack = 5;  // intervals
+// Scans that found no place are placed afterwards if they are no more intervals back: farther, the motion of
+// the start says little of theirs.
+constexpr std::size_t kCarriedBack = 5;
 
 // What the motion between the scan's two knots costs by the prior: half the squared error, as a logarithm of
 // probability.

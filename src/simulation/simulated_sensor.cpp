@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -138,6 +139,16 @@ SimulatedScan SimulatedSensor::scan(int number) {
                         cast_column(number, column, out);
                     });
   return out;
+}
+
+std::shared_ptr<const LidarScan> SimulatedSensor::lidar_scan(int number) {
+  const SimulatedScan cast = scan(number);
+  LidarScan out;
+  out.model = model_;
+  out.start = cast.start;
+  out.column_period = column_period_;
+  out.columns = model_->columns;
+  return std::make_shared<const LidarScan>(organise(std::move(out), cast.records, "simulated scan"));
 }
 
 }  // namespace mapless

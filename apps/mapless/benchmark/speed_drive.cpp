@@ -59,15 +59,7 @@ SpeedDrive::SpeedDrive(const std::string& scene, double duration_s, std::uint64_
       world_(scene_.world),
       sensor_(model_, trajectory_, world_, {0.02, true, seed}) {}
 
-std::shared_ptr<const LidarScan> SpeedDrive::scan(int number) {
-  const SimulatedScan cast = sensor_.scan(number);
-  LidarScan scan;
-  scan.model = model_;
-  scan.start = cast.start;
-  scan.column_period = Duration::from_seconds(1 / model_->rotation_rate_hz / model_->columns);
-  scan.columns = model_->columns;
-  return std::make_shared<const LidarScan>(organise(std::move(scan), cast.records, "simulated scan"));
-}
+std::shared_ptr<const LidarScan> SpeedDrive::scan(int number) { return sensor_.lidar_scan(number); }
 
 BusyTime yardstick(const std::vector<Eigen::Vector3d>& of, const std::vector<Eigen::Vector3d>& asked) {
   using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, CloudAdaptor>,

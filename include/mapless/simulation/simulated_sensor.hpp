@@ -38,6 +38,8 @@ class SimulatedSensor {
   /// Scan `number`, which starts at number / rotation rate after the trajectory's epoch (time 0). Throws
   /// TrajectoryDomainError where the trajectory does not reach.
   [[nodiscard]] SimulatedScan scan(int number);
+  /// The same as odometry and detection want it, without its truth.
+  [[nodiscard]] std::shared_ptr<const LidarScan> lidar_scan(int number);
 
  private:
   void cast_column(int number, int column, SimulatedScan& out) const;
