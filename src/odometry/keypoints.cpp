@@ -15,13 +15,13 @@ constexpr int kHalvings = 2;
 class CubeSet {
  public:
   explicit CubeSet(std::size_t most)
-      : table_(std::bit_ceil(2 * most + 2), kEmpty), shift_(64 - std::countr_zero(table_.size())) {}
+      : table_(std::bit_ceil(2 * most + 2), kNoCube), shift_(64 - std::countr_zero(table_.size())) {}
 
   /// False where it was there already.
   bool insert(std::uint64_t key) {
     const std::size_t mask = table_.size() - 1;
     std::size_t slot = cube_slot(key, shift_);
-    for (; table_[slot] != kEmpty; slot = (slot + 1) & mask) {
+    for (; table_[slot] != kNoCube; slot = (slot + 1) & mask) {
       if (table_[slot] == key) return false;
     }
     table_[slot] = key;
@@ -29,17 +29,19 @@ class CubeSet {
   }
 
  private:
-  static constexpr std::uint64_t kEmpty = ~std::uint64_t{0};  // keys have 63 bits
   std::vector<std::uint64_t> table_;
   int shift_;
 };
 
 std::vector<std::uint32_t> one_per_cube(const std::vector<ScanPoint>& points, double cube_m) {
   const double cubes_per_m = 1 / cube_m;
+  const Eigen::Vector3d half = Eigen::Vector3d::Constant(0.5);
   CubeSet seen(points.size());
   std::vector<std::uint32_t> out;
-  for (const std::uint32_t i : mixed_order(points.size())) {
-    const Eigen::Vector3d p = points[i].position_v.cast<double>() * cubes_per_m;
+  const std::vector<std::uint32_t> passes = in_passes(points.size());
+  for (const std::uint32_t k : mixed_order(points.size())) {
+    const std::uint32_t i = passes[k];
+    const Eigen::Vector3d p = points[i].position_v.cast<double>() * cubes_per_m - half;
     if (seen.insert(cube_key(p.x(), p.y(), p.z()))) out.push_back(i);
   }
   return out;

@@ -87,9 +87,13 @@ void add_unless_known(std::vector<Registration>& all, const Registration& regist
 }
 
 std::vector<ScanPoint> every_so_often(const std::vector<ScanPoint>& points, std::size_t most) {
-  std::vector<ScanPoint> out;
   const std::size_t number = std::min(points.size(), most);
-  for (std::size_t i = 0; i < number; ++i) out.push_back(points[i * points.size() / number]);
+  const std::vector<std::uint32_t> passes = in_passes(points.size());
+  std::vector<std::uint32_t> chosen;
+  for (std::size_t i = 0; i < number; ++i) chosen.push_back(passes[i * points.size() / number]);
+  std::sort(chosen.begin(), chosen.end());
+  std::vector<ScanPoint> out;
+  for (const std::uint32_t i : chosen) out.push_back(points[i]);
   return out;
 }
 

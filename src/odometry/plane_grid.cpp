@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <numeric>
 
 #include <Eigen/Eigenvalues>
 
@@ -17,12 +18,17 @@ constexpr double kFlat = 2.5;          // the plane extends so many times its th
 constexpr double kCutSigmas = 2.5;
 // A plane is fitted anew when a cube has grown by this share.
 constexpr double kGrowth = 1.25;
-constexpr std::size_t kAtOnce = 64;  // points whose cubes are fetched together
+constexpr std::size_t kAtOnce = 64;  // runs of points whose slots are fetched together
+constexpr std::size_t kAhead = 8;    // runs whose cubes are on their way
 
 }  // namespace
 
 PlaneGrid::PlaneGrid(double cube_m, double offset_m, double sigma_m)
-    : cube_m_(cube_m), cubes_per_m_(1 / cube_m), offset_m_(offset_m), sigma_m_(sigma_m) {
+    : cube_m_(cube_m),
+      cubes_per_m_(1 / cube_m),
+      offset_m_(offset_m),
+      middle_m_(offset_m + cube_m / 2),
+      sigma_m_(sigma_m) {
   rebuild_table(kFirstCapacity);
 }
 
@@ -35,7 +41,7 @@ void PlaneGrid::clear() {
 Vector3d PlaneGrid::from_origin(const Vector3d& p_0) const { return (p_0.array() - offset_m_).matrix(); }
 
 Vector3d PlaneGrid::corner_of(std::uint64_t key) const {
-  return {cube_m_ * cube_begin(key, 0), cube_m_ * cube_begin(key, 1), cube_m_ * cube_begin(key, 2)};
+  return {cube_m_ * cube_number(key, 0), cube_m_ * cube_number(key, 1), cube_m_ * cube_number(key, 2)};
 }
 
 std::size_t PlaneGrid::add_cube(std::size_t slot, std::uint64_t key) {
@@ -57,66 +63,126 @@ void PlaneGrid::rebuild_table(std::size_t capacity) {
 }
 
 // Axis by axis: vectors on their way through memory would keep one another waiting.
-void PlaneGrid::add(Cube& cube, const Vector3d& p_0, int sign) const {
-  const auto offset = [&](int axis) { return p_0[axis] - offset_m_ - cube_m_ * cube_begin(cube.key, axis); };
-  const double x = offset(0), y = offset(1), z = offset(2);
+void PlaneGrid::Sums::add(double x, double y, double z, int sign) {
   const double sx = sign * x, sy = sign * y, sz = sign * z;
-  cube.count = static_cast<std::int16_t>(cube.count + sign);
-  cube.sum[0] += sx;
-  cube.sum[1] += sy;
-  cube.sum[2] += sz;
-  cube.products[0] += sx * x;
-  cube.products[1] += sx * y;
-  cube.products[2] += sx * z;
-  cube.products[3] += sy * y;
-  cube.products[4] += sy * z;
-  cube.products[5] += sz * z;
+  first[0] += sx;
+  first[1] += sy;
+  first[2] += sz;
+  products[0] += sx * x;
+  products[1] += sx * y;
+  products[2] += sx * z;
+  products[3] += sy * y;
+  products[4] += sy * z;
+  products[5] += sz * z;
 }
 
 // Where the cube can take more: fetched. -1 otherwise.
-std::int32_t PlaneGrid::open_cube(const Place& place) {
-  if (place.key == kNowhere) return -1;
-  const std::size_t slot = slot_of(place.key);
+std::int32_t PlaneGrid::open_cube(std::uint64_t key) {
+  if (key == kNoCube) return -1;
+  const std::size_t slot = slot_of(key);
   const bool known = table_[slot].cube >= 0;
   if (known && table_[slot].full) return -1;
-  const std::size_t i = known ? static_cast<std::size_t>(table_[slot].cube) : add_cube(slot, place.key);
+  const std::size_t i = known ? static_cast<std::size_t>(table_[slot].cube) : add_cube(slot, key);
   __builtin_prefetch(&cubes_[i], 1);
-  __builtin_prefetch(&cubes_[i].products.back(), 1);  // often in another line of the cache
   return static_cast<std::int32_t>(i);
 }
 
-// What a point needs lies anywhere in memory, and is asked for before others are seen to.
+void PlaneGrid::find_cubes(std::span<Run> runs) {
+  for (Run& run : runs) run.cube = open_cube(run.key);
+  for (const Run& run : runs) {
+    if (run.cube < 0) continue;
+    cubes_[static_cast<std::size_t>(run.cube)].coming += run.count;
+  }
+}
+
+void PlaneGrid::find_runs(const std::vector<MapPoint>& points, double farthest_m) {
+  std::size_t found = 0;
+  std::uint64_t last = kNoCube;
+  for (std::uint32_t i = 0; i < points.size(); ++i) {
+    const MapPoint& point = points[i];
+    const Place place = point.range_m > farthest_m ? Place{kNoCube} : place_of(point.p_0);
+    const bool goes_on = place.key == last;
+    last = place.key;
+    if (last == kNoCube) continue;
+    if (goes_on) {
+      ++runs_.back().count;
+      continue;
+    }
+    if (runs_.size() - found >= kAtOnce) {
+      find_cubes(std::span(runs_).subspan(found));
+      found = runs_.size();
+    }
+    runs_.push_back({place.key, i, 1});
+    fetch_slot(place);
+  }
+  find_cubes(std::span(runs_).subspan(found));
+  std::erase_if(runs_, [](const Run& run) { return run.cube < 0; });
+}
+
+// What a run needs lies anywhere in memory, and is asked for before others are seen to.
 void PlaneGrid::insert(const std::vector<MapPoint>& points, double farthest_m, unsigned bit,
                        std::vector<unsigned>& taken) {
-  std::array<Place, kAtOnce> places;
-  std::array<std::int32_t, kAtOnce> cubes;
-  for (std::size_t first = 0; first < points.size(); first += kAtOnce) {
-    const std::size_t count = std::min(kAtOnce, points.size() - first);
-    for (std::size_t k = 0; k < count; ++k) {
-      const MapPoint& point = points[first + k];
-      places[k] = point.range_m > farthest_m ? Place{kNowhere} : place_of(point.p_0);
-      fetch_slot(places[k]);
-    }
-    for (std::size_t k = 0; k < count; ++k) cubes[k] = open_cube(places[k]);
-    for (std::size_t k = 0; k < count; ++k) {
-      if (cubes[k] >= 0 && insert(points[first + k], static_cast<std::size_t>(cubes[k])))
-        taken[first + k] |= bit;
+  find_runs(points, farthest_m);
+  for (std::size_t r = 0; r < runs_.size(); ++r) {
+    const Cube& later = cubes_[static_cast<std::size_t>(runs_[std::min(r + kAhead, runs_.size() - 1)].cube)];
+    __builtin_prefetch(&later, 1);
+    __builtin_prefetch(&later.sums.products.back(), 1);  // often in another line of the cache
+    const Run& run = runs_[r];
+    Cube& cube = cubes_[static_cast<std::size_t>(run.cube)];
+    if (cube.coming <= static_cast<std::uint32_t>(kFull - cube.count)) {
+      cube.coming -= run.count;
+      take(points, run, bit, taken);
+    } else {
+      for (std::uint32_t i = run.begin; i < run.begin + run.count; ++i)
+        crowded_.push_back({i, static_cast<std::uint32_t>(run.cube)});
     }
   }
+  take_crowded(points, bit, taken);
+  runs_.clear();
   fit_planes();
 }
 
-bool PlaneGrid::insert(const MapPoint& point, std::size_t i) {
-  Cube& cube = cubes_[i];
-  if (cube.count >= kFull) return false;  // since it was found open
-  add(cube, point.p_0, 1);
+// By pass, and within one in their order.
+void PlaneGrid::take_crowded(const std::vector<MapPoint>& points, unsigned bit,
+                             std::vector<unsigned>& taken) {
+  std::vector<std::size_t> next;  // place of each pass among them
+  for (const Crowded& one : crowded_) {
+    const std::size_t pass = points[one.point].pass;
+    if (next.size() < pass + 2) next.resize(pass + 2, 0);
+    ++next[pass + 1];
+  }
+  std::partial_sum(next.begin(), next.end(), next.begin());
+  by_pass_.resize(crowded_.size());
+  for (const Crowded& one : crowded_) by_pass_[next[points[one.point].pass]++] = one;
+  for (const Crowded& one : by_pass_) {
+    Cube& cube = cubes_[one.cube];
+    cube.coming = 0;
+    if (cube.count < kFull)
+      take(points, {cube.key, one.point, 1, static_cast<std::int32_t>(one.cube)}, bit, taken);
+  }
+  crowded_.clear();
+  by_pass_.clear();
+}
+
+void PlaneGrid::take(const std::vector<MapPoint>& points, const Run& run, unsigned bit,
+                     std::vector<unsigned>& taken) {
+  const auto number = static_cast<std::size_t>(run.cube);
+  Cube& cube = cubes_[number];
+  const Vector3d corner_0 = corner_of(run.key).array() + offset_m_;
+  Sums sums = cube.sums;  // in registers
+  for (std::uint32_t i = run.begin; i < run.begin + run.count; ++i) {
+    const MapPoint& point = points[i];
+    sums.add(point.p_0[0] - corner_0[0], point.p_0[1] - corner_0[1], point.p_0[2] - corner_0[2], 1);
+    cube.lines |= std::uint64_t{1} << (point.line & 63U);
+    taken[i] |= bit;
+  }
+  cube.sums = sums;
+  cube.count = static_cast<std::int16_t>(cube.count + static_cast<int>(run.count));
   if (cube.count >= kFull) table_[slot_of(cube.key)].full = true;
-  cube.lines |= std::uint64_t{1} << (point.line & 63U);
   if (!cube.waits && cube.count >= kFewest && cube.count >= kGrowth * cube.fitted) {
     cube.waits = true;
-    grown_.push_back(static_cast<std::uint32_t>(i));
+    grown_.push_back(static_cast<std::uint32_t>(number));
   }
-  return true;
 }
 
 void PlaneGrid::fit_planes() {
@@ -131,12 +197,14 @@ void PlaneGrid::remove(const std::vector<Vector3d>& points_0) {
   std::vector<std::size_t> changed;
   for (const Vector3d& p_0 : points_0) {
     const Place place = place_of(p_0);
-    if (place.key == kNowhere) continue;
+    if (place.key == kNoCube) continue;
     Slot& slot = table_[slot_of(place.key)];
     if (slot.cube < 0) continue;
     const auto i = static_cast<std::size_t>(slot.cube);
     if (cubes_[i].count == 0) continue;
-    add(cubes_[i], p_0, -1);
+    const Vector3d p = from_origin(p_0) - corner_of(place.key);
+    cubes_[i].sums.add(p[0], p[1], p[2], -1);
+    --cubes_[i].count;
     slot.full = false;
     changed.push_back(i);
   }
@@ -167,9 +235,9 @@ void PlaneGrid::fit(std::size_t i) {
   planes_[i] = {};
   if (cube.count < kFewest || std::popcount(cube.lines) < kFewestLines) return;
   const double n = cube.count;
-  const Vector3d mean = cube.sum / n;
+  const Vector3d mean = Eigen::Map<const Vector3d>(cube.sums.first.data()) / n;
   Eigen::Matrix3d scatter;
-  const auto& s = cube.products;
+  const auto& s = cube.sums.products;
   scatter << s[0], s[1], s[2], s[1], s[3], s[4], s[2], s[4], s[5];
   scatter = (scatter / n - mean * mean.transpose()).eval();
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
@@ -201,47 +269,30 @@ bool PlaneGrid::is_cut(const Plane& plane) const {
   return from_face * across < kCutSigmas * sigma_m_;
 }
 
-void PlaneGrid::fetch_plane(const Place& place) const {
-  if (place.key == kNowhere) return;
-  const std::int32_t cube = table_[cube_slot(place.key, shift_)].cube;
-  if (cube >= 0) __builtin_prefetch(&planes_[static_cast<std::size_t>(cube)]);
-}
-
 PlaneGrid::Candidate PlaneGrid::candidate_at(const Vector3d& q_0, const Place& place) const {
-  if (place.key == kNowhere) return {};
-  const std::int32_t cube = table_[slot_of(place.key)].cube;
-  if (cube < 0) return {};
-  const Plane& plane = planes_[static_cast<std::size_t>(cube)];
+  if (place.cube < 0) return {};
+  const Plane& plane = planes_[static_cast<std::size_t>(place.cube)];
   if (plane.uncertainty <= 0) return {};
   const Eigen::Vector3f d = (from_origin(q_0) - corner_of(place.key)).cast<float>() - plane.mean;
   const float along_middle = d.dot(plane.middle);
   const float across = d.dot(plane.normal);
   const float along_largest_squared =
       std::max(0.F, d.squaredNorm() - along_middle * along_middle - across * across);
-  return {place, cube,
-          plane.thickness + plane.uncertainty + plane.per_middle * along_middle * along_middle +
-              plane.per_largest * along_largest_squared};
+  return {place, plane.thickness + plane.uncertainty + plane.per_middle * along_middle * along_middle +
+                     plane.per_largest * along_largest_squared};
 }
 
 MapPlane PlaneGrid::plane_of(const Candidate& candidate) const {
-  const Plane& plane = planes_[static_cast<std::size_t>(candidate.cube)];
+  const Plane& plane = planes_[static_cast<std::size_t>(candidate.place.cube)];
   return {(corner_of(candidate.place.key) + plane.mean.cast<double>()).array() + offset_m_,
           plane.normal.cast<double>(), candidate.variance, (plane.per_middle + plane.per_largest) / 2};
 }
 
-double PlaneGrid::from_face(const Vector3d& p_0) const {
-  double least = 0.5;
-  for (const double p : {p_0.x(), p_0.y(), p_0.z()}) {
-    const double at = in_cubes(p);
-    const double over = std::abs(at - static_cast<double>(static_cast<std::int64_t>(at)));
-    least = std::min({least, over, 1 - over});
-  }
-  return cube_m_ * least;
-}
-
 std::optional<MapPlane> PlaneGrid::plane_at(const Vector3d& q_0) const {
-  const Candidate candidate = candidate_at(q_0, place_of(q_0));
-  if (candidate.cube < 0) return std::nullopt;
+  Place place = place_of(q_0);
+  fetch_plane(place);
+  const Candidate candidate = candidate_at(q_0, place);
+  if (candidate.place.cube < 0) return std::nullopt;
   return plane_of(candidate);
 }
 

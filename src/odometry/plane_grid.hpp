@@ -1,9 +1,12 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -26,7 +29,8 @@ struct MapPoint {
   Eigen::Vector3d p_0;
   /// Numbers the points of one laser in one scan, which lie on a line on whatever they hit.
   unsigned line;
-  double range_m;  ///< from the sensor that saw it
+  double range_m;     ///< from the sensor that saw it
+  unsigned pass = 0;  ///< a cube that cannot take all that come takes those of lower passes first
 };
 
 /// Sums over the points of each cube of a hash table, and the plane they give. Nothing of a point is kept, so
@@ -43,7 +47,8 @@ class PlaneGrid {
   PlaneGrid(double cube_m, double offset_m, double sigma_m);
 
   /// Takes the points that are no farther than `farthest_m` from their sensor, and sets `bit` in `taken` of
-  /// each. Not taken are those whose cube is full, or farther than 1e6 cubes from the origin.
+  /// each. Not taken are those whose cube is full, or farther than 1e6 cubes from the origin. The faster, the
+  /// more points of one cube follow one another.
   void insert(const std::vector<MapPoint>& points, double farthest_m, unsigned bit,
               std::vector<unsigned>& taken);
   /// Takes out points that `insert` took, where their cubes are still there.
@@ -60,26 +65,35 @@ class PlaneGrid {
   /// fetch_slot of all of them, then fetch_plane, has it at hand for candidate_at.
   struct Place {
     std::uint64_t key;
+    std::int32_t cube = -1;  ///< by fetch_plane; none where it is less than 0
   };
   [[nodiscard]] Place place_of(const Eigen::Vector3d& p_0) const {
-    const double x = in_cubes(p_0.x()), y = in_cubes(p_0.y()), z = in_cubes(p_0.z());
-    return {has_cube(x, y, z) ? cube_key(x, y, z) : kNowhere};
+    return {cube_key(in_cubes(p_0.x()), in_cubes(p_0.y()), in_cubes(p_0.z()))};
   }
   void fetch_slot(const Place& place) const {
-    if (place.key != kNowhere) __builtin_prefetch(&table_[cube_slot(place.key, shift_)]);
+    if (place.key != kNoCube) __builtin_prefetch(&table_[cube_slot(place.key, shift_)]);
   }
-  void fetch_plane(const Place& place) const;
+  void fetch_plane(Place& place) const {
+    if (place.key == kNoCube) return;
+    place.cube = table_[slot_of(place.key)].cube;
+    if (place.cube >= 0) __builtin_prefetch(&planes_[static_cast<std::size_t>(place.cube)]);
+  }
   /// The plane at a point, as long as the grid stays as it is, and how good it is there (MapPlane::variance);
   /// plane_of is all of it.
   struct Candidate {
     Place place{};
-    std::int32_t cube = -1;  ///< none
     double variance = std::numeric_limits<double>::infinity();
   };
   [[nodiscard]] Candidate candidate_at(const Eigen::Vector3d& q_0, const Place& place) const;
   [[nodiscard]] MapPlane plane_of(const Candidate& candidate) const;
   /// How far a point is from the nearest face of its cube [m].
-  [[nodiscard]] double from_face(const Eigen::Vector3d& p_0) const;
+  [[nodiscard]] double from_face(const Eigen::Vector3d& p_0) const {
+    const auto off = [&](double p) {
+      const double at = in_cubes(p);
+      return std::abs(at - nearest_whole(at));
+    };
+    return cube_m_ * (0.5 - std::max({off(p_0.x()), off(p_0.y()), off(p_0.z())}));
+  }
 
   [[nodiscard]] std::size_t cubes() const { return cubes_.size(); }
 
@@ -93,14 +107,21 @@ class PlaneGrid {
     float uncertainty = 0;                             // variance of the plane at its mean; 0: no plane
     float per_middle = 0, per_largest = 0;  // its growth with the square of the distance from the mean
   };
+  // From the corner of a cube.
+  struct Sums {
+    std::array<double, 3> first = {};
+    std::array<double, 6> products = {};  // xx, xy, xz, yy, yz, zz
+
+    void add(double x, double y, double z, int sign);
+  };
   struct Cube {
     std::uint64_t key;
-    std::uint64_t lines = 0;  // bits, the numbers modulo 64
+    std::uint64_t lines = 0;   // bits, the numbers modulo 64
+    std::uint32_t coming = 0;  // points, while `insert` is at work
     std::int16_t count = 0;
     std::int16_t fitted = 0;  // count when the plane was fitted
     bool waits = false;       // for its plane to be fitted, in grown_
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    std::array<double, 6> products = {};  // xx, xy, xz, yy, yz, zz
+    Sums sums;
   };
   struct Slot {
     std::uint64_t key = 0;
@@ -108,13 +129,26 @@ class PlaneGrid {
     bool full = false;       // the cube, which need not be looked at then
   };
 
-  static constexpr std::uint64_t kNowhere = ~std::uint64_t{0};  // keys have 63 bits
-
-  [[nodiscard]] double in_cubes(double coordinate) const { return (coordinate - offset_m_) * cubes_per_m_; }
+  // From the middle of the cube at the offset.
+  [[nodiscard]] double in_cubes(double coordinate) const { return (coordinate - middle_m_) * cubes_per_m_; }
   [[nodiscard]] Eigen::Vector3d from_origin(const Eigen::Vector3d& p_0) const;
   [[nodiscard]] Eigen::Vector3d corner_of(std::uint64_t key) const;  // from the origin
-  [[nodiscard]] std::int32_t open_cube(const Place& place);
-  bool insert(const MapPoint& point, std::size_t i);
+  // Points of `insert` that follow one another and lie in one cube.
+  struct Run {
+    std::uint64_t key;
+    std::uint32_t begin;
+    std::uint32_t count;
+    std::int32_t cube = -1;  // none that takes more
+  };
+  struct Crowded {
+    std::uint32_t point;
+    std::uint32_t cube;
+  };
+  [[nodiscard]] std::int32_t open_cube(std::uint64_t key);
+  void find_runs(const std::vector<MapPoint>& points, double farthest_m);
+  void find_cubes(std::span<Run> runs);
+  void take(const std::vector<MapPoint>& points, const Run& run, unsigned bit, std::vector<unsigned>& taken);
+  void take_crowded(const std::vector<MapPoint>& points, unsigned bit, std::vector<unsigned>& taken);
   void fit_planes();
   /// Of the cube, or an empty one.
   [[nodiscard]] std::size_t slot_of(std::uint64_t key) const {
@@ -125,14 +159,16 @@ class PlaneGrid {
   }
   std::size_t add_cube(std::size_t slot, std::uint64_t key);
   void rebuild_table(std::size_t capacity);
-  void add(Cube& cube, const Eigen::Vector3d& p_0, int sign) const;
   void fit(std::size_t i);
   [[nodiscard]] bool is_cut(const Plane& plane) const;
 
-  double cube_m_, cubes_per_m_, offset_m_, sigma_m_;
+  double cube_m_, cubes_per_m_, offset_m_, middle_m_, sigma_m_;
   std::vector<Cube> cubes_;    // in the order they came
   std::vector<Plane> planes_;  // of each
   std::vector<std::uint32_t> grown_;
+  // Empty but while `insert` is at work: all runs, and the points that their cubes may not have room for.
+  std::vector<Run> runs_;
+  std::vector<Crowded> crowded_, by_pass_;
   std::vector<Slot> table_;  // size a power of two
   int shift_ = 0;            // leaves the high bits of the hash
 };

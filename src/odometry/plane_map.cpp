@@ -73,23 +73,27 @@ void PlaneMap::find_planes(std::span<const Eigen::Vector3d> points_0, std::span<
   }
   for (const PlaneGrid& grid : grids_) {
     for (Search& s : open) {
-      s.place = grid.place_of(points_0[s.point]);
-      grid.fetch_slot(s.place);
-    }
-    for (const Search& s : open) grid.fetch_plane(s.place);
-    std::erase_if(open, [&](Search& s) {
-      PlaneNear& found = planes[s.point];
       const Eigen::Vector3d& p_0 = points_0[s.point];
-      const PlaneGrid::Candidate candidate = grid.candidate_at(p_0, s.place);
+      s.place = grid.place_of(p_0);
+      grid.fetch_slot(s.place);
+      planes[s.point].holds_m = std::min(planes[s.point].holds_m, grid.from_face(p_0));
+    }
+    for (Search& s : open) grid.fetch_plane(s.place);
+    std::size_t kept = 0;
+    for (std::size_t k = 0; k < open.size(); ++k) {
+      Search& s = open[k];
+      const PlaneGrid::Candidate candidate = grid.candidate_at(points_0[s.point], s.place);
       if (candidate.variance < s.best.variance) {
         s.best = candidate;
         s.grid = &grid;
       }
-      found.holds_m = std::min(found.holds_m, grid.from_face(p_0));
-      const bool last = s.best.variance <= good_variance_ || &grid == &grids_.back();
-      if (last && s.grid != nullptr) found.plane = s.grid->plane_of(s.best);
-      return last;
-    });
+      if (s.best.variance > good_variance_ && &grid != &grids_.back()) {
+        open[kept++] = s;
+      } else if (s.grid != nullptr) {
+        planes[s.point].plane = s.grid->plane_of(s.best);
+      }
+    }
+    open.resize(kept);
   }
 }
 

@@ -47,6 +47,7 @@ std::vector<MapPoint> points_in_world(const std::vector<ScanPoint>& points, Time
       out[i].p_0 = step.T_0v * (p_v - dt * (step.varpi.head<3>() + step.varpi.tail<3>().cross(p_v)));
       out[i].line = first_line + static_cast<unsigned>(p.laser);
       out[i].range_m = p.range_m;
+      out[i].pass = p.pass;
     }
   });
   return out;

@@ -51,17 +51,6 @@ void tell_lasers_apart(std::vector<ScanPoint>& points) {
     p.laser = static_cast<std::int32_t>((p.position_v.z() / p.range_m + 1) * kElevationSteps);
 }
 
-// A cube of the map that is full with the first points of a scan is to have some of all lasers, and not a few
-// lowest: the scan is gone through several times, every time for other points of each laser.
-std::vector<ScanPoint> in_passes(const std::vector<ScanPoint>& points) {
-  std::vector<ScanPoint> out;
-  out.reserve(points.size());
-  for (std::size_t pass = 0; pass < kPasses; ++pass) {
-    for (std::size_t i = pass; i < points.size(); i += kPasses) out.push_back(points[i]);
-  }
-  return out;
-}
-
 }  // namespace
 
 // With the first k below r^2, their sum / r^2 + the rest = target. The left side falls as r^2 grows: the
@@ -89,7 +78,17 @@ std::vector<ScanPoint> thin(const LidarScan& scan, const OdometryParameters& par
       out.push_back({r.position_v, std::sqrt(square), r.time_ns, r.laser, static_cast<std::uint32_t>(i)});
   }
   tell_lasers_apart(out);
-  return in_passes(out);
+  for (std::size_t i = 0; i < out.size(); ++i) out[i].pass = static_cast<unsigned>(i % kPasses);
+  return out;
+}
+
+std::vector<std::uint32_t> in_passes(std::size_t size) {
+  std::vector<std::uint32_t> out;
+  out.reserve(size);
+  for (std::size_t pass = 0; pass < kPasses; ++pass) {
+    for (std::size_t i = pass; i < size; i += kPasses) out.push_back(static_cast<std::uint32_t>(i));
+  }
+  return out;
 }
 
 std::vector<std::uint32_t> mixed_order(std::size_t size) {

@@ -75,7 +75,7 @@ TEST(PlaneGrid, GivesTheLeastSquaresPlaneOfTheCube) {
 }
 
 // Points of a scan come together, in whatever order: cubes side by side, and some that are left out.
-TEST(PlaneGrid, ManyPointsAtOnceAreAsManyOneByOne) {
+void expect_many_at_once_as_one_by_one(bool shuffled) {
   std::mt19937 generator(5);
   std::vector<MapPoint> points;
   for (int i = 0; i < 12; ++i) {
@@ -83,7 +83,7 @@ TEST(PlaneGrid, ManyPointsAtOnceAreAsManyOneByOne) {
     for (const Vector3d& p : points_on(patch, next_fit(20 + i), 0.2, generator))
       points.push_back({p, next_line++, 1});
   }
-  std::shuffle(points.begin(), points.end(), generator);
+  if (shuffled) std::shuffle(points.begin(), points.end(), generator);
   for (std::size_t i = 0; i < points.size(); i += 40)
     points.insert(points.begin() + static_cast<std::ptrdiff_t>(i), {{500, 0, 0}, next_line++, 11});
   PlaneGrid together(1, 0, kSigma), one_by_one(1, 0, kSigma);
@@ -100,6 +100,40 @@ TEST(PlaneGrid, ManyPointsAtOnceAreAsManyOneByOne) {
     ASSERT_TRUE(plane && expected);
     EXPECT_NEAR(std::abs(plane->normal_0.dot(expected->normal_0)), 1, 1e-6);
     EXPECT_NEAR((plane->point_0 - expected->point_0).norm(), 0, 1e-6);
+  }
+}
+
+TEST(PlaneGrid, ManyPointsAtOnceAreAsManyOneByOne) {
+  for (const bool shuffled : {false, true}) {
+    SCOPED_TRACE(shuffled);
+    expect_many_at_once_as_one_by_one(shuffled);
+  }
+}
+
+// Of 480 points, the lowest first, which leave the cube and come back as a laser's firings do beside an edge:
+// it takes those of the lowest passes, and of the last of these the first.
+TEST(PlaneGrid, ACubeWithTooLittleRoomTakesTheLowestPasses) {
+  for (const int before : {0, 100}) {
+    SCOPED_TRACE(before);
+    PlaneGrid grid(1, 0, kSigma);
+    for (int i = 0; i < before; ++i) ASSERT_TRUE(insert(grid, {0.5, 0.5, 0.5}, next_line++));
+    std::vector<MapPoint> points;
+    for (unsigned i = 0; i < 480; ++i) {
+      points.push_back({{0.5, 0.5, 0.002 * i + 0.01}, next_line++, 1, i % 9});
+      if (i % 7 == 0) points.push_back({{1.5, 0.5 + i, 0.5}, next_line++, 1, i % 9});
+    }
+    std::vector<unsigned> taken(points.size(), 0);
+    grid.insert(points, 10, 1, taken);
+    int room = PlaneGrid::kFull - before;
+    for (unsigned pass = 0; pass < 9; ++pass) {
+      for (std::size_t i = 0; i < points.size(); ++i) {
+        if (points[i].pass != pass) continue;
+        const bool beside = points[i].p_0.x() > 1;
+        EXPECT_EQ(taken[i] != 0, beside || room > 0) << i;
+        if (!beside) --room;
+      }
+    }
+    EXPECT_FALSE(insert(grid, {0.5, 0.5, 0.5}, next_line++));
   }
 }
 

@@ -1,6 +1,7 @@
 #include "odometry/thinning.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <random>
 #include <vector>
@@ -65,6 +66,31 @@ TEST(Thinning, KeepsAboutAsManyAsAreWanted) {
       EXPECT_NEAR(kept, wanted, 0.12 * wanted);
     }
   }
+}
+
+TEST(Thinning, KeepsTheOrderOfTheReturns) {
+  const auto points = thin(scan_of(ranges_of(2, 50000)), {});
+  EXPECT_LT(points.size(), 20000u);
+  EXPECT_TRUE(std::is_sorted(points.begin(), points.end(), [](const ScanPoint& a, const ScanPoint& b) {
+    return a.return_index < b.return_index;
+  }));
+}
+
+// Whatever the size, 400 that follow one another have some of every tenth of them.
+TEST(Thinning, PassesHaveEachIndexOnceAndAreOfEverywhere) {
+  for (const std::size_t size : {3000u, 3017u, 16000u}) {
+    SCOPED_TRACE(size);
+    const std::vector<std::uint32_t> order = in_passes(size);
+    std::vector<std::uint32_t> sorted = order;
+    std::sort(sorted.begin(), sorted.end());
+    for (std::size_t i = 0; i < size; ++i) ASSERT_EQ(sorted[i], i);
+    for (std::size_t first = 0; first + 400 <= size; first += 400) {
+      std::array<int, 10> of_tenth{};
+      for (std::size_t i = first; i < first + 400; ++i) ++of_tenth[order[i] * 10 / size];
+      EXPECT_GT(*std::min_element(of_tenth.begin(), of_tenth.end()), 0);
+    }
+  }
+  EXPECT_TRUE(in_passes(0).empty());
 }
 
 TEST(Thinning, KeepsAllOfFew) { EXPECT_EQ(thin(scan_of(ranges_of(1, 9000)), {}).size(), 9000); }
