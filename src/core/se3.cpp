@@ -101,8 +101,14 @@ SE3 SE3::exp(const Vector6d& xi) {
   const Eigen::Vector3d rho = xi.head<3>(), phi = xi.tail<3>();
   const AngleTerms k = angle_terms(phi.norm());
   const Eigen::Vector3d turned = phi.cross(rho);
-  const Eigen::Matrix3d W = hat(phi);
-  return {Eigen::Matrix3d::Identity() + k.a * W + k.b * W * W, rho + k.b * turned + k.c * phi.cross(turned)};
+  // I + a W + b W W number by number, as it is asked for every column of a scan.
+  const double x = phi.x(), y = phi.y(), z = phi.z();
+  const double bx = k.b * x, by = k.b * y, bz = k.b * z;
+  Eigen::Matrix3d rotation;
+  rotation << 1 - by * y - bz * z, bx * y - k.a * z, bx * z + k.a * y,  //
+      bx * y + k.a * z, 1 - bx * x - bz * z, by * z - k.a * x,          //
+      bx * z - k.a * y, by * z + k.a * x, 1 - bx * x - by * y;
+  return {rotation, rho + k.b * turned + k.c * phi.cross(turned)};
 }
 
 Vector6d SE3::log() const {

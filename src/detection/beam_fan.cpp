@@ -46,6 +46,12 @@ BeamFan::BeamFan(const LidarModel& model)
     bank.offset = static_cast<int>(banked.size());
     banked.insert(banked.end(), bank.beams.begin(), bank.beams.end());
   }
+  for (int c = 0; c < model.columns; ++c) turns.push_back(turn_at(model, c));
+}
+
+BeamFan::Turn BeamFan::turn_at(const LidarModel& model, int column) {
+  const double angle = model.hub_angle(column);
+  return {std::cos(angle), std::sin(angle)};
 }
 
 void BeamFan::Bank::close() {

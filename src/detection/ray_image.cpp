@@ -34,6 +34,11 @@ int rounded(float x) {
   return static_cast<int>(above);
 }
 
+// What the sensor has at v, in its hub.
+Vector3d in_hub(const BeamFan::Turn& turn, const Vector3d& v) {
+  return {turn.cosine * v.x() + turn.sine * v.y(), turn.cosine * v.y() - turn.sine * v.x(), v.z()};
+}
+
 float range_of_cell(const LidarScan& scan, std::int32_t cell) {
   switch (code_of_cell(cell)) {
     case ReturnCode::hit:
@@ -49,20 +54,24 @@ float range_of_cell(const LidarScan& scan, std::int32_t cell) {
 
 }  // namespace
 
-RayImage::RayImage(const CompensatedScan& scan)
-    : model_(scan.scan->model), fan_(std::make_shared<const BeamFan>(*model_)) {
+RayImage::RayImage(const CompensatedScan& scan, const RayImage* before)
+    : model_(scan.scan->model),
+      fan_(before != nullptr && before->model_ == model_ ? before->fan_
+                                                         : std::make_shared<const BeamFan>(*model_)) {
   if (!scan.column_T_0v.empty()) origin_0_ = scan.column_T_0v.front().translation();
   poses_.resize(scan.column_states.size());
   const double period_s = scan.scan->column_period.seconds();
   for (std::size_t c = 0; c < poses_.size(); ++c) {
     const TrajectoryState& state = scan.column_states[c];
-    const Eigen::Matrix3d C_hv = rotation_z(-model_->hub_angle(static_cast<double>(c)));
+    const BeamFan::Turn turn =
+        c < fan_->turns.size() ? fan_->turns[c] : BeamFan::turn_at(*model_, static_cast<int>(c));
     Pose& pose = poses_[c];
     pose.T_h0.setZero();
-    pose.T_h0.topLeftCorner<3, 3>() = (C_hv * state.T_v0.rotation()).cast<float>();
-    pose.T_h0.topRightCorner<3, 1>() = (C_hv * (state.T_v0 * origin_0_)).cast<float>();
-    pose.linear << (C_hv * state.varpi.head<3>() * period_s).cast<float>(), 0;
-    pose.angular << (C_hv * state.varpi.tail<3>() * period_s).cast<float>(), 0;
+    for (int axis = 0; axis < 3; ++axis)
+      pose.T_h0.col(axis).head<3>() = in_hub(turn, state.T_v0.rotation().col(axis)).cast<float>();
+    pose.T_h0.topRightCorner<3, 1>() = in_hub(turn, state.T_v0 * origin_0_).cast<float>();
+    pose.linear << (in_hub(turn, state.varpi.head<3>()) * period_s).cast<float>(), 0;
+    pose.angular << (in_hub(turn, state.varpi.tail<3>()) * period_s).cast<float>(), 0;
   }
   const auto rows = static_cast<std::size_t>(scan.scan->rows());
   const auto columns = poses_.size();

@@ -66,7 +66,7 @@ void VotingPipeline::add(std::shared_ptr<const LidarScan> scan, const Trajectory
       timed(pending.seconds.compensation, [&] { return compensate_locally(std::move(scan), trajectory); });
   pending.scan = compensated.scan;
   pending.points = std::move(points);
-  images_.emplace_back(compensated);
+  images_.emplace_back(compensated, images_.empty() ? nullptr : &images_.back());
   pending.column_states = std::move(compensated.column_states);
   pending_.push_back(std::move(pending));
 }
@@ -74,6 +74,7 @@ void VotingPipeline::add(std::shared_ptr<const LidarScan> scan, const Trajectory
 std::vector<AskedScan> VotingPipeline::scans_to_ask(std::size_t number,
                                                     std::optional<std::size_t> later) const {
   std::vector<AskedScan> asked;
+  asked.reserve(gaps_.size() + 1);
   for (const std::size_t gap : gaps_) {
     if (gap <= number) asked.push_back({&image(number - gap), static_cast<int>(gap)});
   }

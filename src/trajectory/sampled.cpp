@@ -41,14 +41,27 @@ Time SampledTrajectory::begin() const { return poses_.front().time - max_extrapo
 
 Time SampledTrajectory::end() const { return poses_.back().time + max_extrapolation_; }
 
-TrajectoryState SampledTrajectory::at(Time t) const {
-  require_covered(t, begin(), end(), source_);
-  // The first and the last segment also serve before and after them.
+// The first and the last segment also serve before and after them.
+std::size_t SampledTrajectory::segment(Time t) const {
   const auto after = std::upper_bound(poses_.begin() + 1, poses_.end() - 1, t,
                                       [](Time time, const TimedPose& pose) { return time < pose.time; });
-  const auto i = static_cast<std::size_t>(after - poses_.begin()) - 1;
-  const Vector6d& varpi = velocities_[i];
-  return {SE3::exp((t - poses_[i].time).seconds() * varpi) * poses_[i].T_v0, varpi};
+  return static_cast<std::size_t>(after - poses_.begin()) - 1;
+}
+
+TrajectoryState SampledTrajectory::at(Time t) const {
+  require_covered(t, begin(), end(), source_);
+  const std::size_t i = segment(t);
+  return {SE3::exp((t - poses_[i].time).seconds() * velocities_[i]) * poses_[i].T_v0, velocities_[i]};
+}
+
+void SampledTrajectory::sample(Time first, Duration period, std::span<TrajectoryState> states) const {
+  std::size_t i = 0;
+  Time t = first;
+  for (std::size_t k = 0; k < states.size(); ++k, t = t + period) {
+    require_covered(t, begin(), end(), source_);
+    if (k == 0 || t >= poses_[i + 1].time) i = segment(t);
+    states[k] = {SE3::exp((t - poses_[i].time).seconds() * velocities_[i]) * poses_[i].T_v0, velocities_[i]};
+  }
 }
 
 }  // namespace mapless

@@ -41,6 +41,12 @@ struct BeamFan {
   std::vector<Beam> beams;  ///< of each laser
   std::vector<Bank> banks;
   std::vector<Beam> banked;  ///< those of all banks, one bank after another
+  struct Turn {
+    double cosine, sine;
+  };
+  std::vector<Turn> turns;  ///< turn_at of each column of the model
+  /// How far the hub has turned at a column.
+  [[nodiscard]] static Turn turn_at(const LidarModel& model, int column);
 };
 
 }  // namespace mapless

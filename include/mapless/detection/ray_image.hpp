@@ -20,7 +20,8 @@ namespace mapless {
 /// a twentieth of the scan's size, since neither points nor normals are needed.
 class RayImage {
  public:
-  explicit RayImage(const CompensatedScan& scan);
+  /// `before`: an image whose beams serve for this one too, where it is of the same sensor.
+  explicit RayImage(const CompensatedScan& scan, const RayImage* before = nullptr);
 
   /// The hub at one instant, in single precision.
   struct Pose {

@@ -53,9 +53,12 @@ class SampledTrajectory final : public Trajectory {
   [[nodiscard]] Time begin() const override;
   [[nodiscard]] Time end() const override;
   [[nodiscard]] TrajectoryState at(Time t) const override;
+  void sample(Time first, Duration period, std::span<TrajectoryState> states) const override;
   [[nodiscard]] const std::vector<TimedPose>& poses() const { return poses_; }
 
  private:
+  [[nodiscard]] std::size_t segment(Time t) const;
+
   std::vector<TimedPose> poses_;
   std::vector<Vector6d> velocities_;  // between pose i and i + 1
   Duration max_extrapolation_;
