@@ -20,6 +20,7 @@ constexpr std::size_t kMostRowsAtOnce = 9;
 std::vector<RowVotes::Row> rows_of(const LidarScan& scan, bool between) {
   const int last = scan.rows() - 1;
   std::vector<RowVotes::Row> rows;
+  rows.reserve(scan.model->lasers.size());
   auto begin = scan.returns.begin();
   for (int l = 0; l <= last; ++l) {
     const auto end =

@@ -24,6 +24,7 @@ class LinkedNeighbours {
   LinkedNeighbours(const LidarScan& scan, const LocalPoints& points, const VotingParameters& parameters)
       : scan_(scan), points_(points.points), link_m_(static_cast<float>(parameters.link_m)), image_(scan) {
     const double column_rad = 2 * std::numbers::pi / scan.model->columns;
+    link_per_m_.reserve(scan.model->lasers.size());
     for (int l = 0; l < scan.rows(); ++l) {
       const double spacing = std::max(column_rad, scan.model->elevation_step(l));
       link_per_m_.push_back(

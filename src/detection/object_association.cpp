@@ -40,8 +40,7 @@ double size_of(const ExpectedObject& object) {
   return static_cast<double>(object.points_0.size()) * object.weight;
 }
 
-std::vector<Pair> overlaps(const std::vector<ExpectedObject>& known,
-                           const std::vector<ExpectedObject>& seen) {
+std::vector<Pair> overlaps(std::span<const ExpectedObject> known, std::span<const ExpectedObject> seen) {
   std::vector<Pair> pairs;
   for (std::size_t k = 0; k < known.size(); ++k) {
     for (std::size_t s = 0; s < seen.size(); ++s) {
@@ -57,8 +56,7 @@ std::vector<Pair> overlaps(const std::vector<ExpectedObject>& known,
   return pairs;
 }
 
-std::vector<Pair> within_reach(const std::vector<ExpectedObject>& known,
-                               const std::vector<ExpectedObject>& seen) {
+std::vector<Pair> within_reach(std::span<const ExpectedObject> known, std::span<const ExpectedObject> seen) {
   std::vector<Pair> pairs;
   for (std::size_t k = 0; k < known.size(); ++k) {
     const double reach =
@@ -82,9 +80,10 @@ void take(const std::vector<Pair>& pairs, std::vector<bool>& known_taken, Associ
 
 }  // namespace
 
-ExpectedObject expected_object(const ObjectView& view, const Vector3d& displacement_0, double uncertainty_m) {
-  ExpectedObject out;
+void expect(const ObjectView& view, const Vector3d& displacement_0, double uncertainty_m,
+            ExpectedObject& out) {
   const std::size_t stride = (view.points_0.size() + kMostPoints - 1) / kMostPoints;
+  out.points_0.clear();
   out.points_0.reserve(kMostPoints);
   for (std::size_t i = 0; i < view.points_0.size(); i += stride)
     out.points_0.push_back(view.points_0[i] + displacement_0);
@@ -92,10 +91,10 @@ ExpectedObject expected_object(const ObjectView& view, const Vector3d& displacem
   out.box = view.seen_box;
   out.box.translate(displacement_0);
   out.uncertainty_m = uncertainty_m;
-  return out;
+  out.hidden_m = 0;
 }
 
-Association associate(const std::vector<ExpectedObject>& known, const std::vector<ExpectedObject>& seen) {
+Association associate(std::span<const ExpectedObject> known, std::span<const ExpectedObject> seen) {
   Association out;
   out.known.resize(seen.size());
   out.parent.resize(seen.size());

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -20,9 +21,10 @@ struct ExpectedObject {
 };
 
 /// `view` moved by `displacement_0`, every point the same way: the next scan comes to an object about as far
-/// into its turn as the last one did, so that both are smeared alike.
-[[nodiscard]] ExpectedObject expected_object(const ObjectView& view, const Eigen::Vector3d& displacement_0,
-                                             double uncertainty_m);
+/// into its turn as the last one did, so that both are smeared alike. `out`, whatever it was, keeps its
+/// memory.
+void expect(const ObjectView& view, const Eigen::Vector3d& displacement_0, double uncertainty_m,
+            ExpectedObject& out);
 
 /// For each seen object, which known one it is, if any, and which one most of it came from.
 struct Association {
@@ -32,7 +34,7 @@ struct Association {
 
 /// The pair with the most points in common is associated first, then the next, ties to the lowest indices;
 /// where nothing overlaps, the nearest middles within what the uncertainty allows.
-[[nodiscard]] Association associate(const std::vector<ExpectedObject>& known,
-                                    const std::vector<ExpectedObject>& seen);
+[[nodiscard]] Association associate(std::span<const ExpectedObject> known,
+                                    std::span<const ExpectedObject> seen);
 
 }  // namespace mapless

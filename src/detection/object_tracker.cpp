@@ -4,6 +4,7 @@
 #include <deque>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -207,18 +208,21 @@ class ObjectTracker::Implementation {
   // Known ones or new ones. All of them before any is updated: a part that comes off begins as the whole was.
   [[nodiscard]] std::vector<FollowedObject*> tracks_of(const std::vector<ObjectView>& views,
                                                        Time scan_start) {
-    std::vector<ExpectedObject> known, seen;
-    known.reserve(tracks_.size());
-    seen.reserve(views.size());
-    for (const FollowedObject& track : tracks_) {
+    if (known_.size() < tracks_.size()) known_.resize(tracks_.size());
+    if (seen_.size() < views.size()) seen_.resize(views.size());
+    const std::span known = std::span(known_).first(tracks_.size()),
+                    seen = std::span(seen_).first(views.size());
+    for (std::size_t k = 0; k < tracks_.size(); ++k) {
+      const FollowedObject& track = tracks_[k];
       const double dt = (scan_start - track.last_scan).seconds();
       const double std_mps = std::sqrt(track.motion.velocity_covariance().diagonal().maxCoeff());
-      known.push_back(expected_object(track.newest(), dt * track.motion.velocity(), dt * std_mps));
-      known.back().hidden_m = (track.diagonal_m - track.newest_diagonal_m()) / 2;
+      expect(track.newest(), dt * track.motion.velocity(), dt * std_mps, known[k]);
+      known[k].hidden_m = (track.diagonal_m - track.newest_diagonal_m()) / 2;
     }
-    for (const ObjectView& view : views) seen.push_back(expected_object(view, Vector3d::Zero(), 0));
+    for (std::size_t s = 0; s < views.size(); ++s) expect(views[s], Vector3d::Zero(), 0, seen[s]);
     const Association association = associate(known, seen);
     std::vector<FollowedObject*> out;
+    out.reserve(views.size());
     for (std::size_t s = 0; s < views.size(); ++s) {
       const auto& which = association.known[s];
       out.push_back(which ? &tracks_[*which] : &begun(views[s], association.parent[s]));
@@ -247,6 +251,7 @@ class ObjectTracker::Implementation {
 
   std::deque<FollowedObject>
       tracks_;  // by increasing id; a deque's elements stay where they are when it grows
+  std::vector<ExpectedObject> known_, seen_;  // of the scan at work; kept for their memory
   std::uint32_t next_id_ = 1;
   std::size_t scans_ = 0;
   Time newest_start_;

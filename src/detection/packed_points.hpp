@@ -18,6 +18,10 @@ class PackedPoints {
  public:
   [[nodiscard]] std::size_t size() const { return columns_.size(); }
   void clear() { columns_.clear(); }
+  void reserve(std::size_t size) {
+    columns_.reserve(size);
+    eights_.reserve((size + kAtOnce - 1) / kAtOnce);
+  }
   /// `column` is about where the scans asked look that way.
   void add(const Eigen::Vector3f& q, float column) {
     const std::size_t k = size();

@@ -32,6 +32,7 @@ RecedingEnds::RecedingEnds(const LidarScan& scan, const LocalPoints& points,
       points_(points.points),
       own_(own, points.origin_0, parameters),
       column_rad_(2 * std::numbers::pi_v<float> / static_cast<float>(scan.columns)) {
+  earlier_.reserve(asked.size());
   for (const AskedScan& a : asked) {
     if (a.gap > 0 && a.gap <= kLongestGap)
       earlier_.push_back({a.gap, FreespaceProbe(*a.image, points.origin_0, parameters)});
@@ -47,6 +48,7 @@ std::vector<RecedingEnds::Line> RecedingEnds::among(std::span<const RowLine> lin
   std::vector<Line> receding;
   if (pairs_.empty()) return receding;
   std::vector<End> ends;
+  ends.reserve(2 * lines.size());
   for (const RowLine& line : lines) {
     for (const RowLine& to : {RowLine{line.last, line.first}, line}) {
       const Course course = course_of(to);
@@ -94,6 +96,7 @@ bool RecedingEnds::may_be_free(const RowLine& line, const Course& course) const 
 // Those beyond which the scan says so.
 void RecedingEnds::keep(std::vector<End>& ends, const FreespaceProbe& scan, FreespaceVerdict verdict) {
   PackedPoints beyond;
+  beyond.reserve(ends.size());
   for (const End& end : ends) beyond.add(end.beyond(end.clear_m), end.column);
   std::size_t kept = 0;
   beyond.look(scan, [&](std::size_t k, const FreespaceProbe::Answer& answer) {

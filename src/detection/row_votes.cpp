@@ -47,20 +47,22 @@ RowVotes::RowVotes(const LidarScan& scan, const LocalPoints& points, const Witne
       lines_(scan, points, parameters) {}
 
 void RowVotes::vote(std::span<const Row> rows, bool between, std::vector<PointVotes>& votes) {
+  thread_local Room room;
+  room_ = &room;
   between_ = between;
   votes_ = &votes;
-  questions_.clear();
-  open_.clear();
+  room_->questions.clear();
+  room_->open.clear();
   for (const Row& row : rows) begin(row);
-  for (const Span& span : open_) lines_.add(span.left, span.right);
+  for (const Span& span : room_->open) lines_.add(span.left, span.right);
   lines_.end();
-  witnesses_.ask(questions_, hearing_, votes);
-  while (!open_.empty()) {
-    questions_.clear();
-    halves_.clear();
-    for (const Span& span : open_) settle(span);
-    witnesses_.ask(questions_, hearing_, votes);
-    open_.swap(halves_);
+  witnesses_.ask(room_->questions, room_->hearing, votes);
+  while (!room_->open.empty()) {
+    room_->questions.clear();
+    room_->halves.clear();
+    for (const Span& span : room_->open) settle(span);
+    witnesses_.ask(room_->questions, room_->hearing, votes);
+    room_->open.swap(room_->halves);
   }
 }
 
@@ -75,15 +77,15 @@ void RowVotes::begin(const Row& row) {
 void RowVotes::load(const Row& row) {
   first_ = row.begin;
   const std::size_t size = row.end - row.begin;
-  for (std::vector<float>* v : {&x_, &y_, &z_}) {
+  for (std::vector<float>* v : {&room_->x, &room_->y, &room_->z}) {
     v->resize(size + 4);
     std::fill(v->end() - 4, v->end(), 0.0F);
   }
   for (std::size_t i = 0; i < size; ++i) {
     const Eigen::Vector3f& p = points_[first_ + i];
-    x_[i] = p.x();
-    y_[i] = p.y();
-    z_[i] = p.z();
+    room_->x[i] = p.x();
+    room_->y[i] = p.y();
+    room_->z[i] = p.z();
   }
 }
 
@@ -92,7 +94,7 @@ void RowVotes::cut(const Span& span) {
   const std::size_t corner = farthest_off(span);
   if (corner == span.left) {
     question(span.right);
-    open_.push_back(span);
+    room_->open.push_back(span);
     return;
   }
   cut({span.left, corner});
@@ -102,17 +104,18 @@ void RowVotes::cut(const Span& span) {
 // The point between that is farthest from the line through the ends, or the left end where all are near it.
 std::size_t RowVotes::farthest_off(const Span& span) const {
   const std::size_t left = span.left - first_, right = span.right - first_;
-  const float from_x = x_[left], from_y = y_[left], from_z = z_[left];
-  const float chord_x = x_[right] - from_x, chord_y = y_[right] - from_y, chord_z = z_[right] - from_z;
+  const float from_x = room_->x[left], from_y = room_->y[left], from_z = room_->z[left];
+  const float chord_x = room_->x[right] - from_x, chord_y = room_->y[right] - from_y,
+              chord_z = room_->z[right] - from_z;
   const float length2 = chord_x * chord_x + chord_y * chord_y + chord_z * chord_z;
   const float per_length2 = length2 > 0 ? 1 / length2 : 0;
   Floats most = Floats{} + kOffLine2_m2;
   Ints farthest = Ints{} + static_cast<int>(left);
   Ints index = Ints{0, 1, 2, 3} + static_cast<int>(left + 1);
   for (std::size_t i = left + 1; i < right; i += 4, index += 4) {
-    const Floats x = four_from(&x_[i]) - from_x;
-    const Floats y = four_from(&y_[i]) - from_y;
-    const Floats z = four_from(&z_[i]) - from_z;
+    const Floats x = four_from(&room_->x[i]) - from_x;
+    const Floats y = four_from(&room_->y[i]) - from_y;
+    const Floats z = four_from(&room_->z[i]) - from_z;
     const Floats along = (x * chord_x + y * chord_y + z * chord_z) * per_length2;
     const Floats off_x = x - along * chord_x, off_y = y - along * chord_y, off_z = z - along * chord_z;
     const Floats off2 = off_x * off_x + off_y * off_y + off_z * off_z;
@@ -144,12 +147,12 @@ void RowVotes::settle(const Span& span) {
   }
   const std::size_t middle = (left + right) / 2;
   question(middle);
-  halves_.push_back({left, middle});
-  halves_.push_back({middle, right});
+  room_->halves.push_back({left, middle});
+  room_->halves.push_back({middle, right});
 }
 
 void RowVotes::question(std::size_t i) {
-  if (!between_ || !known_from_beside(i)) questions_.push_back(i);
+  if (!between_ || !known_from_beside(i)) room_->questions.push_back(i);
 }
 
 bool RowVotes::known_from_beside(std::size_t i) {

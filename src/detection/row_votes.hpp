@@ -53,12 +53,15 @@ class RowVotes {
   RowLines lines_;
   bool between_ = false;
   std::vector<PointVotes>* votes_ = nullptr;
-  // Of the row that is cut: its first point, all of them, and a few more zeros.
-  std::size_t first_ = 0;
-  std::vector<float> x_, y_, z_;
-  std::vector<std::size_t> questions_;
-  std::vector<Span> open_, halves_;
-  Witnesses::Hearing hearing_;
+  // A thread keeps it from one scan to the next: nothing is allocated once it is large enough.
+  struct Room {
+    std::vector<float> x, y, z;  // of the row that is cut: all its points, and a few more zeros
+    std::vector<std::size_t> questions;
+    std::vector<Span> open, halves;
+    Witnesses::Hearing hearing;
+  };
+  Room* room_ = nullptr;   // while `vote` is at work
+  std::size_t first_ = 0;  // point of the row that is cut
 };
 
 }  // namespace mapless

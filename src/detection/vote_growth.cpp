@@ -21,6 +21,8 @@ constexpr int kFillNeighbours = 5, kFillRounds = 2, kSlidingRounds = 6;
 // would make good.
 constexpr int kFirmlyStatic = -3 * kSeenThroughVotes;
 
+constexpr std::size_t kManyCandidates = 8192;  // room for so many is made at once
+
 class VoteGrowth {
   using Of = LinkedNeighbours::Of;
 
@@ -63,11 +65,13 @@ class VoteGrowth {
 
   // The few that can be more than filled in.
   void collect_candidates(const std::vector<BoxVerdict>& seeds) {
+    candidates_.reserve(kManyCandidates);
     for (std::int32_t i = 0; i < static_cast<std::int32_t>(votes_.size()); ++i) {
       const auto n = static_cast<std::size_t>(i);
       if (votes_[n].total() > 0 || votes_[n].seen_through || seeds[n] == BoxVerdict::kept)
         candidates_.push_back(i);
     }
+    for (auto* some : {&front_, &dynamic_, &objects_}) some->reserve(candidates_.size());
   }
 
   // Everything marked and linked to `first`, in front_, marked no more.
@@ -201,6 +205,7 @@ class VoteGrowth {
 
   void weigh_objects() {
     result_.objects = static_cast<int>(ends_.size());
+    result_.evidence.reserve(ends_.size());
     EvidenceOfObjects evidence(scan_, points_, votes_, parameters_.min_evidence);
     for (std::size_t n = 0; n < ends_.size(); ++n) {
       result_.evidence.push_back(evidence.of(object(n)));

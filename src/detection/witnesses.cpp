@@ -37,6 +37,7 @@ std::vector<AskedScan> in_order(std::vector<AskedScan> asked) {
       std::stable_partition(asked.begin(), asked.end(), [](const AskedScan& a) { return a.gap > kLongAgo; });
   const std::span recent(lately, asked.end());
   std::vector<AskedScan> ordered;
+  ordered.reserve(asked.size());
   for (std::size_t first = 0; first < 3; ++first) {
     for (std::size_t k = first; k < recent.size(); k += 3) ordered.push_back(recent[k]);
   }
@@ -60,6 +61,7 @@ Witnesses::Witnesses(const LidarScan& scan, const LocalPoints& points, const std
       surface_noise_m_(static_cast<float>(kSurfaceNoise * parameters.tolerance_m)),
       own_(own, points.origin_0, parameters) {
   const int recent = recent_gap(asked);
+  witnesses_.reserve(asked.size());
   for (const AskedScan& a : in_order(asked)) {
     witnesses_.push_back({FreespaceProbe(*a.image, points.origin_0, parameters), surface_votes(a.gap),
                           a.gap < 0, std::abs(a.gap) <= recent, std::abs(a.gap)});
