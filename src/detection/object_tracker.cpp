@@ -38,9 +38,11 @@ constexpr double kShortestInterval_s = 0.01;  // an object cut by the seam may b
 constexpr std::size_t kYoung = 2;             // views of an object whose velocity is not well known yet
 constexpr std::array kEnds = {0.02, 0.98};    // of the points: where an object ends
 constexpr double kMisfit = 0.3;               // of a motion that others are tried against
-constexpr double kBetter = 0.1;               // in misfit: then the one expected is wrong
-constexpr double kWrongStd_mps = 10;          // of an expected velocity that is wrong
-constexpr double kSplitStd_mps = 1;           // what comes off an object moves much as that does
+// A start as near to another, or to what was found from that, would lead there too.
+constexpr double kSameStart_m = 0.1;
+constexpr double kBetter = 0.1;       // in misfit: then the one expected is wrong
+constexpr double kWrongStd_mps = 10;  // of an expected velocity that is wrong
+constexpr double kSplitStd_mps = 1;   // what comes off an object moves much as that does
 
 struct FollowedObject {
   std::uint32_t id;
@@ -126,8 +128,15 @@ RegisteredMotion newest_motion(FollowedObject& track, const ObjectView& now) {
   const bool young = track.views.size() <= kYoung;
   if (!young && best.misfit < kMisfit) return best;
   const double expected = best.misfit;
+  const double near_mps = kSameStart_m / (now.time - before.time).seconds();
+  std::array<Vector3d, 9> known = {best.velocity_0};  // tried, and what was found from there
+  std::size_t count = 1;
   for (const Vector3d& start : starts(now, before)) {
+    const auto is_near = [&](const Vector3d& v) { return (start - v).squaredNorm() < near_mps * near_mps; };
+    if (std::any_of(known.begin(), known.begin() + static_cast<std::ptrdiff_t>(count), is_near)) continue;
     const RegisteredMotion found = register_views(now, before, start);
+    known[count++] = start;
+    known[count++] = found.velocity_0;
     if (found.misfit < best.misfit) best = found;
   }
   if (best.misfit < expected - kBetter) track.motion.loosen(kWrongStd_mps);
