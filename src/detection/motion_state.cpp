@@ -20,6 +20,10 @@ constexpr int kUntoldScans = 2;
 constexpr double kKnownStd_mps = 0.5;
 constexpr double kSure = 2;
 
+// So many times the evidence it takes an object moves by, whatever its velocity: of what passes a window, or
+// crosses a fan of beams, that may never be known, and rays see through its place all the while.
+constexpr double kBeyondDoubt = 2;
+
 constexpr double kMostUnproven_m = 1;  // several times what the rays tell
 
 // What stands is seen to its ends bit by bit, and its velocity errs by as much as what is seen of it grows:
@@ -65,9 +69,10 @@ MotionState next_state(const MotionState& last, const TrackedObject& object, con
     next.unproven_m = advances ? 0 : last.unproven_m + speed_mps * (now - last.seen).seconds();
   }
   next.stood = last.moves ? 0 : last.stood + (known && next.slow ? 1 : 0);
-  const bool believed = next.velocity_known || object.age <= kUntoldScans;
   const bool twice = last.slow || (known && !advances);  // or both say so
   const double needed = evidence_needed(object, parameters);
+  const bool believed =
+      next.velocity_known || object.age <= kUntoldScans || next.evidence >= kBeyondDoubt * needed;
   const bool flickers = needed > parameters.min_evidence && next.evidence < needed / 2;
   const bool stops = (next.slow && twice) || next.unproven_m >= kMostUnproven_m || flickers;
   const bool may_stand = object.age > 1 && known && !differs;
