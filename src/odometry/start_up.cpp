@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <cstdio>
 
 #include <tbb/parallel_for.h>
 
@@ -33,7 +32,8 @@ constexpr std::size_t kCarriedBack = 5;
 // Two scans of which a smaller share agrees with any motion do not hold one another: .04 to .09 of sixteen
 // lasers on top of a hill and on a motorway, .11 and more in forests, towns and tunnels.
 constexpr double kFewAgree = 0.1;
-// Of all points, what is to agree with a motion from rest, less what is seen through, where there is no other.
+// Of all points, what is to agree with a motion from rest, less what is seen through: .73 and more on top of a
+// hill, at rest on a motorway at most .24.
 constexpr double kAgreeFromRest = 0.5;
 
 // What the motion between the scan's two knots costs by the prior: half the squared error, as a logarithm of
@@ -113,12 +113,12 @@ StartUp::Result StartUp::add(UsableScan scan) {
 
 StartUp::Result StartUp::decide() {
   Result result = {candidates_.front().registration, ambiguous_};
+  decided_ = true;
+  if (!told_by_pair_) {
+    if (auto from_rest = registered_from_rest(worth(best()))) return {std::move(from_rest), ambiguous_};
+  }
   follow_again();
   if (const auto joint = registered_jointly()) result.registration = joint;
-  if (!told_by_pair_) {
-    if (const auto joint = registered_from_rest(false)) result.registration = joint;
-  }
-  decided_ = true;
   return result;
 }
 
@@ -136,10 +136,10 @@ StartUp::Result StartUp::begin_anew() {
                 [&](const UsableScan& one) { return one.interval + kTogether <= newest.interval; });
   begin_with(std::move(newest));
   if (unplaced_.size() + 1 < kTogether) return {};
-  const auto joint = registered_from_rest(true);
-  unplaced_.clear();  // they tell nothing
-  decided_ = joint.has_value();
-  return {joint, false};
+  auto from_rest = registered_from_rest(0);
+  unplaced_.clear();  // in vain: those to come are asked without them
+  decided_ = from_rest.has_value();
+  return {std::move(from_rest), false};
 }
 
 // Those that went with no other, too.
@@ -149,7 +149,7 @@ std::vector<UsableScan> StartUp::all_scans() const {
   return out;
 }
 
-// Of a motion, by which scan is asked of all the others: the points that agree, less those seen through.
+// The points that agree with a motion, each scan's with all the others, less those seen through.
 double StartUp::worth(const MappedTrajectory& track) const {
   const std::vector<UsableScan> all = all_scans();
   double out = agreement_of(track.knots, all, settings_);
@@ -157,23 +157,22 @@ double StartUp::worth(const MappedTrajectory& track) const {
   return out;
 }
 
-// Takes the place of the best motion where it is better, or, `after_all` others are gone, good.
-std::optional<Registration> StartUp::registered_from_rest(bool after_all) {
+// Takes the place of the best motion where it is worth more than that, and most points agree with it.
+std::optional<Registration> StartUp::registered_from_rest(double other_worth) {
   MappedTrajectory& track = candidates_.front().track;
+  const std::vector<UsableScan> all = all_scans();
   MappedTrajectory from_rest(sigma_m_);
   from_rest.knots = track.knots;
-  const std::vector<UsableScan> all = all_scans();
   from_rest.begin_anew_at(all.front().interval);
   std::vector<UsableScan> scans = all;
   for (UsableScan& scan : scans) scan.interval -= from_rest.window_begin;
   auto registration = register_from_rest(from_rest.window(), from_rest.prior, scans, settings_);
-  if (!registration) return std::nullopt;
+  if (!registration || !is_plausible(registration->knots.back(), from_rest.prior.mean)) return std::nullopt;
   from_rest.marginalises = true;
   from_rest.accept(*registration);
   double keypoints = 0;
   for (const UsableScan& scan : all) keypoints += static_cast<double>(scan.bins.points().size());
-  std::fprintf(stderr, "REST %zu scans: worth %.3f agree %.3f; others %.3f agree %.3f\n", all.size(), worth(from_rest)/keypoints, agreement_of(from_rest.knots, all, settings_)/keypoints, after_all?0.:worth(track)/keypoints, after_all?0.:agreement_of(track.knots, all, settings_)/keypoints);
-  if (worth(from_rest) < (after_all ? kAgreeFromRest * keypoints : worth(track))) return std::nullopt;
+  if (worth(from_rest) < std::max(other_worth, kAgreeFromRest * keypoints)) return std::nullopt;
   for (const UsableScan& scan : all) from_rest.insert(scan, map_radius_m_);
   track = std::move(from_rest);
   return registration;

@@ -68,7 +68,7 @@ class StartUp {
   std::optional<Registration> registered_jointly();
   [[nodiscard]] std::vector<UsableScan> all_scans() const;
   [[nodiscard]] double worth(const MappedTrajectory& track) const;
-  std::optional<Registration> registered_from_rest(bool after_all);
+  std::optional<Registration> registered_from_rest(double other_worth);
   Result decide();
   Result begin_anew();
 
