@@ -93,7 +93,7 @@ std::optional<double> improve_jointly(const KnotPrior& prior, const std::vector<
   if (!solution) return std::nullopt;
   for (std::size_t k = 0; k < knots.size(); ++k) knots[k] = perturbed(knots[k], solution->step[k]);
   registration.last_information = solution->last_information;
-  registration.converged = are_small(solution->step);
+  registration.converged = are_small(solution->step, scale);
   ++registration.iterations;
   return agreement;
 }
