@@ -9,9 +9,6 @@
 #include <mapless/core/errors.hpp>
 #include <mapless/odometry/lidar_odometry.hpp>
 
-#include <cstdio>  // TRACE
-#include <cstdlib>  // TRACE
-static std::size_t g_kp = 0;  // TRACE
 namespace mapless {
 namespace {
 
@@ -179,7 +176,6 @@ ScanOutcome LidarOdometry::State::estimate(const LidarScan& scan, OdometryUpdate
     return ScanOutcome::repeated;
   }
   UsableScan points = usable(scan);
-  g_kp = points.bins.points().size();  // TRACE
   if (points.bins.points().size() < kFewestKeypoints) {
     update.covariance = carry_by_prior();
     return ScanOutcome::few_points;
@@ -194,11 +190,6 @@ OdometryUpdate LidarOdometry::State::process(const std::shared_ptr<const LidarSc
   append_knots(*scan, end);
   OdometryUpdate update;
   update.outcome = estimate(*scan, update);
-  if (std::getenv("ODO_TRACE"))  // TRACE
-    std::fprintf(stderr, "TRACE n=%zu knots=%zu kp=%zu outcome=%d conv=%d it=%d share=%.3f usual=%.3f deg=%.5f %.5f %.5f held=%d start=%d v=%.2f w=%.3f\n",  // TRACE
-        scan->returns.size(), known().knots.size(), g_kp, (int)update.outcome, update.converged, update.iterations, update.matched_share, usual_share,  // TRACE
-        update.degeneracy.share[0], update.degeneracy.share[1], update.degeneracy.share[2], update.degeneracy.held_by_prior, start_up?1:0,  // TRACE
-        known().knots.back().varpi.head<3>().norm(), known().knots.back().varpi.tail<3>().norm());  // TRACE
   last_scan = scan;
   const auto changed = static_cast<std::ptrdiff_t>(first_changed);
   update.knots.assign(known().knots.begin() + changed, known().knots.end());

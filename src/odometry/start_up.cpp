@@ -32,8 +32,8 @@ constexpr std::size_t kCarriedBack = 5;
 // Two scans of which a smaller share agrees with any motion do not hold one another: .04 to .09 of sixteen
 // lasers on top of a hill and on a motorway, .11 and more in forests, towns and tunnels.
 constexpr double kFewAgree = 0.1;
-// Of all points, what is to agree with a motion from rest, less what is seen through: .73 and more on top of a
-// hill, at rest on a motorway at most .24.
+// Of all points, what is to agree with a motion from rest, less what is seen through: .73 and more on top of
+// a hill, at rest on a motorway at most .24.
 constexpr double kAgreeFromRest = 0.5;
 
 // What the motion between the scan's two knots costs by the prior: half the squared error, as a logarithm of
