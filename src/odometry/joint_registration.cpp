@@ -14,7 +14,7 @@ constexpr int kSteps = 30;
 constexpr double kAboutAsMany = 0.99;
 // From rest, whose planes begin so many times as large, with so many steps of each size: a hand swings a
 // sensor by 8 m at 20 m between the first of eight scans and the last.
-constexpr double kCoarsestScale = 8;
+constexpr double kScaleFromRest = 8;
 constexpr int kCoarseSteps = 15;
 // Every pair of scans is seen from both sides, by points of the one on planes of the other and by points of
 // the other on planes of the one: what they tell counts half.
@@ -126,7 +126,7 @@ std::optional<Registration> register_from_rest(std::vector<TrajectoryKnot> knots
   Registration out;
   out.knots = std::move(knots);
   for (TrajectoryKnot& knot : out.knots) knot = {knot.time, prior.mean.T_v0, Vector6d::Zero()};
-  for (double scale = kCoarsestScale; scale > 1; scale /= 2) {
+  for (double scale = kScaleFromRest; scale > 1; scale /= 2) {
     out.converged = false;
     for (int i = 0; i < kCoarseSteps && !out.converged; ++i) {
       if (!improve_jointly(prior, scans, settings, scale, out)) return std::nullopt;
