@@ -12,6 +12,10 @@ constexpr int kSteps = 30;
 // The maps move with the scans, so that a step need not lead to more agreement, and where points hardly hold
 // a direction one can lead far off. From one good step to the next the agreement changes by less than this.
 constexpr double kAboutAsMany = 0.99;
+// From rest, whose planes begin so many times as large, with so many steps of each size: a hand swings a
+// sensor by 8 m at 20 m between the first of eight scans and the last.
+constexpr double kScaleFromRest = 8;
+constexpr int kCoarseSteps = 15;
 // Every pair of scans is seen from both sides, by points of the one on planes of the other and by points of
 // the other on planes of the one: what they tell counts half.
 constexpr double kOfBothSides = 0.5;
@@ -28,8 +32,9 @@ WorldPoints all_in_world(const std::vector<UsableScan>& scans, const std::vector
   return out;
 }
 
-PlaneMap map_of_others(const WorldPoints& points_0, std::size_t left_out, double sigma_m) {
-  PlaneMap map(sigma_m);
+// With cubes `scale` times as large.
+PlaneMap map_of_others(const WorldPoints& points_0, std::size_t left_out, double sigma_m, double scale) {
+  PlaneMap map(scale * sigma_m, scale, scale > 1 ? PlaneMap::kGrids - 1 : PlaneMap::kGrids);
   for (std::size_t s = 0; s < points_0.size(); ++s) {
     if (s != left_out) (void)map.insert(points_0[s]);
   }
@@ -50,20 +55,35 @@ void add_scan(std::size_t interval, std::vector<BinSums>& sums, const Registrati
   add_points(sums, interval, kOfBothSides * kPointShare, system);
 }
 
+// The residuals of all scans, each to the map of the others; `scale` as above.
+std::vector<std::vector<BinSums>> sums_of_all(const std::vector<UsableScan>& scans,
+                                              const std::vector<TrajectoryKnot>& knots,
+                                              const RegistrationSettings& settings, double scale) {
+  PointWeights weights = settings.weights;
+  weights.gate_m *= scale;
+  WorldPoints points_0 = all_in_world(scans, knots);
+  for (std::vector<MapPoint>& points : points_0) {
+    for (MapPoint& point : points) point.range_m /= scale;
+  }
+  std::vector<std::vector<BinSums>> sums(scans.size());
+  tbb::parallel_for(std::size_t{0}, scans.size(), [&](std::size_t s) {
+    const KnotInterval interval(knots[scans[s].interval], knots[scans[s].interval + 1]);
+    const PlaneMap others = map_of_others(points_0, s, settings.sigma_m, scale);
+    std::vector<PlaneNear> planes;
+    sums[s] = sum_residuals(scans[s].bins, interval, others, weights, planes);
+  });
+  return sums;
+}
+
+// The agreement before the step, or none where there is no solution.
 std::optional<double> improve_jointly(const KnotPrior& prior, const std::vector<UsableScan>& scans,
-                                      const RegistrationSettings& settings, Registration& registration) {
+                                      const RegistrationSettings& settings, double scale,
+                                      Registration& registration) {
   std::vector<TrajectoryKnot>& knots = registration.knots;
   WindowSystem system(knots.size());
   add_knot_prior(prior, knots, 0, system);
   for (std::size_t k = 0; k + 1 < knots.size(); ++k) add_motion_prior(knots, k, settings.density, system);
-  const WorldPoints points_0 = all_in_world(scans, knots);
-  std::vector<std::vector<BinSums>> sums(scans.size());
-  tbb::parallel_for(std::size_t{0}, scans.size(), [&](std::size_t s) {
-    const KnotInterval interval(knots[scans[s].interval], knots[scans[s].interval + 1]);
-    const PlaneMap others = map_of_others(points_0, s, settings.sigma_m);
-    std::vector<PlaneNear> planes;
-    sums[s] = sum_residuals(scans[s].bins, interval, others, settings.weights, planes);
-  });
+  auto sums = sums_of_all(scans, knots, settings, scale);
   double agreement = 0;
   for (std::size_t s = 0; s < scans.size(); ++s) {
     add_scan(scans[s].interval, sums[s], settings, registration, system);
@@ -73,7 +93,7 @@ std::optional<double> improve_jointly(const KnotPrior& prior, const std::vector<
   if (!solution) return std::nullopt;
   for (std::size_t k = 0; k < knots.size(); ++k) knots[k] = perturbed(knots[k], solution->step[k]);
   registration.last_information = solution->last_information;
-  registration.converged = are_small(solution->step);
+  registration.converged = are_small(solution->step, scale);
   ++registration.iterations;
   return agreement;
 }
@@ -89,13 +109,37 @@ std::optional<Registration> register_jointly(std::vector<TrajectoryKnot> knots, 
   double most = 0;
   while (out.iterations < kSteps && !out.converged) {
     const std::vector<TrajectoryKnot> before = out.knots;
-    const auto agreement = improve_jointly(prior, scans, settings, out);
+    const auto agreement = improve_jointly(prior, scans, settings, 1, out);
     if (!agreement) return std::nullopt;
     if (*agreement < kAboutAsMany * most) return best;
     if (*agreement <= most) continue;
     most = *agreement;
     best = out;
     best.knots = before;
+  }
+  return out;
+}
+
+std::optional<Registration> register_from_rest(std::vector<TrajectoryKnot> knots, const KnotPrior& prior,
+                                               const std::vector<UsableScan>& scans,
+                                               const RegistrationSettings& settings) {
+  Registration out;
+  out.knots = std::move(knots);
+  for (TrajectoryKnot& knot : out.knots) knot = {knot.time, prior.mean.T_v0, Vector6d::Zero()};
+  for (double scale = kScaleFromRest; scale > 1; scale /= 2) {
+    out.converged = false;
+    for (int i = 0; i < kCoarseSteps && !out.converged; ++i) {
+      if (!improve_jointly(prior, scans, settings, scale, out)) return std::nullopt;
+    }
+  }
+  return register_jointly(out.knots, prior, scans, settings);
+}
+
+double agreement_of(const std::vector<TrajectoryKnot>& knots, const std::vector<UsableScan>& scans,
+                    const RegistrationSettings& settings) {
+  double out = 0;
+  for (const auto& sums : sums_of_all(scans, knots, settings, 1)) {
+    for (const BinSums& bin : sums) out += bin.agreement;
   }
   return out;
 }

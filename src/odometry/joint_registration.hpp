@@ -16,4 +16,15 @@ namespace mapless {
                                                            const std::vector<UsableScan>& scans,
                                                            const RegistrationSettings& settings);
 
+/// The same from a sensor at rest where `prior` has it, roughly at first: for scans of which no two tell how
+/// it moved between them, but which all together do. Finds the motion of somebody who walks, not of a car.
+[[nodiscard]] std::optional<Registration> register_from_rest(std::vector<TrajectoryKnot> knots,
+                                                             const KnotPrior& prior,
+                                                             const std::vector<UsableScan>& scans,
+                                                             const RegistrationSettings& settings);
+
+/// How many points agree with a motion, each scan's with the map of all the others.
+[[nodiscard]] double agreement_of(const std::vector<TrajectoryKnot>& knots,
+                                  const std::vector<UsableScan>& scans, const RegistrationSettings& settings);
+
 }  // namespace mapless

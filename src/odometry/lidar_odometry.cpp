@@ -14,6 +14,10 @@ namespace {
 
 constexpr std::size_t kFewestKeypoints = 50;
 constexpr int kDenserAtFirst = 3;  // points of the first scans, the only ones there are for each other
+// Where no more than so many of the matched points hold a direction (share x matched: the mean square of
+// (plane normal . direction), summed), the next scan is registered with so many times as many.
+constexpr double kFewHolding = 5;
+constexpr int kMoreWhereWeak = 3;
 constexpr int kLostBeforeRestart = 5;
 // A scan of which so much less matches than of the one before it is tried again (from one scan to the next
 // the share changes by 1 to 2 %), and one of which far less matches than usual is not believed to have
@@ -63,8 +67,9 @@ struct LidarOdometry::State {
   MappedTrajectory track;           // from then on
   std::shared_ptr<const LidarScan> last_scan;
   int lost_in_a_row = 0;
-  double last_share = 0;   // of matched points, in the scan before
-  double usual_share = 0;  // the same, in the scans before
+  double last_share = 0;     // of matched points, in the scan before
+  double usual_share = 0;    // the same, in the scans before
+  bool weakly_held = false;  // some direction, by the points of the scan before
 
   [[nodiscard]] const MappedTrajectory& known() const { return start_up ? start_up->best() : track; }
   void require_next(const LidarScan& scan, Time end) const;
@@ -109,6 +114,8 @@ UsableScan LidarOdometry::State::usable(const LidarScan& scan) const {
   if (start_up) {
     used.max_scan_points *= kDenserAtFirst;
     used.min_keypoints *= kDenserAtFirst;
+  } else if (weakly_held) {
+    used.min_keypoints *= kMoreWhereWeak;
   }
   const std::size_t interval = known().knots.size() - 2;
   std::vector<ScanPoint> points = thin(scan, used);
@@ -155,6 +162,8 @@ ScanOutcome LidarOdometry::State::follow(const UsableScan& scan, OdometryUpdate&
       is_plausible(found->knots.back(), track.knots.back())) {
     update.converged = found->converged && update.matched_share >= kFarBelowUsual * usual_share;
     last_share = update.matched_share;
+    const double holding = found->degeneracy.share[0] * found->matched;
+    weakly_held = holding < (weakly_held ? kMoreWhereWeak : 1) * kFewHolding;
     usual_share += kUsualForgets * (update.matched_share - usual_share);
     update.covariance = found->last_information.inverse();
     lost_in_a_row = 0;

@@ -16,14 +16,15 @@ constexpr double kFirstWidening = 8;
 constexpr double kWideGate = 4;
 constexpr double kWideDensity = 30;
 
-bool is_small(const Vector12d& step) {
-  return step.head<3>().norm() < kSmallTranslation && step.segment<3>(3).norm() < kSmallRotation;
+bool is_small(const Vector12d& step, double scale) {
+  return step.head<3>().norm() < scale * kSmallTranslation &&
+         step.segment<3>(3).norm() < scale * kSmallRotation;
 }
 
 }  // namespace
 
-bool are_small(const std::vector<Vector12d>& steps) {
-  return std::all_of(steps.begin(), steps.end(), is_small);
+bool are_small(const std::vector<Vector12d>& steps, double scale) {
+  return std::all_of(steps.begin(), steps.end(), [&](const Vector12d& s) { return is_small(s, scale); });
 }
 
 bool improve(const KnotPrior& prior, const TimeBins& bins, const PlaneMap& map,

@@ -32,8 +32,9 @@ struct Registration {
   bool converged = false;
 };
 
-/// Whether a step of all knots is so small that another one will not be felt.
-[[nodiscard]] bool are_small(const std::vector<Vector12d>& steps);
+/// Whether a step of all knots is so small that another one will not be felt, by planes `scale` times as
+/// large as the map's.
+[[nodiscard]] bool are_small(const std::vector<Vector12d>& steps, double scale = 1);
 
 /// One Gauss-Newton step. `planes`: of the points, as the step before left them; empty where the map is
 /// another one. False where there is no solution; `registration` is then as before.

@@ -11,13 +11,16 @@ namespace mapless {
 /// Finds how a sensor moves that may be moving from its very first scan on. Two scans of few lasers often do
 /// not tell (on a motorway the ground agrees with any speed): every motion that may have been is followed for
 /// a few scans more, and the one that most points agree with is kept and its first scans registered anew, all
-/// of them together.
+/// of them together. Where hardly a point of the one finds a place in the other (sixteen lasers on top of a
+/// hill), as many scans as tell something together are registered from rest too.
 class StartUp {
  public:
   /// Scans the motion is decided from, where they tell it.
   static constexpr std::size_t kFewestScans = 5;
   /// Where they leave two motions about as likely: until one is left, and at most so many.
   static constexpr std::size_t kMostScans = 10;
+  /// Where two scans do not hold one another: those that are registered from rest.
+  static constexpr std::size_t kTogether = 8;
 
   StartUp(const OdometryParameters& parameters, const RegistrationSettings& settings);
 
@@ -56,7 +59,6 @@ class StartUp {
   bool follow_all();
   bool follow(const UsableScan& scan, Candidate& candidate) const;
   void follow_again();
-  [[nodiscard]] double seen_through(const MappedTrajectory& track, const UsableScan& scan) const;
   void leave_out_far_fewer();
   void keep_best();
   [[nodiscard]] double less_its_cost(const Candidate& candidate) const;
@@ -64,6 +66,10 @@ class StartUp {
   [[nodiscard]] bool is_ambiguous() const;
   void place_unplaced(std::vector<TrajectoryKnot>& knots) const;
   std::optional<Registration> registered_jointly();
+  [[nodiscard]] std::vector<UsableScan> all_scans() const;
+  [[nodiscard]] double worth(const MappedTrajectory& track) const;
+  std::optional<Registration> registered_from_rest(double other_worth);
+  Result decide();
   Result begin_anew();
 
   double map_radius_m_, sigma_m_;
@@ -72,6 +78,7 @@ class StartUp {
   std::vector<Candidate> candidates_;  // best first, one at least
   std::vector<UsableScan> unplaced_;   // the last ones before `scans_`, which went with no other
   std::vector<UsableScan> scans_;
+  bool told_by_pair_ = false;  // the first two of them hold one another
   bool ambiguous_ = false;
   bool decided_ = false;
 };

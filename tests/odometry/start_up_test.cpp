@@ -1,4 +1,5 @@
 #include <memory>
+#include <numbers>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -32,6 +33,13 @@ class SimulatedStart {
   [[nodiscard]] double error_m(Time a, Time b) const {
     const auto moved = [&](const Trajectory& t) { return t.at(a).T_v0 * t.at(b).T_v0.inverse(); };
     return (moved(odometry.trajectory()).translation() - moved(*truth_).translation()).norm();
+  }
+
+  /// The same of the turn.
+  [[nodiscard]] double turn_error_deg(Time a, Time b) const {
+    const auto moved = [&](const Trajectory& t) { return t.at(a).T_v0 * t.at(b).T_v0.inverse(); };
+    const SE3 error = moved(odometry.trajectory()) * moved(*truth_).inverse();
+    return error.log().tail<3>().norm() * 180 / std::numbers::pi;
   }
 
   LidarOdometry odometry;
@@ -80,6 +88,21 @@ TEST(StartUp, RegisteredTogetherScansDoNotLeaveTheMotionThatAgrees) {
 
 // On top of a hill, no two of the first scans go together. They had been left where the sensor began.
 TEST(StartUp, ScansThatFoundNoPlaceAreRegisteredAfterwards) { expect_right(SimulatedStart("flyer", 601, 0)); }
+
+// On top of a hill, hardly a point of any scan has a plane in the one before: none had been registered for
+// more than a second.
+TEST(StartUp, ScansOfWhichNoTwoHoldOneAnotherAreRegisteredFromRest) {
+  const SimulatedStart flyer("flyer", 801, 0);
+  EXPECT_EQ(flyer.started_with, 8);
+  expect_right(flyer);
+  for (std::size_t k = 0; k + 4 < flyer.starts.size(); ++k)
+    EXPECT_LT(flyer.turn_error_deg(flyer.starts[k], flyer.starts[k + 4]), 2) << "from scan " << k;
+}
+
+// The first two went with one another, but wrongly, by few points.
+TEST(StartUp, AMotionThatFewPointsOfTwoScansAgreeWithIsNotTheLast) {
+  expect_right(SimulatedStart("flyer", 602, 68));
+}
 
 // Where the speed is told, nobody waits longer.
 TEST(StartUp, FiveScansAreEnoughInATown) {
