@@ -129,6 +129,19 @@ TEST(NextState, AnObjectWhoseVelocityIsNeverKnownStandsFromItsThirdScanOn) {
   EXPECT_TRUE(next(known, o, kAdvance_m, 10 * kVotes).moves);  // 10 m/s: as many as are needed then
 }
 
+// At 10 m/s it takes 20 times the votes, and twice those are beyond doubt. Of the scan before half count.
+TEST(NextState, WhatIsProvenTwiceOverNeedsNoKnownVelocity) {
+  TrackedObject o = object(0, kBadly_mps);
+  const MotionState second = next(moving(), o, kAdvance_m, 0);
+  o.age = 3;
+  EXPECT_FALSE(next(second, o, kAdvance_m, 40 * kVotes - 1).moves);
+  const MotionState third = next(second, o, kAdvance_m, 40 * kVotes);
+  EXPECT_TRUE(third.moves);
+  o.age = 4;
+  EXPECT_FALSE(next(third, o, kAdvance_m, 20 * kVotes - 1).moves);
+  EXPECT_TRUE(next(third, o, kAdvance_m, 20 * kVotes).moves);
+}
+
 TEST(NextState, ASpeedOfANewObjectSaysNothing) {
   TrackedObject o = object(0, kWell_mps);
   o.age = 1;
