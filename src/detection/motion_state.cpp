@@ -71,8 +71,8 @@ MotionState next_state(const MotionState& last, const TrackedObject& object, con
   next.stood = last.moves ? 0 : last.stood + (known && next.slow ? 1 : 0);
   const bool twice = last.slow || (known && !advances);  // or both say so
   const double needed = evidence_needed(object, parameters);
-  const bool believed =
-      next.velocity_known || object.age <= kUntoldScans || next.evidence >= kBeyondDoubt * needed;
+  const bool untold = object.age <= kUntoldScans && evidence.votes >= 0;
+  const bool believed = next.velocity_known || untold || next.evidence >= kBeyondDoubt * needed;
   const bool flickers = needed > parameters.min_evidence && next.evidence < needed / 2;
   const bool stops = (next.slow && twice) || next.unproven_m >= kMostUnproven_m || flickers;
   const bool may_stand = object.age > 1 && known && !differs;

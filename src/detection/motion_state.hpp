@@ -32,8 +32,8 @@ struct MotionState {
 /// of what that speed makes in kRecentGap scans. It moves until it is slower in two of its scans in a row, or
 /// in one that shows no such advance either; the advance tells instead of the speed where the registration
 /// hardly does, as of a wall, which slides along itself at any speed. It stands, too, once it would have gone
-/// 1 m by its speed since its last advance, and from its third scan on while its velocity was never known and
-/// it has less than twice the votes it takes.
+/// 1 m by its speed since its last advance; and while its velocity was never known, from its third scan on
+/// with less than twice the votes it takes, in its second where there are more against it than for it.
 MotionState next_state(const MotionState& last, const TrackedObject& object, const ObjectEvidence& evidence,
                        Time now, const VotingParameters& parameters);
 

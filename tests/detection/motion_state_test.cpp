@@ -129,6 +129,12 @@ TEST(NextState, AnObjectWhoseVelocityIsNeverKnownStandsFromItsThirdScanOn) {
   EXPECT_TRUE(next(known, o, kAdvance_m, 10 * kVotes).moves);  // 10 m/s: as many as are needed then
 }
 
+TEST(NextState, WhatRaysSpeakAgainstStandsUntilItsVelocityIsKnown) {
+  EXPECT_TRUE(next(moving(), object(0, kBadly_mps), kAdvance_m, 0).moves);
+  EXPECT_FALSE(next(moving(), object(0, kBadly_mps), kAdvance_m, -1).moves);
+  EXPECT_TRUE(next(moving(), object(kFast_mps, kWell_mps), kAdvance_m, -1).moves);
+}
+
 // At 10 m/s it takes 20 times the votes, and twice those are beyond doubt. Of the scan before half count.
 TEST(NextState, WhatIsProvenTwiceOverNeedsNoKnownVelocity) {
   TrackedObject o = object(0, kBadly_mps);
