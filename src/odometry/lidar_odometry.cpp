@@ -163,6 +163,7 @@ ScanOutcome LidarOdometry::State::follow(const UsableScan& scan, OdometryUpdate&
     update.converged = found->converged && update.matched_share >= kFarBelowUsual * usual_share;
     last_share = update.matched_share;
     const double holding = found->degeneracy.share[0] * found->matched;
+    // Three times as many matched are three times as much, of the same hold.
     weakly_held = holding < (weakly_held ? kMoreWhereWeak : 1) * kFewHolding;
     usual_share += kUsualForgets * (update.matched_share - usual_share);
     update.covariance = found->last_information.inverse();

@@ -47,8 +47,8 @@ class PlaneGrid {
   PlaneGrid(double cube_m, double offset_m, double sigma_m);
 
   /// Takes the points that are no farther than `farthest_m` from their sensor, and sets `bit` in `taken` of
-  /// each. Not taken are those whose cube is full, or farther than 1e6 cubes from the origin. The faster, the
-  /// more points of one cube follow one another.
+  /// each. Not taken are those whose cube is full, or farther than 2^20 cubes from the origin. The faster,
+  /// the more points of one cube follow one another.
   void insert(const std::vector<MapPoint>& points, double farthest_m, unsigned bit,
               std::vector<unsigned>& taken);
   /// Takes out points that `insert` took, where their cubes are still there.

@@ -157,15 +157,19 @@ double StartUp::worth(const MappedTrajectory& track) const {
   return out;
 }
 
+// The best motion from the first of the scans on, without a map; they count their intervals from there.
+StartUp::Together StartUp::together(std::vector<UsableScan> scans) const {
+  MappedTrajectory track(sigma_m_);
+  track.knots = best().knots;
+  track.begin_anew_at(scans.front().interval);
+  for (UsableScan& scan : scans) scan.interval -= track.window_begin;
+  return {std::move(track), std::move(scans)};
+}
+
 // Takes the place of the best motion where it is worth more than that, and most points agree with it.
 std::optional<Registration> StartUp::registered_from_rest(double other_worth) {
-  MappedTrajectory& track = candidates_.front().track;
   const std::vector<UsableScan> all = all_scans();
-  MappedTrajectory from_rest(sigma_m_);
-  from_rest.knots = track.knots;
-  from_rest.begin_anew_at(all.front().interval);
-  std::vector<UsableScan> scans = all;
-  for (UsableScan& scan : scans) scan.interval -= from_rest.window_begin;
+  auto [from_rest, scans] = together(all);
   auto registration = register_from_rest(from_rest.window(), from_rest.prior, scans, settings_);
   if (!registration || !is_plausible(registration->knots.back(), from_rest.prior.mean)) return std::nullopt;
   from_rest.marginalises = true;
@@ -174,7 +178,7 @@ std::optional<Registration> StartUp::registered_from_rest(double other_worth) {
   for (const UsableScan& scan : all) keypoints += static_cast<double>(scan.bins.points().size());
   if (worth(from_rest) < std::max(other_worth, kAgreeFromRest * keypoints)) return std::nullopt;
   for (const UsableScan& scan : all) from_rest.insert(scan, map_radius_m_);
-  track = std::move(from_rest);
+  candidates_.front().track = std::move(from_rest);
   return registration;
 }
 
@@ -331,11 +335,7 @@ void StartUp::place_unplaced(std::vector<TrajectoryKnot>& knots) const {
 
 std::optional<Registration> StartUp::registered_jointly() {
   MappedTrajectory& track = candidates_.front().track;
-  MappedTrajectory joint(sigma_m_);
-  joint.knots = track.knots;
-  joint.begin_anew_at(scans_.front().interval);
-  std::vector<UsableScan> scans = scans_;
-  for (UsableScan& scan : scans) scan.interval -= joint.window_begin;
+  auto [joint, scans] = together(scans_);
   auto registration = register_jointly(joint.window(), joint.prior, scans, settings_);
   if (!registration || !is_plausible(registration->knots.back(), track.knots.back())) return std::nullopt;
   joint.marginalises = true;

@@ -67,6 +67,11 @@ class StartUp {
   void place_unplaced(std::vector<TrajectoryKnot>& knots) const;
   std::optional<Registration> registered_jointly();
   [[nodiscard]] std::vector<UsableScan> all_scans() const;
+  struct Together {
+    MappedTrajectory track;
+    std::vector<UsableScan> scans;
+  };
+  [[nodiscard]] Together together(std::vector<UsableScan> scans) const;
   [[nodiscard]] double worth(const MappedTrajectory& track) const;
   std::optional<Registration> registered_from_rest(double other_worth);
   Result decide();
