@@ -28,9 +28,9 @@ int main(int argc, char** argv) try {
   mapless::Detector detector;
   for (std::size_t k = 0; k < recording->size(); ++k) {
     const auto scan = std::make_shared<const mapless::LidarScan>(recording->read(k));
-    if (const auto detection = detector.process(scan, *trajectory)) print(*detection);
+    for (const auto& detection : detector.process(scan, *trajectory)) print(detection);
   }
-  while (const auto detection = detector.flush()) print(*detection);
+  for (const auto& detection : detector.flush()) print(detection);
 } catch (const std::exception& error) {
   std::fprintf(stderr, "%s\n", error.what());
   return 1;

@@ -83,9 +83,9 @@ bool DetectionRun::detect_all() {
     end_detection();  // where the detection of the scans before failed too, that came first
     throw;
   }
-  while (auto detection = detector_.flush()) {
+  for (Detection& detection : detector_.flush()) {
     if (InterruptGuard::requested()) return false;
-    finish_scan(std::move(*detection), motion_.trajectory());
+    finish_scan(std::move(detection), motion_.trajectory());
   }
   return true;
 }
@@ -129,8 +129,8 @@ void DetectionRun::begin_detection(const std::vector<std::shared_ptr<const Lidar
   const auto detect = [this, scans, trajectory = motion_.known_from(unfinished_.front())] {
     for (const auto& scan : scans) {
       if (InterruptGuard::requested()) return;
-      if (auto detection = detector_.process(scan, *trajectory))
-        finish_scan(std::move(*detection), *trajectory);
+      for (Detection& detection : detector_.process(scan, *trajectory))
+        finish_scan(std::move(detection), *trajectory);
     }
   };
   if (!side_) return detect();

@@ -22,9 +22,9 @@ class DetectionPipeline {
   virtual ~DetectionPipeline() = default;
   /// Takes the next scan. Throws TrajectoryDomainError, and has then not taken it.
   virtual void add(std::shared_ptr<const LidarScan> scan, const Trajectory& trajectory) = 0;
-  /// The objects of scan `number`, with the help of scan `later` (none: the recording ends). Scans come by
+  /// The objects of scan `number`, with the help of those after it up to the newest there is. Scans come by
   /// increasing number, each once.
-  virtual ProposedObjects detect(std::size_t number, std::optional<std::size_t> later) = 0;
+  virtual ProposedObjects detect(std::size_t number) = 0;
 };
 
 /// Freespace voting, and the five steps as published.

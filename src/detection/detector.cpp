@@ -17,8 +17,8 @@ Detector::~Detector() = default;
 Detector::Detector(Detector&&) noexcept = default;
 Detector& Detector::operator=(Detector&&) noexcept = default;
 
-std::optional<Detection> Detector::process(std::shared_ptr<const LidarScan> scan,
-                                           const Trajectory& trajectory) {
+std::vector<Detection> Detector::process(std::shared_ptr<const LidarScan> scan,
+                                         const Trajectory& trajectory) {
   const Time start = scan->start;
   if (next_number_ > 0 && start <= newest_start_) {
     throw InputError({"scan " + std::to_string(next_number_), "start",
@@ -28,21 +28,25 @@ std::optional<Detection> Detector::process(std::shared_ptr<const LidarScan> scan
   pipeline_->add(std::move(scan), trajectory);
   newest_start_ = start;
   ++next_number_;
-  const auto gap = static_cast<std::size_t>(parameters_.forward_gap);
-  if (next_number_ <= next_detection_ + gap) return std::nullopt;
-  if (gap == 0) return next(std::nullopt);
-  return next(next_detection_ + gap);
+  std::vector<Detection> ready;
+  if (next_number_ < first_detections_at()) return ready;
+  while (next_detection_ + static_cast<std::size_t>(latency()) < next_number_) ready.push_back(next());
+  return ready;
 }
 
-std::optional<Detection> Detector::flush() {
-  if (next_detection_ == next_number_) return std::nullopt;
-  const std::size_t newest = next_number_ - 1;
-  if (newest == next_detection_) return next(std::nullopt);
-  return next(newest);
+std::vector<Detection> Detector::flush() {
+  std::vector<Detection> ready;
+  while (next_detection_ < next_number_) ready.push_back(next());
+  return ready;
 }
 
-Detection Detector::next(std::optional<std::size_t> later) {
-  ProposedObjects proposed = pipeline_->detect(next_detection_, later);
+std::size_t Detector::first_detections_at() const {
+  const bool waits = parameters_.method == DetectionMethod::voting && latency() > 0;
+  return waits ? static_cast<std::size_t>(parameters_.voting.start_scans) : 0;
+}
+
+Detection Detector::next() {
+  ProposedObjects proposed = pipeline_->detect(next_detection_);
   proposed.detection.sequence_number = next_detection_++;
   return moving_->judge(std::move(proposed));
 }

@@ -43,15 +43,16 @@ class PublishedPipeline final : public DetectionPipeline {
     buffer_.push_back(prepare(std::move(scan), trajectory));
   }
 
-  ProposedObjects detect(std::size_t number, std::optional<std::size_t> later) override {
+  ProposedObjects detect(std::size_t number) override {
     const auto gap = static_cast<std::size_t>(parameters_.scan_gap);
     while (first_number_ + gap < number) {  // the oldest scan this detection can ask for
       buffer_.pop_front();
       ++first_number_;
     }
+    const std::size_t newest = first_number_ + buffer_.size() - 1;
     const PreparedScan& query = scan_number(number);
     const PreparedScan* reference = number == 0 ? nullptr : &scan_number(number < gap ? 0 : number - gap);
-    const PreparedScan* other = later ? &scan_number(*later) : nullptr;
+    const PreparedScan* other = number < newest ? &scan_number(newest) : nullptr;
     // At the start of a recording the later scan may be farther off than any earlier one, and tells more.
     if (number < gap && other != nullptr &&
         (reference == nullptr || distance(query, *other) > distance(*reference, query))) {

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <deque>
 #include <utility>
 
@@ -34,10 +35,12 @@ std::vector<StageTrace> recorded(const std::vector<PointVotes>& votes, const std
 class VotingPipeline final : public DetectionPipeline {
  public:
   explicit VotingPipeline(const DetectorParameters& parameters)
-      : parameters_(parameters.voting), gaps_(reference_gaps(parameters.voting)) {}
+      : parameters_(parameters.voting),
+        gaps_(reference_gaps(parameters.voting)),
+        forward_gap_(static_cast<std::size_t>(parameters.forward_gap)) {}
 
   void add(std::shared_ptr<const LidarScan> scan, const Trajectory& trajectory) override;
-  ProposedObjects detect(std::size_t number, std::optional<std::size_t> later) override;
+  ProposedObjects detect(std::size_t number) override;
 
  private:
   struct PendingScan {
@@ -47,13 +50,13 @@ class VotingPipeline final : public DetectionPipeline {
     StageSeconds seconds;  // of its preparation
   };
   [[nodiscard]] const RayImage& image(std::size_t number) const { return images_.at(number - first_image_); }
-  [[nodiscard]] std::vector<AskedScan> scans_to_ask(std::size_t number,
-                                                    std::optional<std::size_t> later) const;
+  [[nodiscard]] std::vector<AskedScan> scans_to_ask(std::size_t number) const;
   [[nodiscard]] ProposedObjects judge(PendingScan query, const std::vector<AskedScan>& asked,
                                       const RayImage& own) const;
 
   VotingParameters parameters_;
   std::vector<std::size_t> gaps_;    // of the earlier scans, increasing
+  std::size_t forward_gap_;          // of the first later one
   std::deque<RayImage> images_;      // consecutive scans, oldest first
   std::size_t first_image_ = 0;      // number of the oldest
   std::deque<PendingScan> pending_;  // scans not judged yet, oldest first
@@ -71,22 +74,25 @@ void VotingPipeline::add(std::shared_ptr<const LidarScan> scan, const Trajectory
   pending_.push_back(std::move(pending));
 }
 
-std::vector<AskedScan> VotingPipeline::scans_to_ask(std::size_t number,
-                                                    std::optional<std::size_t> later) const {
+// Later scans are several for the first scans alone, which have few earlier ones.
+std::vector<AskedScan> VotingPipeline::scans_to_ask(std::size_t number) const {
+  const std::size_t newest = first_image_ + images_.size() - 1;
   std::vector<AskedScan> asked;
-  asked.reserve(gaps_.size() + 1);
+  asked.reserve(gaps_.size() + (newest - number));
   for (const std::size_t gap : gaps_) {
     if (gap <= number) asked.push_back({&image(number - gap), static_cast<int>(gap)});
   }
   if (asked.empty() && number > 0) asked.push_back({&image(0), static_cast<int>(number)});
-  if (later) asked.push_back({&image(*later), -static_cast<int>(*later - number)});
+  for (std::size_t later = std::min(number + forward_gap_, newest); later > number && later <= newest;
+       ++later)
+    asked.push_back({&image(later), -static_cast<int>(later - number)});
   return asked;
 }
 
-ProposedObjects VotingPipeline::detect(std::size_t number, std::optional<std::size_t> later) {
+ProposedObjects VotingPipeline::detect(std::size_t number) {
   PendingScan query = std::move(pending_.front());
   pending_.pop_front();
-  ProposedObjects proposed = judge(std::move(query), scans_to_ask(number, later), image(number));
+  ProposedObjects proposed = judge(std::move(query), scans_to_ask(number), image(number));
   images_.at(number - first_image_).mark_dynamic(*proposed.detection.scan, proposed.detection.object);
   while (first_image_ + gaps_.back() < number + 1) {  // the oldest the next detection can ask for
     images_.pop_front();

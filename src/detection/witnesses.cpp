@@ -51,6 +51,15 @@ int recent_gap(const std::vector<AskedScan>& asked) {
   return std::max(nearest, kRecentGap);
 }
 
+// Of the nearest later scan, 0 where there is none.
+int next_gap(const std::vector<AskedScan>& asked) {
+  int next = 0;
+  for (const AskedScan& a : asked) {
+    if (a.gap < 0 && (next == 0 || a.gap > next)) next = a.gap;
+  }
+  return next;
+}
+
 }  // namespace
 
 Witnesses::Witnesses(const LidarScan& scan, const LocalPoints& points, const std::vector<AskedScan>& asked,
@@ -60,11 +69,12 @@ Witnesses::Witnesses(const LidarScan& scan, const LocalPoints& points, const std
       vacated_m_(static_cast<float>(parameters.vacated_m)),
       surface_noise_m_(static_cast<float>(kSurfaceNoise * parameters.tolerance_m)),
       own_(own, points.origin_0, parameters) {
-  const int recent = recent_gap(asked);
+  const int recent = recent_gap(asked), next = next_gap(asked);
   witnesses_.reserve(asked.size());
   for (const AskedScan& a : in_order(asked)) {
-    witnesses_.push_back({FreespaceProbe(*a.image, points.origin_0, parameters), surface_votes(a.gap),
-                          a.gap < 0, std::abs(a.gap) <= recent, std::abs(a.gap)});
+    witnesses_.push_back({FreespaceProbe(*a.image, points.origin_0, parameters),
+                          surface_votes(std::abs(a.gap)), a.gap < 0, a.gap == next, std::abs(a.gap) <= recent,
+                          std::abs(a.gap)});
   }
 }
 
@@ -144,10 +154,10 @@ void Witnesses::hear(const Witness& witness, const FreespaceProbe::Answer& answe
     if (moved && witness.recent) count(witness, kMovingVotes, votes);
     votes.moving_seen = votes.moving_seen || (moved && witness.recent);
     votes.surface_seen = true;
-    question.seen_next = question.seen_next || witness.later;
-    if (witness.later) question.next_off_m = std::abs(answer.short_by_m);
+    question.seen_next = question.seen_next || witness.next;
+    if (witness.next) question.next_off_m = std::abs(answer.short_by_m);
   } else if (answer.verdict == FreespaceVerdict::outside && answer.short_by_m <= vacated_m_ &&
-             witness.probe.ended(answer)) {
+             witness.probe.ended(answer) && witness.later == witness.next) {
     witness.probe.prepare_endpoint(answer.column);
     hearing.hiders.push_back({&question, answer.laser, answer.column});
   }

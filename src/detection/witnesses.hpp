@@ -31,7 +31,7 @@ class Witnesses {
     struct Question {
       std::uint32_t i;  // return of the scan
       PointVotes votes;
-      bool seen_next = false;   // as a surface, by the later scan
+      bool seen_next = false;   // as a surface, by the next later scan
       float next_off_m = 0;     // along the ray, from the point to that surface; NaN: beside it
       bool hider_left = false;  // of some scan
     };
@@ -63,6 +63,7 @@ class Witnesses {
     FreespaceProbe probe;
     int surface_votes;
     bool later;
+    bool next;  // the nearest of the later ones
     bool recent;
     int scans_off;
   };

@@ -74,9 +74,9 @@ TEST(KittiDrive, VanAndCyclistMoveAndTheRestStands) {
   Outcome outcome;
   for (std::size_t k = 0; k < kScans; ++k) {
     const auto scan = std::make_shared<const LidarScan>(drive->read(k));
-    if (const auto detection = detector.process(scan, *trajectory)) judge(*drive, *detection, outcome);
+    for (const auto& detection : detector.process(scan, *trajectory)) judge(*drive, detection, outcome);
   }
-  while (const auto detection = detector.flush()) judge(*drive, *detection, outcome);
+  for (const auto& detection : detector.flush()) judge(*drive, detection, outcome);
 
   EXPECT_EQ(outcome.scans, kScans);
   EXPECT_GE(outcome.found_in[0], kScans - 2) << "scans in which the van came out";

@@ -80,9 +80,11 @@ TEST(CollectVotes, AddsUpWhatEveryScanSays) {
 // one that saw it. Where it came after, that scan is heard. The order does not hang on how far off the later
 // one is.
 TEST(CollectVotes, WhatStoodForThirtyTwoScansStandsWhateverWasThereBefore) {
-  for (const int later : {-1, -40}) {
-    expect_votes({{10, 64}, {7, 32}, {7, 12}, {7, 4}, {7, later}}, {-4 - 4 - 3 - 2, -1, false, true, false});
-    expect_votes({{10, 64}, {10, 32}, {7, 12}, {7, 4}, {7, later}}, {4 + 4 - 3 - 2, -1, true, true, false});
+  for (const auto& [later, votes] : {std::pair{-1, -1}, std::pair{-40, -4}}) {
+    expect_votes({{10, 64}, {7, 32}, {7, 12}, {7, 4}, {7, later}},
+                 {-4 - 4 - 3 - 2, votes, false, true, false});
+    expect_votes({{10, 64}, {10, 32}, {7, 12}, {7, 4}, {7, later}},
+                 {4 + 4 - 3 - 2, votes, true, true, false});
   }
 }
 
@@ -115,6 +117,7 @@ TEST(CollectVotes, WhatHidAPointAndHasLeftCountsByHowFarOffItWas) {
   parameters.vacated_m = 1.4;
   expect_votes({{6, 2}, {6, 4}, {6, 8}, {6, -1}}, {6, 2, false, false, true, true}, parameters);
   expect_votes({{7, 2}, {6, 8}}, {-1 + 2, 0, false, true, false, true}, parameters);
+  expect_votes({{6, 2}, {6, -1}, {6, -3}}, {2, 2, false, false, true, true}, parameters);
   parameters.vacated_m = 0.99;
   expect_votes({{6, 2}, {6, 4}, {6, 8}, {6, -1}}, {0, 0, false, false, false}, parameters);
 }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <iterator>
 #include <vector>
 
 #include "support/toy_scene.hpp"
@@ -20,8 +22,8 @@ inline std::vector<Detection> detect_all(const std::vector<std::shared_ptr<const
   Detector detector(parameters);
   std::vector<Detection> detections;
   for (const auto& scan : scans)
-    if (auto detection = detector.process(scan, trajectory)) detections.push_back(std::move(*detection));
-  while (auto detection = detector.flush()) detections.push_back(std::move(*detection));
+    std::ranges::move(detector.process(scan, trajectory), std::back_inserter(detections));
+  std::ranges::move(detector.flush(), std::back_inserter(detections));
   return detections;
 }
 

@@ -54,9 +54,9 @@ class JobRun {
     }
     leave_out_found();
     if (!detect(motion_.flush())) return false;
-    while (const auto detection = detector_.flush()) {
+    for (const Detection& detection : detector_.flush()) {
       if (InterruptGuard::requested()) return false;
-      finish_scan(*detection);
+      finish_scan(detection);
     }
     return true;
   }
@@ -86,7 +86,8 @@ class JobRun {
     for (const auto& scan : scans) {
       if (InterruptGuard::requested()) return false;
       const DetectorInput input = withhold_motion(scan, motion_.trajectory(), job_.compensation);
-      if (const auto detection = detector_.process(input.scan, *input.trajectory)) finish_scan(*detection);
+      for (const Detection& detection : detector_.process(input.scan, *input.trajectory))
+        finish_scan(detection);
     }
     return true;
   }

@@ -71,11 +71,10 @@ class SensorRun {
 
  private:
   void measure_detection(const std::shared_ptr<const LidarScan>& scan, int k) {
-    std::optional<Detection> found;
+    std::vector<Detection> found;
     const BusyTime detection = busy_time_of([&] { found = detector_.process(scan, drive_.trajectory()); });
-    if (!found) return;
     if (k < kFirstScan) return;
-    times_.stages.push_back(found->seconds);
+    for (const Detection& detected : found) times_.stages.push_back(detected.seconds);
     times_.detection.push_back(detection);
     if (k % kYardstickEvery == 0) take_yardstick(scan);
   }

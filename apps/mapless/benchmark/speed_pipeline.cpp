@@ -14,8 +14,8 @@ GaussianProcessTrajectory newest_motion(const LidarOdometry& odometry) {
   return {{knots.end() - count, knots.end()}, "lidar odometry"};
 }
 
-void leave_out(LidarOdometry& odometry, const std::optional<Detection>& found) {
-  if (found) odometry.leave_out(*found->scan, found->object);
+void leave_out(LidarOdometry& odometry, const std::vector<Detection>& found) {
+  for (const Detection& detection : found) odometry.leave_out(*detection.scan, detection.object);
 }
 
 }  // namespace
@@ -54,7 +54,7 @@ void SpeedPipeline::after_one_another(const std::shared_ptr<const LidarScan>& sc
 
 // What is found moving leaves the map after the next scan has been registered.
 void SpeedPipeline::beside_each_other(const std::shared_ptr<const LidarScan>& scan) {
-  std::optional<Detection> found;
+  std::vector<Detection> found;
   const auto detect = [&] {
     side_time_ =
         busy_time_of([&] { arena_.execute([&] { found = detector_.process(before_, *motion_before_); }); });

@@ -28,7 +28,8 @@ struct AskedScan {
 ///   kMovingVotes from a scan within kRecentGap. Whether the thing still goes on, its own motion tells
 ///   (MovingObjects).
 /// - Something hid the place that has left its own since, as the scan asked about shows, and that was no
-///   farther off than VotingParameters::vacated_m: kVacatedVotes. It is the thing itself, moving away. But
+///   farther off than VotingParameters::vacated_m: kVacatedVotes. It is the thing itself, moving away. Later
+///   scans but the nearest are not heard here: by then something may have come before a wall. And
 ///   not where the later scan sees a surface at the point that would have gone on by more than kClearlyGone
 ///   tolerances by then, by how far the hider had been off, or by clearly more than that surface is off the
 ///   point: such a point was uncovered.

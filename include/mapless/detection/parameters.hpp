@@ -137,6 +137,7 @@ constexpr std::span<const std::string_view> choice_names(DetectionMethod) { retu
 struct VotingParameters {
   int references = 12;
   int first_gap = 1;
+  int start_scans = 5;
   double tolerance_m = 0.08;
   double tolerance_spacings = 0.4;
   double max_ray_distance_m = 0.1;
@@ -161,6 +162,11 @@ struct VotingParameters {
                 "paper step 2, 3"),
         declare(&P::first_gap, "first_gap", "scans", 1, 10, "how far back the first of them lies",
                 "paper step 2"),
+        declare(
+            &P::start_scans, "start_scans", "scans", 1, 100,
+            "the labels of the first scans wait for this many, and each is put to all later ones there are "
+            "then, as it has few earlier ones (with forward_gap 0 nothing waits)",
+            "docs/method.md"),
         declare(&P::tolerance_m, "tolerance_m", "m", 0.001, 10.0,
                 "a ray that ends within tolerance_m (four standard deviations of the scan's own noise where "
                 "that is more) + tolerance_spacings x laser spacing x range of a point's range ends on its "
