@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 
 namespace mapless {
+namespace MAPLESS_FILE {
 namespace {
 
-// Two lasers, one after the other as a recording has them, fire at the same instants, into cubes of their own.
+// Two lasers, one after the other as a recording has them, fire at the same instants, into cubes of their
+// own.
 TEST(Keypoints, AreByTimeAndThoseOfOneInstantInTheOrderOfTheReturns) {
   constexpr int kInstants = 100;
   std::vector<ScanPoint> points;
@@ -27,4 +29,5 @@ TEST(Keypoints, AreByTimeAndThoseOfOneInstantInTheOrderOfTheReturns) {
 }
 
 }  // namespace
+}  // namespace MAPLESS_FILE
 }  // namespace mapless
