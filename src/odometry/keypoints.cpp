@@ -57,12 +57,14 @@ std::vector<ScanPoint> select_keypoints(const std::vector<ScanPoint>& points,
     cube_m /= 2;
     chosen = one_per_cube(points, cube_m);
   }
+  // Points are in the order of the returns, so that their number tells which of one instant comes first.
+  std::vector<std::pair<std::int32_t, std::uint32_t>> by_time;
+  by_time.reserve(chosen.size());
+  for (const std::uint32_t i : chosen) by_time.emplace_back(points[i].time_ns, i);
+  std::sort(by_time.begin(), by_time.end());
   std::vector<ScanPoint> out;
   out.reserve(chosen.size());
-  for (const std::uint32_t i : chosen) out.push_back(points[i]);
-  std::sort(out.begin(), out.end(), [](const ScanPoint& a, const ScanPoint& b) {
-    return std::pair(a.time_ns, a.return_index) < std::pair(b.time_ns, b.return_index);
-  });
+  for (const auto& [time_ns, i] : by_time) out.push_back(points[i]);
   return out;
 }
 
