@@ -24,6 +24,11 @@ constexpr double kSure = 2;
 // crosses a fan of beams, that may never be known, and rays see through its place all the while.
 constexpr double kBeyondDoubt = 2;
 
+// A body of which a part was never seen through is there, and few votes tell that it goes; leaves, rails and
+// edges gather votes while they stand, but hardly a velocity.
+constexpr double kOfSolid = 0.25;
+constexpr double kOfFlickering = 1.5;
+
 constexpr double kMostUnproven_m = 1;  // several times what the rays tell
 
 // What stands is seen to its ends bit by bit, and its velocity errs by as much as what is seen of it grows:
@@ -40,6 +45,13 @@ bool differs_from_zero(const TrackedObject& object) {
 double evidence_needed(const TrackedObject& object, const VotingParameters& parameters) {
   const double std_mps = object.age > kUntoldScans ? object.velocity_std_0().maxCoeff() : 0;
   return parameters.min_evidence * std::max(1.0, std_mps / kKnownStd_mps);
+}
+
+// So many times that, by what its body looks like, for what is to begin.
+double times_to_begin(Body body, const TrackedObject& object) {
+  if (body == Body::solid) return kOfSolid;
+  const bool told = object.age > kUntoldScans && object.velocity_std_0().maxCoeff() <= kKnownStd_mps;
+  return body == Body::flickering && !told ? kOfFlickering : 1;
 }
 
 // Whether rays show what a velocity says to be gone since scans of a moment ago.
@@ -77,7 +89,8 @@ MotionState next_state(const MotionState& last, const TrackedObject& object, con
   const bool stops = (next.slow && twice) || next.unproven_m >= kMostUnproven_m || flickers;
   const bool may_stand = object.age > 1 && known && !differs;
   const bool goes = last.stood < kStoodScans || goes_as_told(last, object, evidence, now);
-  const bool begins = advances && goes && !next.slow && !may_stand && next.evidence >= needed;
+  const bool begins = advances && goes && !next.slow && !may_stand &&
+                      next.evidence >= times_to_begin(evidence.body, object) * needed;
   next.moves = believed && (last.moves ? !stops : begins);
   return next;
 }

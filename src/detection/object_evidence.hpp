@@ -25,10 +25,16 @@ class EvidenceOfObjects {
 
  private:
   [[nodiscard]] double advance_m(std::span<const std::int32_t> object) const;
-  [[nodiscard]] int votes(std::span<const std::int32_t> object);
   struct RowVotes {
+    int points = 0;
     int all = 0, unseen = 0;  // of those all, where no scan saw a surface
   };
+  struct Tally {
+    int rows;
+    int votes;
+  };
+  [[nodiscard]] Tally tally(std::span<const std::int32_t> object);
+  [[nodiscard]] Body body(std::span<const std::int32_t> object, int rows) const;
   [[nodiscard]] RowVotes& row_of(std::int32_t i) {
     return rows_[static_cast<std::size_t>(scan_.returns[static_cast<std::size_t>(i)].laser)];
   }

@@ -88,6 +88,31 @@ TEST(NextState, VotesOfScansItWasNotSeenInAreNone) {
   EXPECT_DOUBLE_EQ(next(first, o, kAdvance_m, 90).evidence, 100);
 }
 
+// A quarter, and half as many again.
+TEST(NextState, WhatItsBodyLooksLikeTellsHowManyVotesAnObjectNeeds) {
+  for (const auto& [body, votes] : {std::pair{Body::solid, kVotes / 4}, std::pair{Body::unclear, kVotes},
+                                    std::pair{Body::flickering, kVotes * 3 / 2}}) {
+    for (const int less : {0, 1}) {
+      const ObjectEvidence evidence = {kAdvance_m, votes - less, body};
+      EXPECT_EQ(next_state(standing(), object(kFast_mps, kWell_mps), evidence,
+                           kStart + Duration::from_seconds(0.1), parameters())
+                    .moves,
+                less == 0);
+    }
+  }
+}
+
+// What has a velocity goes, flickering or not; in its second scan that may be chance.
+TEST(NextState, WhatFlickersNeedsNoMoreVotesWithAKnownVelocity) {
+  for (const int age : {2, 3}) {
+    TrackedObject o = object(kFast_mps, kWell_mps);
+    o.age = age;
+    const ObjectEvidence evidence = {kAdvance_m, kVotes, Body::flickering};
+    EXPECT_EQ(next_state(standing(), o, evidence, kStart + Duration::from_seconds(0.1), parameters()).moves,
+              age == 3);
+  }
+}
+
 TEST(NextState, WhatMovesNeedsNoMoreVotes) {
   EXPECT_TRUE(next(moving(), object(kFast_mps, kWell_mps), kAdvance_m, 0).moves);
 }

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <random>
+#include <set>
 
 #include <gtest/gtest.h>
 
@@ -237,6 +238,34 @@ TEST_F(VoteImage, OneRowCountsNoMoreThanBeginsAnObject) {
   EXPECT_EQ(grow().evidence.at(0).votes, 33);  // 32.5
 }
 
+// Three rows of seven: five of 21 points that nobody saw through are a fifth, four are not; nor are two rows
+// a body, whatever they hide.
+TEST_F(VoteImage, WhatIsNotAllSeenThroughIsSolid) {
+  parameters_.grow = false;
+  const auto body = [&](int rows, int hidden) {
+    for (int r = 0; r < 3; ++r) {
+      for (int c = 4; c < 11; ++c) set(r, c, r < rows ? 3 : 0);
+    }
+    for (int n = 0; n < hidden; ++n) votes_[at(n % 2, 5 + n / 2)].seen_through = false;
+    return grow().evidence.at(0).body;
+  };
+  EXPECT_EQ(body(3, 5), Body::solid);
+  EXPECT_EQ(body(3, 4), Body::unclear);
+  EXPECT_EQ(body(2, 8), Body::unclear);
+}
+
+// Eight of ten points now hit, now passed: leaves. Seven could be a thing that stood there a while ago.
+TEST_F(VoteImage, WhatIsSeenAndSeenThroughFlickers) {
+  parameters_.grow = false;
+  for (const int flickering : {8, 7}) {
+    for (int c = 4; c < 14; ++c) {
+      set(1, c, 3);
+      votes_[at(1, c)].surface_seen = c < 4 + flickering;
+    }
+    EXPECT_EQ(grow().evidence.at(0).body, flickering == 8 ? Body::flickering : Body::unclear);
+  }
+}
+
 TEST_F(VoteImage, SumsTheVotesOfEveryObject) {
   parameters_.grow = false;  // which would add points
   for (int c : {2, 3, 4}) set(0, c, 3);
@@ -286,6 +315,7 @@ RandomImage random_image(std::mt19937_64& random) {
 
 TEST(VoteGrowth, AgreesWithAllPairs) {
   int kept = 0, grown = 0, objects = 0;
+  std::set<Body> bodies;
   for (unsigned seed = 0; seed < 150; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     std::mt19937_64 random(seed);
@@ -309,6 +339,8 @@ TEST(VoteGrowth, AgreesWithAllPairs) {
     for (std::size_t n = 0; n < expected.evidence.size(); ++n) {
       ASSERT_NEAR(result.evidence[n].advance_m, expected.evidence[n].advance_m, 1e-4);
       ASSERT_EQ(result.evidence[n].votes, expected.evidence[n].votes);
+      ASSERT_EQ(result.evidence[n].body, expected.evidence[n].body);
+      bodies.insert(result.evidence[n].body);
     }
     kept += static_cast<int>(std::count(seeds.begin(), seeds.end(), BoxVerdict::kept));
     grown += static_cast<int>(std::count(result.verdict.begin(), result.verdict.end(), GrowthVerdict::grown));
@@ -317,6 +349,7 @@ TEST(VoteGrowth, AgreesWithAllPairs) {
   EXPECT_GT(kept, 500);
   EXPECT_GT(grown, 400);
   EXPECT_GT(objects, 200);
+  EXPECT_EQ(bodies.size(), 3u);
 }
 
 }  // namespace MAPLESS_FILE

@@ -6,6 +6,7 @@
 #include <map>
 #include <numbers>
 #include <numeric>
+#include <set>
 
 namespace mapless::test {
 
@@ -205,6 +206,22 @@ int VoteGrowthOracle::weighed_votes(const std::vector<PointVotes>& votes,
   return static_cast<int>(std::lround(sum));
 }
 
+Body VoteGrowthOracle::body(const std::vector<PointVotes>& votes,
+                            const std::vector<std::size_t>& object) const {
+  std::set<int> rows;
+  std::size_t whole = 0, both = 0;
+  for (const std::size_t i : object) {
+    rows.insert(scan_.returns[i].laser);
+    if (!votes[i].seen_through) {
+      ++whole;
+    } else if (votes[i].surface_seen) {
+      ++both;
+    }
+  }
+  if (rows.size() >= 3 && whole >= 4 && 5 * whole >= object.size()) return Body::solid;
+  return 10 * both > 7 * object.size() ? Body::flickering : Body::unclear;
+}
+
 void VoteGrowthOracle::number(const std::vector<PointVotes>& votes, const std::vector<char>& dynamic,
                               RegionGrowthResult& result) const {
   const std::vector<std::size_t> objects = sets(dynamic);
@@ -219,8 +236,9 @@ void VoteGrowthOracle::number(const std::vector<PointVotes>& votes, const std::v
     auto& number = numbers[object];
     if (number == 0) {
       number = static_cast<std::uint16_t>(++result.objects);
+      const auto& all = members[object];
       result.evidence.push_back(
-          {static_cast<float>(advance_m(votes, members[object])), weighed_votes(votes, members[object])});
+          {static_cast<float>(advance_m(votes, all)), weighed_votes(votes, all), body(votes, all)});
     }
     result.object[i] = number;
   }

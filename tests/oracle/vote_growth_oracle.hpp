@@ -40,6 +40,7 @@ class VoteGrowthOracle {
                                  const std::vector<std::size_t>& object) const;
   [[nodiscard]] int weighed_votes(const std::vector<PointVotes>& votes,
                                   const std::vector<std::size_t>& object) const;
+  [[nodiscard]] Body body(const std::vector<PointVotes>& votes, const std::vector<std::size_t>& object) const;
   [[nodiscard]] bool linked(std::size_t i, std::size_t j, int rows, int columns) const;
   [[nodiscard]] double link_m(const LidarReturn& r) const;
   [[nodiscard]] int image_column(const LidarReturn& r) const;

@@ -216,7 +216,9 @@ struct VotingParameters {
             "an object begins to move when the votes of its points (half where some scan saw a surface; of "
             "one row no more than this), with those of its earlier scans, which count half for every scan "
             "they are back, are this many; from its third scan on more, by as much as the standard deviation "
-            "of its velocity is above 0.5 m/s",
+            "of its velocity is above 0.5 m/s; a quarter where a fifth of it was seen through by no scan, "
+            "half as "
+            "many again where nearly all of it was seen through by one and a surface to another",
             "docs/method.md"),
     };
   }

@@ -9,11 +9,20 @@
 
 namespace mapless {
 
+/// What an object looks like to all the scans that were asked about its points.
+enum class Body : std::uint8_t {
+  unclear,
+  solid,      ///< of some rows, and no scan saw through a part of it, as it hides itself or where it was
+  flickering  ///< nearly all of it was seen through by one scan and a surface to another: leaves, rails,
+              ///< edges
+};
+
 /// What rays tell of the whole of an object, of method "voting".
 struct ObjectEvidence {
   float advance_m = 0;  ///< about how far it went since the scans of a moment ago
   int votes = 0;        ///< of its points (PointVotes::total): half where a surface was seen, of one row at
                         ///< most VotingParameters::min_evidence
+  Body body = Body::unclear;
 };
 
 struct RegionGrowthResult {
