@@ -39,8 +39,8 @@ struct MapOfOthers {
   PlaneMap map;
 };
 
-// Gives `use` the map of the others of each scan, with cubes `scale` times as large. Each begins as that of the
-// scans before its own, which is made once.
+// Gives `use` the map of the others of each scan, with cubes `scale` times as large. Each begins as that of
+// the scans before its own, which is made once.
 template <typename Use>
 void for_each_map_of_others(const WorldPoints& points_0, double sigma_m, double scale, const Use& use) {
   PlaneMap before(scale * sigma_m, scale, scale > 1 ? PlaneMap::kGrids - 1 : PlaneMap::kGrids);
