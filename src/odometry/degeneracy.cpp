@@ -8,8 +8,9 @@ namespace {
 
 // Weighs rotation against translation where a motion is split into held and free parts.
 constexpr double kTypicalRange = 10.0;
-// The noise of the normals alone makes a direction look held: it must be held by so many times as much.
-constexpr double kSpuriousShares = 3;
+// The noise of the normals alone makes a direction look held: it must be held by so many times as much. Not
+// by far more: what is held by little errs by little, but what nothing holds from scan to scan runs away.
+constexpr double kSpuriousShares = 1.5;
 
 // The perturbation of a bin's pose where the scan's end, and the whole scan with it, is perturbed.
 Matrix6d bin_from_end(const BinSums& bin, const SE3& T_v0) { return adjoint(bin.T_v0 * T_v0.inverse()); }

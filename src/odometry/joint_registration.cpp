@@ -1,6 +1,7 @@
 #include "odometry/joint_registration.hpp"
 
-#include <tbb/parallel_for.h>
+#include <tbb/parallel_pipeline.h>
+#include <tbb/task_arena.h>
 
 #include "odometry/degeneracy.hpp"
 #include "odometry/points_in_world.hpp"
@@ -32,13 +33,35 @@ WorldPoints all_in_world(const std::vector<UsableScan>& scans, const std::vector
   return out;
 }
 
-// With cubes `scale` times as large.
-PlaneMap map_of_others(const WorldPoints& points_0, std::size_t left_out, double sigma_m, double scale) {
-  PlaneMap map(scale * sigma_m, scale, scale > 1 ? PlaneMap::kGrids - 1 : PlaneMap::kGrids);
-  for (std::size_t s = 0; s < points_0.size(); ++s) {
-    if (s != left_out) (void)map.insert(points_0[s]);
-  }
-  return map;
+// A map of the points of all scans but one, of which those before it are in.
+struct MapOfOthers {
+  std::size_t left_out;
+  PlaneMap map;
+};
+
+// Gives `use` the map of the others of each scan, with cubes `scale` times as large. Each begins as that of
+// the scans before its own, which is made once.
+template <typename Use>
+void for_each_map_of_others(const WorldPoints& points_0, double sigma_m, double scale, const Use& use) {
+  PlaneMap before(scale * sigma_m, scale, scale > 1 ? PlaneMap::kGrids - 1 : PlaneMap::kGrids);
+  std::size_t next = 0;
+  const auto begin_next = [&](tbb::flow_control& flow) {
+    MapOfOthers out = {next, before};
+    if (next == points_0.size()) {
+      flow.stop();
+    } else {
+      (void)before.insert(points_0[next++]);
+    }
+    return out;
+  };
+  const auto complete = [&](MapOfOthers others) {
+    for (std::size_t s = others.left_out + 1; s < points_0.size(); ++s) (void)others.map.insert(points_0[s]);
+    use(others.left_out, others.map);
+  };
+  const auto at_once = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
+  tbb::parallel_pipeline(at_once,
+                         tbb::make_filter<void, MapOfOthers>(tbb::filter_mode::serial_in_order, begin_next),
+                         tbb::make_filter<MapOfOthers, void>(tbb::filter_mode::parallel, complete));
 }
 
 void add_scan(std::size_t interval, std::vector<BinSums>& sums, const RegistrationSettings& settings,
@@ -66,9 +89,8 @@ std::vector<std::vector<BinSums>> sums_of_all(const std::vector<UsableScan>& sca
     for (MapPoint& point : points) point.range_m /= scale;
   }
   std::vector<std::vector<BinSums>> sums(scans.size());
-  tbb::parallel_for(std::size_t{0}, scans.size(), [&](std::size_t s) {
+  for_each_map_of_others(points_0, settings.sigma_m, scale, [&](std::size_t s, const PlaneMap& others) {
     const KnotInterval interval(knots[scans[s].interval], knots[scans[s].interval + 1]);
-    const PlaneMap others = map_of_others(points_0, s, settings.sigma_m, scale);
     std::vector<PlaneNear> planes;
     sums[s] = sum_residuals(scans[s].bins, interval, others, weights, planes);
   });

@@ -9,8 +9,6 @@
 namespace mapless {
 namespace {
 
-constexpr int kHalvings = 2;
-
 /// Cubes seen so far, in an open-addressing table made large enough at once.
 class CubeSet {
  public:
@@ -50,10 +48,10 @@ std::vector<std::uint32_t> one_per_cube(const std::vector<ScanPoint>& points, do
 }  // namespace
 
 std::vector<ScanPoint> select_keypoints(const std::vector<ScanPoint>& points,
-                                        const OdometryParameters& parameters) {
+                                        const OdometryParameters& parameters, int halvings) {
   double cube_m = parameters.keypoint_voxel_m;
   std::vector<std::uint32_t> chosen = one_per_cube(points, cube_m);
-  for (int i = 0; i < kHalvings && chosen.size() < static_cast<std::size_t>(parameters.min_keypoints); ++i) {
+  for (int i = 0; i < halvings && chosen.size() < static_cast<std::size_t>(parameters.min_keypoints); ++i) {
     cube_m /= 2;
     chosen = one_per_cube(points, cube_m);
   }

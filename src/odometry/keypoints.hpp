@@ -4,9 +4,9 @@
 
 namespace mapless {
 
-/// One point (the first in mixed_order) per cube of the sensor frame, by time. Cubes are halved up to twice
-/// where they give fewer than `min_keypoints`.
+/// One point (the first in mixed_order) per cube of the sensor frame, by time. Where they give fewer than
+/// `min_keypoints`, cubes are halved, up to so many times.
 [[nodiscard]] std::vector<ScanPoint> select_keypoints(const std::vector<ScanPoint>& points,
-                                                      const OdometryParameters& parameters);
+                                                      const OdometryParameters& parameters, int halvings);
 
 }  // namespace mapless

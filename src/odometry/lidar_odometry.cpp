@@ -18,6 +18,9 @@ constexpr int kDenserAtFirst = 3;  // points of the first scans, the only ones t
 // (plane normal . direction), summed), the next scan is registered with so many times as many.
 constexpr double kFewHolding = 5;
 constexpr int kMoreWhereWeak = 3;
+// To have as many as that, cubes are halved so many times at most. More would be the ground about the sensor.
+constexpr int kHalvings = 2;
+constexpr int kHalvingsWhereWeak = 3;
 constexpr int kLostBeforeRestart = 5;
 // A scan of which so much less matches than of the one before it is tried again (from one scan to the next
 // the share changes by 1 to 2 %), and one of which far less matches than usual is not believed to have
@@ -117,9 +120,10 @@ UsableScan LidarOdometry::State::usable(const LidarScan& scan) const {
   } else if (weakly_held) {
     used.min_keypoints *= kMoreWhereWeak;
   }
+  const int halvings = !start_up && weakly_held ? kHalvingsWhereWeak : kHalvings;
   const std::size_t interval = known().knots.size() - 2;
   std::vector<ScanPoint> points = thin(scan, used);
-  TimeBins bins(select_keypoints(points, used), scan.start, known().knots[interval].time);
+  TimeBins bins(select_keypoints(points, used, halvings), scan.start, known().knots[interval].time);
   return {std::move(points), std::move(bins), start_up ? std::make_shared<const SeenThrough>(scan) : nullptr,
           scan.start, interval};
 }

@@ -26,9 +26,6 @@ constexpr double kFarSpeed = 3;  // [m/s]
 constexpr double kAboutAsGood = 0.9;
 // A motion with which so much fewer points agree than with another leaves most of the scan where nothing was.
 constexpr double kFarFewer = 0.5;
-// Scans that found no place are placed afterwards if they are no more intervals back: farther, the motion of
-// the start says little of theirs.
-constexpr std::size_t kCarriedBack = 5;
 // Two scans of which a smaller share agrees with any motion do not hold one another: .04 to .09 of sixteen
 // lasers on top of a hill and on a motorway, .11 and more in forests, towns and tunnels.
 constexpr double kFewAgree = 0.1;
@@ -59,14 +56,6 @@ double seen_through(const MappedTrajectory& track, const std::vector<UsableScan>
     ++scans;
   }
   return through / scans;
-}
-
-// The motion at one knot, carried back to an earlier one, which stays where it is.
-void carry_back(std::size_t from, std::size_t to, std::vector<TrajectoryKnot>& knots) {
-  const SE3 T_to = knots[to].T_v0;
-  for (std::size_t k = from; k-- > to;) knots[k] = predicted(knots[k + 1], knots[k].time);
-  const SE3 moved = knots[to].T_v0.inverse() * T_to;
-  for (std::size_t k = to; k < knots.size(); ++k) knots[k].T_v0 = (knots[k].T_v0 * moved).normalized();
 }
 
 // Farther than one of them can be found from the other in the scans to come.
@@ -315,24 +304,6 @@ bool StartUp::is_ambiguous() const {
   return false;
 }
 
-// They are registered together with those after them, which stay as they are: hardly a plane of theirs is
-// worth to hold a later scan.
-void StartUp::place_unplaced(std::vector<TrajectoryKnot>& knots) const {
-  const std::size_t from = scans_.front().interval;
-  std::vector<UsableScan> scans = all_scans();
-  std::erase_if(scans, [&](const UsableScan& one) { return one.interval + kCarriedBack < from; });
-  const std::size_t to = scans.front().interval;
-  if (to == from) return;
-  carry_back(from, to, knots);
-  for (UsableScan& scan : scans) scan.interval -= to;
-  const auto first = knots.begin() + static_cast<std::ptrdiff_t>(to);
-  const auto found = register_jointly({first, knots.end()}, prior_of_first(*first), scans, settings_);
-  if (!found || !is_plausible(found->knots.back(), knots.back())) return;
-  const SE3 moved = knots[from].T_v0.inverse() * found->knots[from - to].T_v0;
-  for (std::size_t k = from; k < knots.size(); ++k) knots[k].T_v0 = (knots[k].T_v0 * moved).normalized();
-  for (std::size_t k = to; k < from; ++k) knots[k] = found->knots[k - to];
-}
-
 std::optional<Registration> StartUp::registered_jointly() {
   MappedTrajectory& track = candidates_.front().track;
   auto [joint, scans] = together(scans_);
@@ -340,8 +311,6 @@ std::optional<Registration> StartUp::registered_jointly() {
   if (!registration || !is_plausible(registration->knots.back(), track.knots.back())) return std::nullopt;
   joint.marginalises = true;
   joint.accept(*registration);
-  if (!unplaced_.empty()) place_unplaced(joint.knots);
-  joint.prior.mean = joint.knots.back();
   for (const UsableScan& scan : scans_) joint.insert(scan, map_radius_m_);
   track = std::move(joint);
   return registration;

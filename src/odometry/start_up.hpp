@@ -64,7 +64,6 @@ class StartUp {
   [[nodiscard]] double less_its_cost(const Candidate& candidate) const;
   [[nodiscard]] bool may_be_another() const;
   [[nodiscard]] bool is_ambiguous() const;
-  void place_unplaced(std::vector<TrajectoryKnot>& knots) const;
   std::optional<Registration> registered_jointly();
   [[nodiscard]] std::vector<UsableScan> all_scans() const;
   struct Together {

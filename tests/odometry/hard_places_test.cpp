@@ -101,7 +101,7 @@ TEST(HardPlaces, OnlyAWrongMotionSeesThroughWalls) {
   const ToyScene room = test::toy_room("VLP-16", test::drive(0, 0));
   const auto scan = cast_scan(room, 0).scan;
   const std::vector<ScanPoint> points = thin(*scan, {});
-  const TimeBins bins(select_keypoints(points, {}), scan->start, scan->start);
+  const TimeBins bins(select_keypoints(points, {}, 2), scan->start, scan->start);
   const SeenThrough seen(*scan);
   const auto interval = [&](const Vector3d& place) {
     const SE3 T_v0 = SE3(Eigen::Matrix3d::Identity(), place).inverse();

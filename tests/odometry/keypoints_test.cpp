@@ -19,7 +19,7 @@ TEST(Keypoints, AreByTimeAndThoseOfOneInstantInTheOrderOfTheReturns) {
   }
   OdometryParameters parameters;
   parameters.min_keypoints = 50;
-  const std::vector<ScanPoint> found = select_keypoints(points, parameters);
+  const std::vector<ScanPoint> found = select_keypoints(points, parameters, 0);
   ASSERT_EQ(found.size(), points.size());
   for (int k = 0; k < 2 * kInstants; ++k) {
     const ScanPoint& point = found[static_cast<std::size_t>(k)];

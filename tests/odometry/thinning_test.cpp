@@ -1,5 +1,3 @@
-#include "odometry/thinning.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -7,6 +5,8 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "odometry/keypoints.hpp"
 
 namespace mapless {
 namespace MAPLESS_FILE {
@@ -94,6 +94,26 @@ TEST(Thinning, PassesHaveEachIndexOnceAndAreOfEverywhere) {
 }
 
 TEST(Thinning, KeepsAllOfFew) { EXPECT_EQ(thin(scan_of(ranges_of(1, 9000)), {}).size(), 9000); }
+
+// One point in every cube of 0.1875 m that touches a wall of 3 m by 3 m: 256 of them, in 64, 16 and 4 cubes
+// twice, four and eight times as large.
+TEST(Keypoints, CubesAreHalvedUntilThereAreEnough) {
+  std::vector<ScanPoint> wall;
+  for (int i = 0; i < 256; ++i) {
+    const auto across = static_cast<float>(i % 16), up = static_cast<float>(i / 16);
+    wall.push_back(
+        {0.1875F * Eigen::Vector3f(across + 0.5F, 20.5F, up + 0.5F), 5, i, 0, static_cast<std::uint32_t>(i)});
+  }
+  OdometryParameters parameters;
+  const auto keypoints = [&](int fewest, int halvings) {
+    parameters.min_keypoints = fewest;
+    return select_keypoints(wall, parameters, halvings).size();
+  };
+  EXPECT_EQ(keypoints(4, 2), 4);
+  EXPECT_EQ(keypoints(5, 2), 16);
+  EXPECT_EQ(keypoints(200, 2), 64);
+  EXPECT_EQ(keypoints(200, 3), 256);
+}
 
 // 100,000 returns at 3 m and 10,000 at 6 m, of which 12,000 are wanted: 900,000 / r^2 + 360,000 / r^2 =
 // 12,000, so r^2 is 105, and the shares are 9 / 105 and 36 / 105.

@@ -32,7 +32,10 @@ struct OdometryParameters {
                 "registration uses one point per cube of this size; smaller where that gives too few",
                 "method.md 6"),
         declare(&P::min_keypoints, "min_keypoints", "points", 50, 100000,
-                "the cube is halved, up to twice, until there are this many", "method.md 6"),
+                "the cube is halved, up to twice, until there are this many; where few hold a direction, up "
+                "to three "
+                "times until there are three times as many",
+                "method.md 6"),
         declare(&P::min_range_m, "min_range_m", "m", 0.0, 20.0,
                 "nearer returns are of the vehicle itself and are not used", "method.md 6"),
         declare(&P::map_radius_m, "map_radius_m", "m", 10.0, 1000.0,
