@@ -27,14 +27,15 @@ struct MotionState {
 /// An object begins to move with the speed `min_speed_mps`, an advance of `min_advance_m` and votes of
 /// `min_evidence`, to which those of earlier scans count half for each scan they are back: border effects are
 /// small and gone in the next scan. A solid body takes a quarter of them, what flickers half as many again
-/// until its velocity is known (Body). From its third scan on it takes more of them by as much as the standard
-/// deviation of its velocity is above 0.5 m/s, and half of that to go on. A speed that is known has to differ
-/// from 0 by two standard deviations then, too, and of what stood in three scans the advance has to be half
-/// of what that speed makes in kRecentGap scans. It moves until it is slower in two of its scans in a row, or
-/// in one that shows no such advance either; the advance tells instead of the speed where the registration
-/// hardly does, as of a wall, which slides along itself at any speed. It stands, too, once it would have gone
-/// 1 m by its speed since its last advance; and while its velocity was never known, from its third scan on
-/// with less than twice the votes it takes, in its second where there are more against it than for it.
+/// until its velocity is known (Body). From its third scan on it takes more of them by as much as the
+/// standard deviation of its velocity is above 0.5 m/s, and half of that to go on. A speed that is known has
+/// to differ from 0 by two standard deviations then, too, and of what stood in three scans the advance has to
+/// be half of what that speed makes in kRecentGap scans. It moves until it is slower in two of its scans in a
+/// row, or in one that shows no such advance either; the advance tells instead of the speed where the
+/// registration hardly does, as of a wall, which slides along itself at any speed. It stands, too, once it
+/// would have gone 1 m by its speed since its last advance; and while its velocity was never known, from its
+/// third scan on with less than twice the votes it takes, in its second where there are more against it than
+/// for it.
 MotionState next_state(const MotionState& last, const TrackedObject& object, const ObjectEvidence& evidence,
                        Time now, const VotingParameters& parameters);
 
