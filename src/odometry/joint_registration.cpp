@@ -1,6 +1,8 @@
 #include "odometry/joint_registration.hpp"
 
-#include <tbb/parallel_pipeline.h>
+#include <algorithm>
+
+#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include "odometry/degeneracy.hpp"
@@ -33,35 +35,25 @@ WorldPoints all_in_world(const std::vector<UsableScan>& scans, const std::vector
   return out;
 }
 
-// A map of the points of all scans but one, of which those before it are in.
-struct MapOfOthers {
-  std::size_t left_out;
-  PlaneMap map;
-};
-
 // Gives `use` the map of the others of each scan, with cubes `scale` times as large. Each begins as that of
-// the scans before its own, which is made once.
+// the scans before its own, which is made once; no more of them are kept than threads can use.
 template <typename Use>
 void for_each_map_of_others(const WorldPoints& points_0, double sigma_m, double scale, const Use& use) {
   PlaneMap before(scale * sigma_m, scale, scale > 1 ? PlaneMap::kGrids - 1 : PlaneMap::kGrids);
-  std::size_t next = 0;
-  const auto begin_next = [&](tbb::flow_control& flow) {
-    MapOfOthers out = {next, before};
-    if (next == points_0.size()) {
-      flow.stop();
-    } else {
-      (void)before.insert(points_0[next++]);
-    }
-    return out;
-  };
-  const auto complete = [&](MapOfOthers others) {
-    for (std::size_t s = others.left_out + 1; s < points_0.size(); ++s) (void)others.map.insert(points_0[s]);
-    use(others.left_out, others.map);
-  };
   const auto at_once = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
-  tbb::parallel_pipeline(at_once,
-                         tbb::make_filter<void, MapOfOthers>(tbb::filter_mode::serial_in_order, begin_next),
-                         tbb::make_filter<MapOfOthers, void>(tbb::filter_mode::parallel, complete));
+  for (std::size_t first = 0; first < points_0.size(); first += at_once) {
+    const std::size_t end = std::min(first + at_once, points_0.size());
+    std::vector<PlaneMap> maps;
+    for (std::size_t s = first; s < end; ++s) {
+      maps.push_back(before);
+      (void)before.insert(points_0[s]);
+    }
+    tbb::parallel_for(first, end, [&](std::size_t s) {
+      PlaneMap& others = maps[s - first];
+      for (std::size_t later = s + 1; later < points_0.size(); ++later) (void)others.insert(points_0[later]);
+      use(s, others);
+    });
+  }
 }
 
 void add_scan(std::size_t interval, std::vector<BinSums>& sums, const RegistrationSettings& settings,

@@ -162,15 +162,11 @@ struct VotingParameters {
                 "paper step 2, 3"),
         declare(&P::first_gap, "first_gap", "scans", 1, 10, "how far back the first of them lies",
                 "paper step 2"),
-        declare(
-            &P::start_scans, "start_scans", "scans", 1, 100,
-            "the labels of the first scans wait for this many, and each is put to all later ones there are "
-            "then, as it has few earlier ones (with forward_gap 0 nothing waits)",
-            "docs/method.md"),
+        declare(&P::start_scans, "start_scans", "scans", 1, 100,
+                "the first labels wait for so many scans, all put to one another", "docs/method.md"),
         declare(&P::tolerance_m, "tolerance_m", "m", 0.001, 10.0,
-                "a ray that ends within tolerance_m (four standard deviations of the scan's own noise where "
-                "that is more) + tolerance_spacings x laser spacing x range of a point's range ends on its "
-                "surface",
+                "a ray ends on the surface of a point within tolerance_m (at least four standard deviations "
+                "of the scan's noise) + tolerance_spacings x laser spacing x range",
                 "paper step 3"),
         declare(&P::tolerance_spacings, "tolerance_spacings", "laser spacings", 0.0, 100.0,
                 "see tolerance_m: a slanting surface is nearer on one laser than on the next",
@@ -184,8 +180,7 @@ struct VotingParameters {
         declare_odd(&P::window_columns, "window_columns", "columns", 1, 31,
                     "how many firings of the lasers above and below a point are looked at", "method.md 2"),
         declare(&P::vacated_m, "vacated_m", "m", 0.0, 100.0,
-                "a point that was hidden then by something at most this far from it that has left since may "
-                "be that thing, moving away",
+                "what hid a point then, so near to it at most, and has left may be the point's own thing",
                 "docs/method.md"),
         declare(&P::link_m, "link_m", "m", 0.001, 10.0,
                 "neighbours in the scan image belong together within link_m + range x (the larger of "
@@ -195,8 +190,7 @@ struct VotingParameters {
         declare(&P::link_spacings, "link_spacings", "laser spacings", 0.0, 100.0, "see link_m",
                 "method.md 2"),
         declare(&P::seed_score, "seed_score", "votes", 0, 1000,
-                "the votes of a point and its neighbours, summed, that make it a seed (a scan that saw "
-                "through has 4 or 2): a few votes of one point alone are border effects",
+                "votes of a point and its neighbours, summed, that make it a seed: border effects have few",
                 "paper step 4"),
         declare(&P::min_seeds, "min_seeds", "points", 1, 10000,
                 "a cluster of fewer seeds is static and does not grow", "method.md 2"),
@@ -204,22 +198,17 @@ struct VotingParameters {
                 "seeds grow over linked points whose votes are above 0, or that some scan saw through unless "
                 "most saw a surface there, and fill holes",
                 "paper step 5"),
-        declare(
-            &P::min_advance_m, "min_advance_m", "m", 0.0, 10.0,
-            "the share of an object's points that one of the nearest scans saw through, times its size, is "
-            "about how far it went since: with less it does not begin to move",
-            "docs/method.md"),
+        declare(&P::min_advance_m, "min_advance_m", "m", 0.0, 10.0,
+                "the share of an object's points seen through a moment ago, times its size, is about how far "
+                "it went: with less it does not begin to move",
+                "docs/method.md"),
         declare(&P::min_speed_mps, "min_speed_mps", "m/s", 0.0, 100.0,
                 "an object that is followed and slower than this stands", "docs/method.md"),
-        declare(
-            &P::min_evidence, "min_evidence", "votes", 0, 100000,
-            "an object begins to move when the votes of its points (half where some scan saw a surface; of "
-            "one row no more than this), with those of its earlier scans, which count half for every scan "
-            "they are back, are this many; from its third scan on more, by as much as the standard deviation "
-            "of its velocity is above 0.5 m/s; a quarter where a fifth of it was seen through by no scan, "
-            "half as "
-            "many again where nearly all of it was seen through by one and a surface to another",
-            "docs/method.md"),
+        declare(&P::min_evidence, "min_evidence", "votes", 0, 100000,
+                "an object begins to move with so many votes of its points (half where a surface was seen; "
+                "of one row no more) and of its earlier scans (half for each back); solid bodies with a "
+                "quarter, what flickers or has a velocity known badly with more",
+                "docs/method.md"),
     };
   }
 };
