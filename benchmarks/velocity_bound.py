@@ -3,13 +3,13 @@
 
 usage: velocity_bound.py RECORDING ...
 
-The odometry's filter (one knot a scan, white noise on acceleration, the points of each scan, the knot before
-marginalised), linearised about the true trajectory, with the true plane at every return: that of the returns of the
-whole recording within 0.4 m, put into the world by the true poses. Noise is 0.02 m along the ray, 0.02 m times the
-cosine of the incidence across the plane, and 0.003 m of the plane's own. Two errors add up: the noise, and that the
-true motion is not what the prior expects. Both are of the linear velocity at ten instants of each scan, RMS from scan
-10 on. A filter that weighs its points otherwise, or a map of its own making, does worse. Needs native recordings with
-true poses, NumPy and SciPy.
+The odometry's filter (one knot a scan, white noise on acceleration, the points of each scan; the knots of none to
+three scans before the newest still to be corrected, all before marginalised), linearised about the true trajectory,
+with the true plane at every return: that of the returns of the whole recording within 0.4 m, put into the world by the
+true poses. Noise is 0.02 m along the ray, 0.02 m times the cosine of the incidence across the plane, and 0.003 m of the
+plane's own. Two errors add up: the noise, and that the true motion is not what the prior expects. Both are of the
+linear velocity at ten instants of each scan, RMS from scan 10 on. A filter that weighs its points otherwise, or a map
+of its own making, does worse. Needs native recordings with true poses, NumPy and SciPy.
 """
 
 import argparse
@@ -31,6 +31,7 @@ INSTANTS = (np.arange(10) + 0.5) / 10
 STEP = 1e-5  # of numeric derivatives
 RANGE_NOISE_M, PLANE_NOISE_M = 0.02, 0.003
 SETTLED = 10  # scans
+LATER = (0, 1, 2, 3)  # scans that may still correct the velocity
 DENSITIES = [(translation, translation / 2) for translation in (0.03, 0.1, 0.2)]  # per m^2/s^3, rad^2/s^3
 
 
@@ -170,12 +171,11 @@ def prior_information(dt, density):
     return np.block([[12 / dt**3 * inverse, -6 / dt**2 * inverse], [-6 / dt**2 * inverse, 4 / dt * inverse]])
 
 
-def filtered(scans, normals, intervals, dt, choose, assumed_sigma, share, density):
-    """RMS of the velocity's error: by the noise, by the prior, and both."""
-    P, mean, C = np.diag([1e10] * 6 + [1 / 900] * 3 + [1 / 25] * 3), np.zeros(12), np.zeros((12, 12))
-    W = prior_information(dt, density)
-    squares = []
-    for (points, stamps, _, _), (normal, flat), at in zip(scans, normals, intervals):
+class Term:
+    """What a scan tells of the two knots about it: information, gradient, and the gradient's noise."""
+
+    def __init__(self, scan, planes, at, dt, choose, assumed_sigma, share, density):
+        (points, stamps, _, _), (normal, flat) = scan, planes
         used = flat & choose(points)
         p, n = points[used], normal[used]
         cosine = np.abs((n * p).sum(1)) / np.linalg.norm(p, axis=1)
@@ -184,19 +184,39 @@ def filtered(scans, normals, intervals, dt, choose, assumed_sigma, share, densit
         of_bin = np.minimum((stamps[used] / dt * BINS).astype(int), BINS - 1)
         a = np.concatenate([n, np.cross(p, n)], 1)
         A = np.einsum("ni,nij->nj", a, at.pose_slope[of_bin])
-        H, g, noise = np.zeros((24, 24)), np.zeros(24), np.zeros((24, 24))
-        H[:12, :12], g[:12], noise[:12, :12] = P, P @ mean, P @ C @ P
-        H += at.prior_slope.T @ W @ at.prior_slope + (A * weight[:, None]).T @ A
-        g += -at.prior_slope.T @ W @ at.prior_error
-        g += (A * weight[:, None]).T @ (a * at.pose_error[of_bin]).sum(1)
-        noise += (A * (weight * sigma)[:, None] ** 2).T @ A
-        S = np.linalg.inv(H)
-        off, C = S @ g, S @ noise @ S
-        by_prior = times(at.velocity_slope, off) - at.velocity_error
-        by_noise = at.velocity_slope @ C @ np.swapaxes(at.velocity_slope, 1, 2)
+        W = prior_information(dt, density)
+        self.H = at.prior_slope.T @ W @ at.prior_slope + (A * weight[:, None]).T @ A
+        self.g = -at.prior_slope.T @ W @ at.prior_error + (A * weight[:, None]).T @ (a * at.pose_error[of_bin]).sum(1)
+        self.noise = (A * (weight * sigma)[:, None] ** 2).T @ A
+
+
+def solved(known, terms):
+    """Of the knots about the scans, the first `known` beforehand: how far off, by what noise, with what information."""
+    P, mean, C = known
+    size = 12 * (len(terms) + 1)
+    H, g, noise = np.zeros((size, size)), np.zeros(size), np.zeros((size, size))
+    H[:12, :12], g[:12], noise[:12, :12] = P, P @ mean, P @ C @ P
+    for k, term in enumerate(terms):
+        both = slice(12 * k, 12 * k + 24)
+        H[both, both] += term.H
+        g[both] += term.g
+        noise[both, both] += term.noise
+    S = np.linalg.inv(H)
+    return S @ g, S @ noise @ S, H
+
+
+def velocity_rms(terms, intervals, later):
+    """RMS of the velocity's error in each scan with the scans until then and `later` more: by noise, prior, both."""
+    known = np.diag([1e10] * 6 + [1 / 900] * 3 + [1 / 25] * 3), np.zeros(12), np.zeros((12, 12))
+    squares = []
+    for k, at in enumerate(intervals):
+        off, C, _ = solved(known, terms[k : k + 1 + later])
+        by_prior = times(at.velocity_slope, off[:24]) - at.velocity_error
+        by_noise = at.velocity_slope @ C[:24, :24] @ np.swapaxes(at.velocity_slope, 1, 2)
         squares.append([np.trace(by_noise[:, :3, :3], axis1=1, axis2=2).mean(), (by_prior[:, :3] ** 2).sum(1).mean()])
+        off, C, H = solved(known, terms[k : k + 1])
         P = H[12:, 12:] - H[12:, :12] @ np.linalg.solve(H[:12, :12], H[:12, 12:])
-        mean, C = off[12:], C[12:, 12:]
+        known = P, off[12:], C[12:, 12:]
     noise, prior = np.mean(squares[SETTLED:], 0)
     return np.sqrt([noise, prior, noise + prior])
 
@@ -213,9 +233,16 @@ def main():
         chosen = {"all": lambda p: np.ones(len(p), bool), "one per 0.375 m": lambda p: one_per_cube(p, 0.375)}
         weighed = {"by incidence": (None, 1), "as 0.02 m, 0.3 of each": (0.02, 0.3)}
         for points, weights in itertools.product(chosen, weighed):
-            runs = [filtered(scans, normals, intervals, dt, chosen[points], *weighed[weights], d) for d in DENSITIES]
-            noise, prior, both = min(runs, key=lambda run: run[2])
-            print(f"{folder.name}, {points}, weighed {weights}: {both:.3f} m/s ({noise:.3f} noise, {prior:.3f} prior)")
+            terms = [
+                [Term(*of_scan, dt, chosen[points], *weighed[weights], density) for of_scan in zip(scans, normals, intervals)]
+                for density in DENSITIES
+            ]
+            for later in LATER:
+                noise, prior, both = min((velocity_rms(t, intervals, later) for t in terms), key=lambda run: run[2])
+                print(
+                    f"{folder.name}, {points}, weighed {weights}, {later} scans later: "
+                    f"{both:.3f} m/s ({noise:.3f} noise, {prior:.3f} prior)"
+                )
 
 
 if __name__ == "__main__":

@@ -90,12 +90,12 @@ std::vector<std::vector<BinSums>> sums_of_all(const std::vector<UsableScan>& sca
 }
 
 // The agreement before the step, or none where there is no solution.
-std::optional<double> improve_jointly(const KnotPrior& prior, const std::vector<UsableScan>& scans,
+std::optional<double> improve_jointly(const WindowPrior& prior, const std::vector<UsableScan>& scans,
                                       const RegistrationSettings& settings, double scale,
                                       Registration& registration) {
   std::vector<TrajectoryKnot>& knots = registration.knots;
   WindowSystem system(knots.size());
-  add_knot_prior(prior, knots, 0, system);
+  add_window_prior(prior, knots, 0, system);
   for (std::size_t k = 0; k + 1 < knots.size(); ++k) add_motion_prior(knots, k, settings.density, system);
   auto sums = sums_of_all(scans, knots, settings, scale);
   double agreement = 0;
@@ -106,7 +106,8 @@ std::optional<double> improve_jointly(const KnotPrior& prior, const std::vector<
   const auto solution = solve(system);
   if (!solution) return std::nullopt;
   for (std::size_t k = 0; k < knots.size(); ++k) knots[k] = perturbed(knots[k], solution->step[k]);
-  registration.last_information = solution->last_information;
+  registration.last_information = solution->information.back();
+  registration.known = prior_of_last(kKnotsKept, knots, system, *solution);
   registration.converged = are_small(solution->step, scale);
   ++registration.iterations;
   return agreement;
@@ -114,7 +115,7 @@ std::optional<double> improve_jointly(const KnotPrior& prior, const std::vector<
 
 }  // namespace
 
-std::optional<Registration> register_jointly(std::vector<TrajectoryKnot> knots, const KnotPrior& prior,
+std::optional<Registration> register_jointly(std::vector<TrajectoryKnot> knots, const WindowPrior& prior,
                                              const std::vector<UsableScan>& scans,
                                              const RegistrationSettings& settings) {
   Registration out;
@@ -134,12 +135,12 @@ std::optional<Registration> register_jointly(std::vector<TrajectoryKnot> knots, 
   return out;
 }
 
-std::optional<Registration> register_from_rest(std::vector<TrajectoryKnot> knots, const KnotPrior& prior,
+std::optional<Registration> register_from_rest(std::vector<TrajectoryKnot> knots, const WindowPrior& prior,
                                                const std::vector<UsableScan>& scans,
                                                const RegistrationSettings& settings) {
   Registration out;
   out.knots = std::move(knots);
-  for (TrajectoryKnot& knot : out.knots) knot = {knot.time, prior.mean.T_v0, Vector6d::Zero()};
+  for (TrajectoryKnot& knot : out.knots) knot = {knot.time, prior.mean.front().T_v0, Vector6d::Zero()};
   for (double scale = kScaleFromRest; scale > 1; scale /= 2) {
     out.converged = false;
     for (int i = 0; i < kCoarseSteps && !out.converged; ++i) {

@@ -12,14 +12,14 @@ namespace mapless {
 /// UsableScan::interval counts in `knots`. The figures of the result are the last scan's. None where there is
 /// no solution.
 [[nodiscard]] std::optional<Registration> register_jointly(std::vector<TrajectoryKnot> knots,
-                                                           const KnotPrior& prior,
+                                                           const WindowPrior& prior,
                                                            const std::vector<UsableScan>& scans,
                                                            const RegistrationSettings& settings);
 
 /// The same from a sensor at rest where `prior` has it, roughly at first: for scans of which no two tell how
 /// it moved between them, but which all together do. Finds the motion of somebody who walks, not of a car.
 [[nodiscard]] std::optional<Registration> register_from_rest(std::vector<TrajectoryKnot> knots,
-                                                             const KnotPrior& prior,
+                                                             const WindowPrior& prior,
                                                              const std::vector<UsableScan>& scans,
                                                              const RegistrationSettings& settings);
 

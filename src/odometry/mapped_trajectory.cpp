@@ -41,11 +41,11 @@ Time end_of(const LidarScan& scan) {
   return end;
 }
 
-KnotPrior prior_of_first(const TrajectoryKnot& knot) {
+WindowPrior prior_of_first(const TrajectoryKnot& knot) {
   Vector12d sigma;
   sigma << Vector6d::Constant(kOriginSigma), Eigen::Vector3d::Constant(kFirstSpeedSigma),
       Eigen::Vector3d::Constant(kFirstTurnRateSigma);
-  return {knot, sigma.cwiseInverse().cwiseAbs2().asDiagonal()};
+  return prior_of(knot, sigma.cwiseInverse().cwiseAbs2().asDiagonal());
 }
 
 bool is_plausible(const TrajectoryKnot& found, const TrajectoryKnot& prediction) {
@@ -74,8 +74,8 @@ void MappedTrajectory::accept(const Registration& registration) {
   std::copy(registration.knots.begin(), registration.knots.end(),
             knots.begin() + static_cast<std::ptrdiff_t>(window_begin));
   if (!marginalises) return;
-  window_begin = knots.size() - 1;
-  prior = {knots.back(), registration.last_information};
+  prior = registration.known;
+  window_begin = knots.size() - prior.mean.size();
 }
 
 Matrix12d MappedTrajectory::carry_by_prior(const RegistrationSettings& settings) {

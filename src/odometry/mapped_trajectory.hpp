@@ -38,7 +38,7 @@ struct InsertedScan {
 [[nodiscard]] Time end_of(const LidarScan& scan);
 
 /// Of a scan whose sensor is at the origin by definition, and may move as it likes.
-[[nodiscard]] KnotPrior prior_of_first(const TrajectoryKnot& knot);
+[[nodiscard]] WindowPrior prior_of_first(const TrajectoryKnot& knot);
 
 /// Where a knot is at another time if it keeps its velocity.
 [[nodiscard]] TrajectoryKnot predicted(const TrajectoryKnot& knot, Time t);
@@ -52,8 +52,9 @@ struct MappedTrajectory {
 
   std::vector<TrajectoryKnot> knots;
   std::size_t window_begin = 0;  ///< first knot that can still change
-  KnotPrior prior;               ///< of that knot
-  bool marginalises = false;     ///< all knots but the last; not before the motion of the first scan is known
+  WindowPrior prior;             ///< of the knots from there on, the last one not always among them
+  /// All knots but the last kKnotsKept; not before the motion of the first scan is known.
+  bool marginalises = false;
   PlaneMap map;
 
   [[nodiscard]] std::vector<TrajectoryKnot> window() const {

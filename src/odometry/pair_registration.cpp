@@ -116,7 +116,7 @@ bool are_alike(const TrajectoryKnot& a, const TrajectoryKnot& b) {
   return difference.head<3>().norm() < kAlikeSpeed && difference.tail<3>().norm() < kAlikeTurn;
 }
 
-PairOfScans::PairOfScans(std::vector<TrajectoryKnot> knots, KnotPrior prior, const UsableScan& first,
+PairOfScans::PairOfScans(std::vector<TrajectoryKnot> knots, WindowPrior prior, const UsableScan& first,
                          const UsableScan& second, std::size_t first_knot,
                          const RegistrationSettings& settings)
     : knots_(std::move(knots)),
@@ -127,17 +127,17 @@ PairOfScans::PairOfScans(std::vector<TrajectoryKnot> knots, KnotPrior prior, con
       settings_(settings),
       rough_(every_so_often(first.points, kRoughPoints)) {}
 
-KnotPrior PairOfScans::expected(const Vector6d& varpi, double speed_sigma, double turn_rate_sigma) const {
-  KnotPrior out = prior_;
-  out.mean.varpi = varpi;
+WindowPrior PairOfScans::expected(const Vector6d& varpi, double speed_sigma, double turn_rate_sigma) const {
+  WindowPrior out = prior_;
+  out.mean.front().varpi = varpi;
   Vector6d sigma;
   sigma << Eigen::Vector3d::Constant(speed_sigma), Eigen::Vector3d::Constant(turn_rate_sigma);
-  out.information.bottomRightCorner<6, 6>() = sigma.cwiseInverse().cwiseAbs2().asDiagonal();
+  out.diagonal.front().bottomRightCorner<6, 6>() = sigma.cwiseInverse().cwiseAbs2().asDiagonal();
   return out;
 }
 
 // Steps with cubes and gates `scale` times as large.
-bool PairOfScans::improve_at(double scale, int steps, bool rough, const KnotPrior& prior,
+bool PairOfScans::improve_at(double scale, int steps, bool rough, const WindowPrior& prior,
                              Registration& registration) const {
   RegistrationSettings level = settings_;
   level.weights.gate_m *= scale;
@@ -161,7 +161,7 @@ PlaneMap PairOfScans::map_of(const Registration& registration, double scale, boo
 }
 
 bool PairOfScans::refine(Registration& registration) const {
-  const KnotPrior prior = expected(registration.knots.back().varpi, kSpeedSigma, kTurnRateSigma);
+  const WindowPrior prior = expected(registration.knots.back().varpi, kSpeedSigma, kTurnRateSigma);
   registration.iterations = 0;
   for (double scale = kCoarsestScale / 2; scale > 1; scale /= 2) {
     if (!improve_at(scale, kRoughSteps, false, prior, registration)) return false;
@@ -170,7 +170,7 @@ bool PairOfScans::refine(Registration& registration) const {
 }
 
 std::optional<Registration> PairOfScans::roughly(const Vector6d& varpi) const {
-  const KnotPrior prior = expected(varpi, kSpeedSigma, kTurnRateSigma);
+  const WindowPrior prior = expected(varpi, kSpeedSigma, kTurnRateSigma);
   Registration out = moving_with(knots_, varpi);
   if (!improve_at(kCoarsestScale, kRoughSteps, true, prior, out)) return std::nullopt;
   if (!improve_at(1, 2, true, prior, out)) return std::nullopt;
@@ -191,13 +191,14 @@ std::vector<Registration> PairOfScans::all_roughly() const {
 
 // Keeps to the speed along the direction, but says how uncertain it is without.
 std::optional<Registration> PairOfScans::held(const Vector6d& varpi, const Eigen::Vector3d& direction) const {
-  KnotPrior prior = expected(varpi, kSpeedSigma, kTurnRateSigma);
+  WindowPrior prior = expected(varpi, kSpeedSigma, kTurnRateSigma);
   Registration free = moving_with(knots_, varpi);
   if (!improve_at(1, 1, true, prior, free)) return std::nullopt;
-  prior.information.block<3, 3>(6, 6) += direction * direction.transpose() / (kHeldSigma * kHeldSigma);
+  prior.diagonal.front().block<3, 3>(6, 6) += direction * direction.transpose() / (kHeldSigma * kHeldSigma);
   Registration out = moving_with(knots_, varpi);
   if (!improve_at(1, kRoughSteps, true, prior, out)) return std::nullopt;
   out.last_information = free.last_information;
+  out.known = prior_of(out.knots.back(), free.last_information);
   return out;
 }
 
@@ -230,7 +231,7 @@ std::vector<Registration> PairOfScans::register_all() const {
 }
 
 std::optional<Registration> PairOfScans::register_near(const Vector6d& varpi) const {
-  const KnotPrior prior = expected(varpi, kNearSpeedSigma, kNearTurnRateSigma);
+  const WindowPrior prior = expected(varpi, kNearSpeedSigma, kNearTurnRateSigma);
   Registration out = moving_with(knots_, varpi);
   if (!improve_at(1, settings_.max_iterations, false, prior, out)) return std::nullopt;
   return out;

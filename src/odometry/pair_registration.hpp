@@ -13,7 +13,7 @@ class PairOfScans {
  public:
   /// `knots` from number `first_knot` on, which is what UsableScan::interval counts from; the second scan is
   /// in the last interval.
-  PairOfScans(std::vector<TrajectoryKnot> knots, KnotPrior prior, const UsableScan& first,
+  PairOfScans(std::vector<TrajectoryKnot> knots, WindowPrior prior, const UsableScan& first,
               const UsableScan& second, std::size_t first_knot, const RegistrationSettings& settings);
 
   /// Every motion that may have been, which is for the scans after them to decide: best first, no two alike,
@@ -23,8 +23,8 @@ class PairOfScans {
   [[nodiscard]] std::optional<Registration> register_near(const Vector6d& varpi) const;
 
  private:
-  [[nodiscard]] KnotPrior expected(const Vector6d& varpi, double speed_sigma, double turn_rate_sigma) const;
-  bool improve_at(double scale, int steps, bool rough, const KnotPrior& prior,
+  [[nodiscard]] WindowPrior expected(const Vector6d& varpi, double speed_sigma, double turn_rate_sigma) const;
+  bool improve_at(double scale, int steps, bool rough, const WindowPrior& prior,
                   Registration& registration) const;
   bool refine(Registration& registration) const;
   [[nodiscard]] PlaneMap map_of(const Registration& registration, double scale, bool rough) const;
@@ -35,7 +35,7 @@ class PairOfScans {
   void add_along_weak(std::vector<Registration>& all) const;
 
   std::vector<TrajectoryKnot> knots_;
-  KnotPrior prior_;
+  WindowPrior prior_;
   const UsableScan& first_;
   const UsableScan& second_;
   std::size_t first_interval_;

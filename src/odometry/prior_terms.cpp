@@ -47,12 +47,6 @@ Matrix12d motion_information(double dt, const AccelerationDensity& density) {
   return out;
 }
 
-Vector12d knot_error(const TrajectoryKnot& mean, const TrajectoryKnot& knot) {
-  Vector12d e;
-  e << (knot.T_v0 * mean.T_v0.inverse()).log(), knot.varpi - mean.varpi;
-  return e;
-}
-
 void add_motion_prior(const std::vector<TrajectoryKnot>& knots, std::size_t k,
                       const AccelerationDensity& density, WindowSystem& system) {
   const Vector12d e = motion_error(knots[k], knots[k + 1]);
@@ -60,16 +54,6 @@ void add_motion_prior(const std::vector<TrajectoryKnot>& knots, std::size_t k,
   const Matrix12d W = motion_information((knots[k + 1].time - knots[k].time).seconds(), density);
   const Eigen::Matrix<double, 24, 12> JtW = J.transpose() * W;
   system.add(k, JtW * J, JtW * e);
-}
-
-void add_knot_prior(const KnotPrior& prior, const std::vector<TrajectoryKnot>& knots, std::size_t k,
-                    WindowSystem& system) {
-  const Vector12d e = knot_error(prior.mean, knots[k]);
-  Matrix12d J = Matrix12d::Identity();
-  J.topLeftCorner<6, 6>() = left_jacobian_inverse(e.head<6>());
-  const Matrix12d JtW = J.transpose() * prior.information;
-  system.diagonal[k] += JtW * J;
-  system.gradient[k] += JtW * e;
 }
 
 }  // namespace mapless

@@ -17,12 +17,6 @@ struct AccelerationDensity {
   double most_within_rotation = std::numeric_limits<double>::infinity();
 };
 
-/// What is known of one knot beforehand: after marginalisation, everything before it.
-struct KnotPrior {
-  TrajectoryKnot mean;
-  Matrix12d information;
-};
-
 /// Error of the motion prior between two knots, e = [xi - dt varpi_1; J^-1(xi) varpi_2 - varpi_1].
 [[nodiscard]] Vector12d motion_error(const TrajectoryKnot& k1, const TrajectoryKnot& k2);
 /// Its derivative to (pose 1, varpi 1, pose 2, varpi 2).
@@ -32,14 +26,8 @@ struct KnotPrior {
 /// above.
 [[nodiscard]] Matrix12d motion_information(double dt, const AccelerationDensity& density);
 
-/// Error of a knot from its prior, [ln(T T_mean^-1); varpi - varpi_mean].
-[[nodiscard]] Vector12d knot_error(const TrajectoryKnot& mean, const TrajectoryKnot& knot);
-
 /// Adds the motion prior between knots k and k + 1.
 void add_motion_prior(const std::vector<TrajectoryKnot>& knots, std::size_t k,
                       const AccelerationDensity& density, WindowSystem& system);
-/// Adds what is known of knot k.
-void add_knot_prior(const KnotPrior& prior, const std::vector<TrajectoryKnot>& knots, std::size_t k,
-                    WindowSystem& system);
 
 }  // namespace mapless

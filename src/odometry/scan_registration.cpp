@@ -27,7 +27,7 @@ bool are_small(const std::vector<Vector12d>& steps, double scale) {
   return std::all_of(steps.begin(), steps.end(), [&](const Vector12d& s) { return is_small(s, scale); });
 }
 
-bool improve(const KnotPrior& prior, const TimeBins& bins, const PlaneMap& map,
+bool improve(const WindowPrior& prior, const TimeBins& bins, const PlaneMap& map,
              const RegistrationSettings& settings, std::vector<PlaneNear>& planes,
              Registration& registration) {
   std::vector<TrajectoryKnot>& knots = registration.knots;
@@ -38,14 +38,17 @@ bool improve(const KnotPrior& prior, const TimeBins& bins, const PlaneMap& map,
   leave_to_prior(degeneracy, T_v0, sums);
 
   WindowSystem system(knots.size());
-  add_knot_prior(prior, knots, 0, system);
-  for (std::size_t k = 0; k < last; ++k) add_motion_prior(knots, k, settings.density, system);
+  add_window_prior(prior, knots, 0, system);
+  // Between knots of the prior it has what is known of the motion.
+  for (std::size_t k = prior.mean.size() - 1; k < last; ++k)
+    add_motion_prior(knots, k, settings.density, system);
   add_points(sums, last - 1, kPointShare, system);
   const auto solution = solve(system);
   if (!solution) return false;
 
   for (std::size_t k = 0; k <= last; ++k) knots[k] = perturbed(knots[k], solution->step[k]);
-  registration.last_information = solution->last_information;
+  registration.last_information = solution->information.back();
+  registration.known = prior_of_last(kKnotsKept, knots, system, *solution);
   registration.degeneracy = degeneracy;
   registration.matched = 0;
   registration.agreement = 0;
@@ -61,7 +64,7 @@ bool improve(const KnotPrior& prior, const TimeBins& bins, const PlaneMap& map,
 namespace {
 
 // Gate and loss begin `widening` times as wide and are halved, each down to its own.
-std::optional<Registration> narrowing(std::vector<TrajectoryKnot> knots, const KnotPrior& prior,
+std::optional<Registration> narrowing(std::vector<TrajectoryKnot> knots, const WindowPrior& prior,
                                       const TimeBins& bins, const PlaneMap& map,
                                       const RegistrationSettings& settings, double loss, double gate) {
   Registration out;
@@ -80,13 +83,13 @@ std::optional<Registration> narrowing(std::vector<TrajectoryKnot> knots, const K
 
 }  // namespace
 
-std::optional<Registration> register_scan(std::vector<TrajectoryKnot> knots, const KnotPrior& prior,
+std::optional<Registration> register_scan(std::vector<TrajectoryKnot> knots, const WindowPrior& prior,
                                           const TimeBins& bins, const PlaneMap& map,
                                           const RegistrationSettings& settings) {
   return narrowing(std::move(knots), prior, bins, map, settings, kFirstWidening, 1);
 }
 
-std::optional<Registration> register_widely(std::vector<TrajectoryKnot> knots, const KnotPrior& prior,
+std::optional<Registration> register_widely(std::vector<TrajectoryKnot> knots, const WindowPrior& prior,
                                             const TimeBins& bins, const PlaneMap& map,
                                             const RegistrationSettings& settings) {
   RegistrationSettings loose = settings;

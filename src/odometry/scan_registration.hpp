@@ -5,6 +5,7 @@
 
 #include "odometry/prior_terms.hpp"
 #include "odometry/time_bins.hpp"
+#include "odometry/window_prior.hpp"
 
 namespace mapless {
 
@@ -12,6 +13,10 @@ namespace mapless {
 /// plane, and those of the poses that it was seen from. With this share the velocity errs by what its
 /// covariance says over simulated drives of every scene (docs/odometry.md).
 inline constexpr double kPointShare = 0.3;
+
+/// Knots that scans to come still correct, the newest among them. How fast a sensor was at the end of a scan
+/// the scans after it tell: the first two nearly all of it, a third little more (docs/odometry.md).
+inline constexpr std::size_t kKnotsKept = 3;
 
 struct RegistrationSettings {
   AccelerationDensity density;
@@ -25,6 +30,7 @@ struct RegistrationSettings {
 struct Registration {
   std::vector<TrajectoryKnot> knots;
   Matrix12d last_information;  ///< of the last knot, the others marginalised
+  WindowPrior known;           ///< of the last kKnotsKept knots
   int iterations = 0;
   int matched = 0;
   double agreement = 0;  ///< of the matched points, summed
@@ -38,20 +44,20 @@ struct Registration {
 
 /// One Gauss-Newton step. `planes`: of the points, as the step before left them; empty where the map is
 /// another one. False where there is no solution; `registration` is then as before.
-[[nodiscard]] bool improve(const KnotPrior& prior, const TimeBins& bins, const PlaneMap& map,
+[[nodiscard]] bool improve(const WindowPrior& prior, const TimeBins& bins, const PlaneMap& map,
                            const RegistrationSettings& settings, std::vector<PlaneNear>& planes,
                            Registration& registration);
 
 /// Steps until they are small, or `max_iterations`. None where there is no solution.
 [[nodiscard]] std::optional<Registration> register_scan(std::vector<TrajectoryKnot> knots,
-                                                        const KnotPrior& prior, const TimeBins& bins,
+                                                        const WindowPrior& prior, const TimeBins& bins,
                                                         const PlaneMap& map,
                                                         const RegistrationSettings& settings);
 
 /// The same for a motion that changed more than the prior thinks likely: gates and loss begin wider, and the
 /// prior holds less.
 [[nodiscard]] std::optional<Registration> register_widely(std::vector<TrajectoryKnot> knots,
-                                                          const KnotPrior& prior, const TimeBins& bins,
+                                                          const WindowPrior& prior, const TimeBins& bins,
                                                           const PlaneMap& map,
                                                           const RegistrationSettings& settings);
 

@@ -160,7 +160,8 @@ std::optional<Registration> StartUp::registered_from_rest(double other_worth) {
   const std::vector<UsableScan> all = all_scans();
   auto [from_rest, scans] = together(all);
   auto registration = register_from_rest(from_rest.window(), from_rest.prior, scans, settings_);
-  if (!registration || !is_plausible(registration->knots.back(), from_rest.prior.mean)) return std::nullopt;
+  if (!registration || !is_plausible(registration->knots.back(), from_rest.prior.mean.front()))
+    return std::nullopt;
   from_rest.marginalises = true;
   from_rest.accept(*registration);
   double keypoints = 0;

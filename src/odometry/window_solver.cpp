@@ -17,9 +17,12 @@ std::optional<WindowSolution> solve(const WindowSystem& system) {
   const std::size_t n = system.diagonal.size();
   std::vector<Eigen::LLT<Matrix12d>> factors(n);
   std::vector<Vector12d> right(n);
+  WindowSolution out;
+  out.information.reserve(n);
   Matrix12d remaining = system.diagonal[0];
   right[0] = -system.gradient[0];
   for (std::size_t k = 0;; ++k) {
+    out.information.push_back(remaining);
     factors[k].compute(remaining);
     if (factors[k].info() != Eigen::Success) return std::nullopt;
     if (k + 1 == n) break;
@@ -29,8 +32,6 @@ std::optional<WindowSolution> solve(const WindowSystem& system) {
     remaining = system.diagonal[k + 1] - B.transpose() * gain;
     remaining = (0.5 * (remaining + remaining.transpose())).eval();
   }
-  WindowSolution out;
-  out.last_information = remaining;
   out.step.resize(n);
   out.step[n - 1] = factors[n - 1].solve(right[n - 1]);
   for (std::size_t k = n - 1; k-- > 0;) {

@@ -24,8 +24,9 @@ struct WindowSystem {
 
 struct WindowSolution {
   std::vector<Vector12d> step;  ///< of each knot
-  /// What is known of the last knot once all others are marginalised (Schur complement).
-  Matrix12d last_information;
+  /// Block (k, k) of what is left of H once the knots before k are marginalised (Schur complement). The last
+  /// is what is known of the last knot.
+  std::vector<Matrix12d> information;
 };
 
 /// Eliminates knot by knot, first to last, and substitutes back. None where the system is not positive

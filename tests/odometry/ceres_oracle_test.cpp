@@ -7,6 +7,7 @@
 
 #include "odometry/small_problem.hpp"
 #include "odometry/time_bins.hpp"
+#include "odometry/window_prior.hpp"
 
 // The same small window, solved by Ceres with numerical derivatives of the plain formulas, and by our solver.
 namespace mapless {
@@ -27,7 +28,7 @@ struct Match {
 
 struct Problem {
   std::vector<TrajectoryKnot> guess;
-  KnotPrior prior;
+  WindowPrior prior;
   std::vector<Match> matches;
 };
 
@@ -46,7 +47,7 @@ Problem make_problem() {
     const double outlier = i % 10 == 0 ? 0.5 : 0.02;
     out.matches.push_back({k, t, p_v, {p_0 + outlier * normal(generator) * n, n, 0.02, 0}});
   }
-  out.prior = {truth[0], 1e4 * Matrix12d::Identity()};
+  out.prior = prior_of(truth[0], 1e4 * Matrix12d::Identity());
   for (const auto& knot : truth)
     out.guess.push_back(perturbed(knot, test::random_step(generator, 0.01, 0.1)));
   return out;
@@ -67,11 +68,11 @@ struct MotionCost {
 };
 
 struct PriorCost {
-  KnotPrior prior;
+  WindowPrior prior;
   TrajectoryKnot knot;
   bool operator()(const double* a, double* out) const {
-    const Matrix12d root = prior.information.llt().matrixU();
-    Eigen::Map<Vector12d>{out} = root * knot_error(prior.mean, moved(knot, a));
+    const Matrix12d root = prior.diagonal[0].llt().matrixU();
+    Eigen::Map<Vector12d>{out} = root * knot_error(prior.mean[0], moved(knot, a));
     return true;
   }
 };
@@ -121,7 +122,7 @@ std::vector<TrajectoryKnot> solve_with_ours(const Problem& p) {
   auto knots = p.guess;
   for (int iteration = 0; iteration < 50; ++iteration) {
     WindowSystem system(kKnots);
-    add_knot_prior(p.prior, knots, 0, system);
+    add_window_prior(p.prior, knots, 0, system);
     for (std::size_t k = 0; k + 1 < kKnots; ++k) add_motion_prior(knots, k, kDensity, system);
     for (const Match& match : p.matches) {
       const std::size_t k = match.interval;

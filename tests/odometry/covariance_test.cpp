@@ -61,5 +61,27 @@ TEST(OdometryCovariance, OfTheVelocityIsWhatItsErrorIs) {
   EXPECT_LT(angular / count, 3);
 }
 
+// The velocity at the end of a scan decides the begin of the next one, and that scan tells it: what is said
+// of it at once errs by the motion's own density, what is said two scans later hardly.
+TEST(OdometryCovariance, LaterScansTellTheVelocityBetter) {
+  constexpr int kScans = 30, kSettled = 8;
+  test::ToyScene street = test::toy_street("VLP-16");
+  street.trajectory = random_walk(3, 0.1 * (kScans + 2));
+  street.range_noise_m = 0.02;
+  const auto squared_error = [&](const TrajectoryKnot& knot) {
+    return (knot.varpi - street.trajectory->at(knot.time).varpi).head<3>().squaredNorm();
+  };
+  LidarOdometry odometry;
+  double at_once = 0, later = 0;
+  for (int k = 0; k < kScans; ++k) {
+    const OdometryUpdate update = odometry.process(cast_scan(street, k).scan);
+    if (k < kSettled) continue;
+    ASSERT_EQ(update.knots.size(), 4U);
+    at_once += squared_error(update.knots.back());
+    later += squared_error(update.knots[1]);
+  }
+  EXPECT_LT(later, 0.25 * at_once);
+}
+
 }  // namespace MAPLESS_FILE
 }  // namespace mapless

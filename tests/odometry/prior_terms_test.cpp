@@ -60,18 +60,5 @@ TEST(PriorTerms, WhatHappensWithinAnIntervalIsHeldByItself) {
   }
 }
 
-TEST(PriorTerms, KnotPriorPullsToItsMean) {
-  std::mt19937 generator(4);
-  std::vector<TrajectoryKnot> knots = test::moving_knots(1, generator);
-  const KnotPrior prior = {perturbed(knots[0], test::random_step(generator, 0.2, 1)),
-                           3 * Matrix12d::Identity()};
-  for (int i = 0; i < 5; ++i) {
-    WindowSystem system(1);
-    add_knot_prior(prior, knots, 0, system);
-    knots[0] = perturbed(knots[0], solve(system).value().step[0]);
-  }
-  EXPECT_LT(knot_error(prior.mean, knots[0]).norm(), 1e-9);
-}
-
 }  // namespace MAPLESS_FILE
 }  // namespace mapless

@@ -48,7 +48,7 @@ TEST(WindowSolver, AgreesWithTheDenseSolution) {
   }
   // The covariance of the last knot is its block of the inverse of everything.
   const Matrix12d covariance = H.inverse().bottomRightCorner<12, 12>();
-  EXPECT_LT((solution->last_information * covariance - Matrix12d::Identity()).norm(), 1e-6);
+  EXPECT_LT((solution->information.back() * covariance - Matrix12d::Identity()).norm(), 1e-6);
 }
 
 TEST(WindowSolver, HasNoAnswerWithoutOne) {
@@ -61,53 +61,6 @@ TEST(WindowSolver, HasNoAnswerWithoutOne) {
   system = random_system(9);
   system.diagonal[4](2, 2) = std::numeric_limits<double>::quiet_NaN();
   EXPECT_FALSE(solve(system));
-}
-
-constexpr AccelerationDensity kDensity = {10, 1};
-
-std::vector<TrajectoryKnot> step_all(std::vector<TrajectoryKnot> knots, const WindowSolution& solution) {
-  for (std::size_t k = 0; k < knots.size(); ++k) knots[k] = perturbed(knots[k], solution.step[k]);
-  return knots;
-}
-
-// A chain of knots, each measured once. One window after the other, the older knot marginalised, must end
-// where everything solved together ends.
-TEST(WindowSolver, MarginalisingAgreesWithTheFullBatch) {
-  std::mt19937 generator(11);
-  const auto truth = test::moving_knots(6, generator);
-  std::vector<KnotPrior> measured;
-  for (const auto& knot : truth)
-    measured.push_back(
-        {perturbed(knot, test::random_step(generator, 1e-3, 1e-2)), 1e3 * Matrix12d::Identity()});
-
-  auto batch = truth;
-  WindowSolution batch_solution;
-  for (int i = 0; i < 6; ++i) {
-    WindowSystem system(batch.size());
-    for (std::size_t k = 0; k < batch.size(); ++k) add_knot_prior(measured[k], batch, k, system);
-    for (std::size_t k = 0; k + 1 < batch.size(); ++k) add_motion_prior(batch, k, kDensity, system);
-    batch_solution = solve(system).value();
-    batch = step_all(batch, batch_solution);
-  }
-
-  KnotPrior prior = measured[0];
-  for (std::size_t k = 1; k < truth.size(); ++k) {
-    std::vector<TrajectoryKnot> window = {prior.mean, truth[k]};
-    for (int i = 0; i < 6; ++i) {
-      WindowSystem system(2);
-      add_knot_prior(prior, window, 0, system);
-      add_knot_prior(measured[k], window, 1, system);
-      add_motion_prior(window, 0, kDensity, system);
-      const WindowSolution solution = solve(system).value();
-      window = step_all(window, solution);
-      prior.information = i == 5 ? solution.last_information : prior.information;
-    }
-    prior.mean = window[1];
-  }
-  // Less than the curvature of the problem, which a linear prior does not hold.
-  EXPECT_LT(knot_error(batch.back(), prior.mean).norm(), 1e-5);
-  EXPECT_LT((prior.information - batch_solution.last_information).norm(),
-            1e-3 * batch_solution.last_information.norm());
 }
 
 }  // namespace MAPLESS_FILE
