@@ -86,8 +86,9 @@ MotionState next_state(const MotionState& last, const TrackedObject& object, con
   const bool untold = object.age <= kUntoldScans && evidence.votes >= 0;
   const bool believed = next.velocity_known || untold || next.evidence >= kBeyondDoubt * needed;
   const bool flickers = needed > parameters.min_evidence && next.evidence < needed / 2;
-  const bool stops = (next.slow && twice) || next.unproven_m >= kMostUnproven_m || flickers;
   const bool may_stand = object.age > 1 && known && !differs;
+  const bool stays_slow = (next.slow && twice) || (last.slow && may_stand);
+  const bool stops = stays_slow || next.unproven_m >= kMostUnproven_m || flickers;
   const bool goes = last.stood < kStoodScans || goes_as_told(last, object, evidence, now);
   const bool begins = advances && goes && !next.slow && !may_stand &&
                       next.evidence >= times_to_begin(evidence.body, object) * needed;

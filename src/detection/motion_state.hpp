@@ -31,11 +31,11 @@ struct MotionState {
 /// standard deviation of its velocity is above 0.5 m/s, and half of that to go on. A speed that is known has
 /// to differ from 0 by two standard deviations then, too, and of what stood in three scans the advance has to
 /// be half of what that speed makes in kRecentGap scans. It moves until it is slower in two of its scans in a
-/// row, or in one that shows no such advance either; the advance tells instead of the speed where the
-/// registration hardly does, as of a wall, which slides along itself at any speed. It stands, too, once it
-/// would have gone 1 m by its speed since its last advance; and while its velocity was never known, from its
-/// third scan on with less than twice the votes it takes, in its second where there are more against it than
-/// for it.
+/// row, for the second of which it is enough that it may stand by its standard deviation, or in one that
+/// shows no such advance either; the advance tells instead of the speed where the registration hardly does,
+/// as of a wall, which slides along itself at any speed. It stands, too, once it would have gone 1 m by its
+/// speed since its last advance; and while its velocity was never known, from its third scan on with less
+/// than twice the votes it takes, in its second where there are more against it than for it.
 MotionState next_state(const MotionState& last, const TrackedObject& object, const ObjectEvidence& evidence,
                        Time now, const VotingParameters& parameters);
 

@@ -289,6 +289,16 @@ TEST(NextState, WhatMovesStopsWhenItIsSlowInTwoScansInARow) {
   EXPECT_TRUE(next(fast_again, slow, kAdvance_m).moves);
 }
 
+// 0.59 m/s, known to 0.3 m/s, may be none, as in AnObjectThatMayStandDoesNotBeginToMove; known to 0.6 m/s it
+// is not known at all.
+TEST(NextState, WhatWasSlowAndMayStandStops) {
+  const MotionState once = next(moving(), object(0, kWell_mps), kAdvance_m);
+  ASSERT_TRUE(once.moves && once.slow);
+  EXPECT_FALSE(next(once, object(0.59, 0.3), kAdvance_m).moves);
+  EXPECT_TRUE(next(once, object(0.61, 0.3), kAdvance_m).moves);
+  EXPECT_TRUE(next(once, object(0.59, 0.6), kAdvance_m).moves);
+}
+
 TEST(NextState, WhatIsKnownToBeSlowAndDoesNotAdvanceStopsAtOnce) {
   EXPECT_FALSE(next(moving(), object(0, kWell_mps), kLess_m).moves);
   EXPECT_TRUE(next(moving(), object(0, kBadly_mps), kLess_m).moves);
