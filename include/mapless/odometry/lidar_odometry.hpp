@@ -35,8 +35,8 @@ struct Degeneracy {
 
 /// What one scan told about the motion.
 struct OdometryUpdate {
-  /// Knots that this scan set or changed, by time; the last is at the scan's end. Those of the two scans before
-  /// are among them: how fast the sensor was at the end of a scan is told by the scans after it.
+  /// Knots that this scan set or changed, by time; the last is at the scan's end. Those of the two scans
+  /// before are among them: how fast the sensor was at the end of a scan is told by the scans after it.
   std::vector<TrajectoryKnot> knots;
   /// Of the last knot: left perturbation of T_v0 (translation, rotation), then varpi.
   Matrix12d covariance = Matrix12d::Zero();
@@ -52,8 +52,8 @@ struct OdometryUpdate {
 
 /// Continuous-time odometry from the lidar alone: a Gaussian process with white noise on acceleration, one
 /// knot at the end of every scan, point-to-plane registration to a rolling voxel map with every point at its
-/// own instant (Anderson and Barfoot, IROS 2015; Burnett et al. 2022; method.md sections 3 and 6). Three knots
-/// stay open, older ones are marginalised.
+/// own instant (Anderson and Barfoot, IROS 2015; Burnett et al. 2022; method.md sections 3 and 6). Three
+/// knots stay open, older ones are marginalised.
 ///
 /// The world frame 0 is the sensor frame at the start of the first scan.
 class LidarOdometry {
