@@ -1,6 +1,7 @@
 #include "odometry/joint_registration.hpp"
 
 #include <algorithm>
+#include <iterator>
 
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
@@ -131,6 +132,7 @@ std::optional<Registration> register_jointly(std::vector<TrajectoryKnot> knots, 
     most = *agreement;
     best = out;
     best.knots = before;
+    std::copy(before.end() - std::ssize(best.known.mean), before.end(), best.known.mean.begin());
   }
   return out;
 }
