@@ -4,16 +4,16 @@
 #include <benchmark/benchmark.h>
 #include <tbb/global_control.h>
 
+#include "detection/evidence/point_evidence.hpp"
+#include "detection/published/box_filter.hpp"
+#include "detection/published/freespace_check.hpp"
+#include "detection/published/pointcloud_comparison.hpp"
+#include "detection/published/region_growth.hpp"
+#include "detection/segmentation/vote_growth.hpp"
 #include "support/local_points.hpp"
 #include "support/prepared.hpp"
 #include "support/run_detector.hpp"
-#include <mapless/detection/box_filter.hpp>
 #include <mapless/detection/detector.hpp>
-#include <mapless/detection/freespace_check.hpp>
-#include <mapless/detection/freespace_votes.hpp>
-#include <mapless/detection/pointcloud_comparison.hpp>
-#include <mapless/detection/region_growth.hpp>
-#include <mapless/detection/vote_growth.hpp>
 
 namespace mapless {
 namespace {

@@ -14,8 +14,8 @@
 #include <fcntl.h>
 #include <unistd.h>
 
-#include "say.hpp"
-#include "verbs.hpp"
+#include "terminal/stderr.hpp"
+#include "verbs/verbs.hpp"
 #include <mapless/core/errors.hpp>
 
 namespace {

@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
+#include "detection/published/region_growth.hpp"
 #include <mapless/detection/detector.hpp>
-#include <mapless/detection/region_growth.hpp>
 
 namespace mapless {
 

@@ -2,7 +2,7 @@
 #include <utility>
 
 #include "detection/detection_pipeline.hpp"
-#include "detection/moving_objects.hpp"
+#include "detection/tracking/moving_objects.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/detection/detector.hpp>
 

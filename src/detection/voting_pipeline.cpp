@@ -3,11 +3,11 @@
 #include <utility>
 
 #include "detection/detection_pipeline.hpp"
-#include "detection/range_noise.hpp"
-#include "detection/reference_gaps.hpp"
+#include "detection/evidence/point_evidence.hpp"
+#include "detection/evidence/reference_gaps.hpp"
+#include "detection/freespace/range_noise.hpp"
+#include "detection/segmentation/vote_growth.hpp"
 #include <mapless/core/timed.hpp>
-#include <mapless/detection/freespace_votes.hpp>
-#include <mapless/detection/vote_growth.hpp>
 
 namespace mapless {
 namespace {

@@ -1,10 +1,10 @@
 #include <functional>
 
-#include "io/kitti_odometry_dataset.hpp"
-#include "io/kitti_raw_dataset.hpp"
-#include "io/mdlidar_dataset.hpp"
-#include "io/native_dataset.hpp"
-#include "io/pcd_folder_dataset.hpp"
+#include "io/formats/kitti/kitti_odometry_dataset.hpp"
+#include "io/formats/kitti/kitti_raw_dataset.hpp"
+#include "io/formats/mdlidar/mdlidar_dataset.hpp"
+#include "io/formats/native/native_dataset.hpp"
+#include "io/formats/pcd/pcd_folder_dataset.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/io/dataset.hpp>
 

@@ -4,8 +4,8 @@
 
 #include <Eigen/LU>
 
-#include "odometry/knot_trajectory.hpp"
-#include "odometry/start_up.hpp"
+#include "odometry/solver/knot_trajectory.hpp"
+#include "odometry/start_up/start_up.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/odometry/lidar_odometry.hpp>
 

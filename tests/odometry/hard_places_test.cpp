@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "odometry/mapped_trajectory.hpp"
-#include "odometry/seen_through.hpp"
+#include "odometry/map/seen_through.hpp"
+#include "odometry/registration/mapped_trajectory.hpp"
 #include "support/toy_scene.hpp"
 #include <mapless/odometry/lidar_odometry.hpp>
 

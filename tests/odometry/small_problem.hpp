@@ -3,7 +3,7 @@
 #include <random>
 #include <vector>
 
-#include "odometry/prior_terms.hpp"
+#include "odometry/solver/prior_terms.hpp"
 
 namespace mapless::test {
 

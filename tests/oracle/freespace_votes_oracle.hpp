@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <vector>
 
-#include <mapless/detection/freespace_votes.hpp>
+#include "detection/evidence/point_evidence.hpp"
 
 namespace mapless::test {
 

@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include <mapless/detection/freespace_votes.hpp>
-#include <mapless/detection/region_growth.hpp>
+#include "detection/evidence/point_evidence.hpp"
+#include "detection/published/region_growth.hpp"
 
 namespace mapless::test {
 

@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "simulation/bodies.hpp"
-#include "simulation/town.hpp"
+#include "simulation/scenes/town.hpp"
+#include "simulation/traffic/bodies.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/simulation/scene.hpp>
 

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "io/pcd.hpp"
+#include "io/formats/pcd/pcd.hpp"
 #include "support/temporary_folder.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/io/atomic_file.hpp>

@@ -1,4 +1,4 @@
-#include "simulation/traffic.hpp"
+#include "simulation/traffic/traffic.hpp"
 
 #include <algorithm>
 #include <array>
@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "simulation/bodies.hpp"
+#include "simulation/traffic/bodies.hpp"
 #include <mapless/simulation/scene.hpp>
 
 namespace mapless {

@@ -3,7 +3,7 @@
 #include <memory>
 #include <utility>
 
-#include <mapless/detection/prepared_scan.hpp>
+#include "detection/published/prepared_scan.hpp"
 
 namespace mapless::test {
 

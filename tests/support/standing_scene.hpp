@@ -4,8 +4,8 @@
 #include <memory>
 #include <vector>
 
+#include "detection/evidence/point_evidence.hpp"
 #include "support/toy_scene.hpp"
-#include <mapless/detection/freespace_votes.hpp>
 #include <mapless/geometry/compensated_scan.hpp>
 
 // Walls ahead, x, of a sensor at rest, as the tests of votes want them.

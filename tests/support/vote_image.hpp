@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "detection/segmentation/vote_growth.hpp"
 #include "support/small_scan.hpp"
-#include <mapless/detection/vote_growth.hpp>
 
 namespace mapless::test {
 

@@ -14,17 +14,17 @@
 
 #include "benchmark/benchmark_folder.hpp"
 #include "benchmark/job_run.hpp"
-#include "benchmark/page.hpp"
+#include "benchmark/page/page.hpp"
 #include "benchmark/plan.hpp"
 #include "benchmark/recording_store.hpp"
-#include "benchmark/speed.hpp"
-#include "benchmark/speed_plots.hpp"
+#include "benchmark/speed/speed.hpp"
+#include "benchmark/speed/speed_plots.hpp"
 #include "benchmark/work_pool.hpp"
-#include "interrupt.hpp"
-#include "json_text.hpp"
-#include "option_checks.hpp"
-#include "say.hpp"
-#include "verbs.hpp"
+#include "options/option_checks.hpp"
+#include "reports/json_text.hpp"
+#include "terminal/interrupt.hpp"
+#include "terminal/stderr.hpp"
+#include "verbs/verbs.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/io/atomic_file.hpp>
 #include <mapless/simulation/scene.hpp>

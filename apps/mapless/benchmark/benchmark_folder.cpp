@@ -3,7 +3,7 @@
 #include <system_error>
 
 #include "benchmark/digest.hpp"
-#include "json_text.hpp"
+#include "reports/json_text.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/io/atomic_file.hpp>
 

@@ -9,14 +9,14 @@
 #include <fmt/format.h>
 #include <tbb/task_arena.h>
 
-#include "benchmark/mover_album.hpp"
-#include "benchmark/mover_views.hpp"
-#include "benchmark/untold_motion.hpp"
-#include "evaluation_json.hpp"
-#include "interrupt.hpp"
-#include "motion_source.hpp"
-#include "run_summary.hpp"
-#include "scan_picture.hpp"
+#include "benchmark/ablated_motion.hpp"
+#include "benchmark/movers/mover_gallery.hpp"
+#include "benchmark/movers/mover_views.hpp"
+#include "pictures/scan_picture.hpp"
+#include "reports/evaluation_json.hpp"
+#include "run/motion_source.hpp"
+#include "run/run_summary.hpp"
+#include "terminal/interrupt.hpp"
 #include <mapless/detection/detector.hpp>
 #include <mapless/evaluation/evaluator.hpp>
 #include <mapless/io/dataset.hpp>

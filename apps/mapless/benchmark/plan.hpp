@@ -7,7 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "parameter_options.hpp"
+#include "options/parameter_options.hpp"
 
 namespace mapless::app {
 

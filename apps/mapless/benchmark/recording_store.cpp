@@ -9,8 +9,8 @@
 #include <unistd.h>
 
 #include "benchmark/digest.hpp"
-#include "interrupt.hpp"
-#include "json_text.hpp"
+#include "reports/json_text.hpp"
+#include "terminal/interrupt.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/io/atomic_file.hpp>
 #include <mapless/simulation/scene.hpp>

@@ -9,7 +9,7 @@
 
 #include <tbb/task_arena.h>
 
-#include "progress.hpp"
+#include "terminal/progress.hpp"
 
 namespace mapless::app {
 namespace {

@@ -1,0 +1,158 @@
+#include "benchmark/page/page.hpp"
+
+#include <fmt/format.h>
+
+#include "benchmark/page/html.hpp"
+#include "benchmark/page/page_parts.hpp"
+#include "benchmark/page/page_style.hpp"
+#include <mapless/io/atomic_file.hpp>
+
+namespace mapless::app {
+namespace {
+
+std::string section(const std::string& title, const std::string& text, const std::string& body) {
+  if (body.empty()) return "";
+  return fmt::format("<h2>{}</h2>\n{}{}", title, text, body);
+}
+
+std::string plots_html(const std::vector<NamedPlot>& plots) {
+  std::string out;
+  for (const NamedPlot& plot : plots) out += plot.plot.svg();
+  return out.empty() ? out : "<div class=\"plots\">\n" + out + "</div>\n";
+}
+
+std::string folded(const std::string& summary, const std::string& body) {
+  return fmt::format("<details><summary>{}</summary>\n{}</details>\n", summary, body);
+}
+
+std::string headline(const Json& figures) {
+  const auto rows = main_rows(figures);
+  if (rows.empty()) return "";
+  const Json& row = rows.front();
+  const Json& r = row["result"]["final"];
+  const auto fact = [](const std::string& value, const std::string& name) {
+    return fmt::format("<div><b>{}</b><span>{}</span></div>\n", value, name);
+  };
+  const Json& ms = row["result"]["timing"]["total"]["median_ms"];
+  return fmt::format(
+      "<p class=\"soft\">{}, {} scans:</p>\n<div class=\"facts\">\n{}{}{}{}{}</div>\n",
+      escaped(run_name(row["job"])), count_text(r["scans"]), fact(rate_text(r["precision"]), "precision"),
+      fact(rate_text(r["recall"]), "recall"), fact(rate_text(r["f1"]), "F1"),
+      fact(rate_text(r["iou"]), "IoU of moving points"),
+      fact(ms.is_number() ? fmt::format("{:.0f} ms", ms.get<double>()) : "-", "a scan, median"));
+}
+
+std::string opening(const Json& figures) {
+  std::string settings;
+  for (const Json& setting : figures["settings"]) settings += ", " + setting.get<std::string>();
+  return fmt::format(
+      "<h1>mapless: benchmark</h1>\n"
+      "<p>Which points of a spinning lidar are moving now? Scans of simulated places, every ray cast at its "
+      "own\n"
+      "firing time into a world that moves meanwhile, with the truth for every point; labelled scan by scan\n"
+      "without a map, and compared point by point.</p>\n"
+      "<p class=\"soft\">mapless {}, profile {}{}. {}, {} threads, {}. {}</p>\n",
+      escaped(figures["version"].get<std::string>()), escaped(figures["profile"].get<std::string>()),
+      escaped(settings), escaped(figures["processor"].get<std::string>()),
+      figures["threads"].get<std::size_t>(), figures["date"].get<std::string>(),
+      figures["quick"].get<bool>() ? "The quick version: one scene." : "");
+}
+
+constexpr const char* kKey =
+    "<ul class=\"key\"><li><i style=\"background:#16a354\"></i>moving, found</li>"
+    "<li><i style=\"background:#2d78eb\"></i>moving, missed</li>"
+    "<li><i style=\"background:#e23a2e\"></i>still, called dynamic</li>"
+    "<li><i style=\"background:#b0b7c1\"></i>still</li></ul>\n";
+
+constexpr const char* kSweepText = R"(<p>One error threshold is swept, as in the paper: that of the pointcloud
+comparison, and with it those of the freespace check, in the proportion they have to it in the profile. Every point
+of a curve is a run of the whole detector over the first {} scans, or all where there are fewer.</p>
+)";
+
+constexpr const char* kAblationText = R"(<p>One thing taken away at a time, on the first {} scans.
+<em>Not compensated</em>: points, rays or both are taken as if the sensor stood at the pose it has in the middle of the
+scan.</p>
+)";
+
+constexpr const char* kCascadeText =
+    R"(<p>The moving vehicle of which most points were seen in one scan. The second,
+third and fourth stage take away what stands; the last completes the object.</p>
+)";
+
+constexpr const char* kDefinitions = R"(<ul>
+<li>A point is <em>moving</em> in truth if the surface it lies on moves faster than 0.2 m/s at the instant of its
+ray.</li>
+<li><em>Precision</em> is the share of points called dynamic that move, <em>recall</em> the share of moving points that
+were found, <em>F1</em> their harmonic mean, <em>IoU</em> TP / (TP + FP + FN).</li>
+<li>Rates are <em>total</em>, from sums over all scans, unless called <em>average</em>: the mean over the scans whose
+own denominator is not 0; N says how many these are.</li>
+<li>Every scan counts, the first ones too, for which there is no earlier scan to compare with.</li>
+<li>An <em>object</em> in a scan is found if at least half of its moving points are. An <em>evident mover</em> is faster
+than 0.5 m/s with 20 visible points or more within 50 m. A <em>false object</em> is one reported of whose points more
+than half are still.</li>
+<li>Poses are the true ones unless said: the figures are of detection alone, as in the paper.</li>
+</ul>
+)";
+
+std::string body(const Json& figures, const BenchmarkFolder& folder, const std::vector<NamedPlot>& sweeps,
+                 const std::vector<NamedPlot>& ranges) {
+  const auto stretch = figures["stretch_scans"].get<std::size_t>();
+  const auto swept = fmt::format(kSweepText, stretch);
+  const auto ablated = fmt::format(kAblationText, stretch);
+  std::string out = opening(figures) + headline(figures) + pictures(figures, folder, "scan", 1);
+  out += section("Results", "", results_table(figures) + folded("after each stage", stages_table(figures)));
+  out += section("Precision and recall over the error threshold", swept,
+                 sweeps.empty() ? "" : plots_html(sweeps) + folded("as a table", sweep_table(figures)));
+  out += section("Recall within a range limit", "", plots_html(ranges));
+  out += section("One mover, stage by stage", std::string(kCascadeText) + kKey,
+                 pictures(figures, folder, "cascade", 1));
+  out += section(
+      "Movers",
+      "<p>Each in the scan in which most of its points were seen, found or not.</p>\n" + std::string(kKey),
+      pictures(figures, folder, "gallery", 8));
+  out += section(
+      "Where it is right and wrong",
+      "<p>Summed over the scenes on the first sensor at the first noise; by object, scene by scene.</p>\n",
+      measure_tables(figures));
+  out += section("What each part is worth", ablated, ablation_tables(figures));
+  out +=
+      section("Milliseconds a scan",
+              fmt::format("<p>Median / 95 %, wall time. Runs were side by side on {} threads in all.</p>\n",
+                          figures["threads"].get<std::size_t>()),
+              timing_table(figures));
+  return out + section("What the words mean", "", kDefinitions);
+}
+
+}  // namespace
+
+void write_page(const Json& figures, const BenchmarkFolder& folder) {
+  const auto sweeps = threshold_plots(figures);
+  const auto ranges = range_plots(figures);
+  for (const auto* plots : {&sweeps, &ranges}) {
+    for (const NamedPlot& plot : *plots) plot.plot.png().write_png(folder.plots() / (plot.file + ".png"));
+  }
+  const std::string page = fmt::format(
+      "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>mapless: "
+      "benchmark</title>\n"
+      "<style>{}</style>\n</head>\n<body>\n<main>\n{}</main>\n</body>\n</html>\n",
+      kPageStyle, body(figures, folder, sweeps, ranges));
+  write_file_atomically(folder.page(), page);
+}
+
+std::string results_text(const Json& figures) {
+  std::string out = fmt::format("{:<10}{:<12}{:>6}{:>6}{:>11}{:>8}{:>8}{:>8}{:>8}\n", "scene", "sensor",
+                                "noise", "seed", "precision", "recall", "F1", "IoU", "scans");
+  for (const Json& row : rows_of(figures, "table")) {
+    const Json& r = row["job"]["recording"];
+    const Json& f = row["result"]["final"];
+    out += fmt::format("{:<10}{:<12}{:>6}{:>6}{:>11}{:>8}{:>8}{:>8}{:>8}{}\n", r["scene"].get<std::string>(),
+                       r["sensor"].get<std::string>(), r["range_noise_m"].get<double>(),
+                       r["seed"].get<std::uint64_t>(), rate_text(f["precision"]), rate_text(f["recall"]),
+                       rate_text(f["f1"]), rate_text(f["iou"]), f["scans"].get<std::int64_t>(),
+                       row["job"]["poses"] == "true" ? "" : "  own odometry");
+  }
+  return out;
+}
+
+}  // namespace mapless::app

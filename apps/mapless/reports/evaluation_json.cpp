@@ -1,0 +1,109 @@
+#include "reports/evaluation_json.hpp"
+
+#include <cmath>
+
+namespace mapless::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json rate_json(const std::optional<double>& rate) { return rate ? Json(*rate) : Json(nullptr); }
+
+Json to_json(const FalseObjects& f) {
+  return {{"per_scan", rate_json(f.per_scan())},
+          {"false", f.false_ones},
+          {"objects", f.objects},
+          {"scans", f.scans},
+          {"unnumbered_points", f.unnumbered_points}};
+}
+
+Json to_json(const std::optional<Found>& found) {
+  return found ? mapless::app::to_json(*found) : Json(nullptr);
+}
+
+Json merged(Json first, const Json& second) {
+  first.update(second);
+  return first;
+}
+
+template <class What>
+Json to_json(const InBand<What>& band) {
+  const Json up_to = std::isfinite(band.up_to) ? Json(band.up_to) : Json(nullptr);
+  return merged({{"above", band.above}, {"up_to", up_to}}, mapless::app::to_json(band.counts));
+}
+
+Json to_json(const WithinRange& within) {
+  return merged({{"limit_m", within.limit_m}}, mapless::app::to_json(within.points));
+}
+
+Json to_json(const OfClass& c) {
+  return {{"class", c.object_class},
+          {"points", mapless::app::to_json(c.points)},
+          {"objects", mapless::app::to_json(c.objects)},
+          {"evident_movers", to_json(c.evident_movers)}};
+}
+
+Json to_json(const OfKind& k) {
+  return merged({{"class", k.object_class}, {"kind", k.kind}}, mapless::app::to_json(k.points));
+}
+
+// Null where there is none.
+template <class What>
+Json list_json(const std::vector<What>& list) {
+  if (list.empty()) return nullptr;
+  Json out = Json::array();
+  for (const What& item : list) out.push_back(to_json(item));
+  return out;
+}
+
+}  // namespace
+
+Json to_json(const Counts& c) {
+  return {{"tp", c.tp},
+          {"fp", c.fp},
+          {"fn", c.fn},
+          {"tn", c.tn},
+          {"precision", rate_json(c.precision())},
+          {"recall", rate_json(c.recall())},
+          {"f1", rate_json(c.f1())},
+          {"iou", rate_json(c.iou())}};
+}
+
+Json to_json(const PrecisionRecall& r) {
+  return merged(merged({{"scans", r.scans()}}, to_json(r.total())),
+                {{"average_precision", rate_json(r.average_precision())},
+                 {"n_p", r.precision_scans()},
+                 {"average_recall", rate_json(r.average_recall())},
+                 {"n_r", r.recall_scans()}});
+}
+
+Json to_json(const Found& f) { return {{"share", rate_json(f.share())}, {"found", f.found}, {"of", f.of}}; }
+
+Json to_json(const EvaluationReport& r) {
+  return {{"points", to_json(r.points)},
+          {"by_range", list_json(r.by_range)},
+          {"within_range", list_json(r.within_range)},
+          {"by_class", list_json(r.by_class)},
+          {"by_kind", list_json(r.by_kind)},
+          {"by_speed", list_json(r.by_speed)},
+          {"by_visible_points", list_json(r.by_visible_points)},
+          {"objects", to_json(r.objects)},
+          {"evident_movers", to_json(r.evident_movers)},
+          {"false_objects", to_json(r.false_objects)}};
+}
+
+Json to_json(const VelocityReport& r) {
+  return {{"judged", r.judged},
+          {"first_seen", r.first_seen},
+          {"mixed", r.mixed},
+          {"rms_mps", rate_json(r.rms_mps)},
+          {"median_mps", rate_json(r.median_mps)},
+          {"close_share", rate_json(r.close_share)},
+          {"normalised_rms", rate_json(r.normalised_rms)},
+          {"sure", r.sure},
+          {"sure_rms_mps", rate_json(r.sure_rms_mps)},
+          {"movers", r.movers},
+          {"id_changes", r.id_changes}};
+}
+
+}  // namespace mapless::app

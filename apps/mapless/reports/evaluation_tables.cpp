@@ -1,0 +1,106 @@
+#include "reports/evaluation_tables.hpp"
+
+#include <cmath>
+#include <optional>
+
+#include <fmt/format.h>
+
+namespace mapless::app {
+namespace {
+
+std::string counts_head(std::string_view name) {
+  return fmt::format("\n{:<22}{:>10}{:>8}{:>8}{:>8}{:>10}{:>10}{:>10}", name, "precision", "recall", "F1",
+                     "IoU", "TP", "FP", "FN");
+}
+
+std::string counts_row(std::string_view name, const Counts& c) {
+  return fmt::format("{:<22}{:>10}{:>8}{:>8}{:>8}{:>10}{:>10}{:>10}", name, rate_text(c.precision()),
+                     rate_text(c.recall()), rate_text(c.f1()), rate_text(c.iou()), c.tp, c.fp, c.fn);
+}
+
+std::string found_columns(const Found& found) {
+  return fmt::format("{:>9}{:>8}", rate_text(found.share()), found.of);
+}
+
+// Whole numbers in (above, up_to] are above + 1 to up_to.
+template <class What>
+std::string band_name(const InBand<What>& band, bool whole) {
+  const double first = whole ? band.above + 1 : band.above;
+  return std::isfinite(band.up_to) ? fmt::format("{} - {}", first, band.up_to) : fmt::format("{} -", first);
+}
+
+std::string range_table(const EvaluationReport& report) {
+  std::string out = counts_head("range [m]") + "\n";
+  for (const InBand<Counts>& band : report.by_range) {
+    if (band.counts.points() > band.counts.tn) out += counts_row(band_name(band, false), band.counts) + "\n";
+  }
+  return out;
+}
+
+std::string class_table(const EvaluationReport& report) {
+  if (report.by_class.empty()) return "";
+  std::string out = counts_head("class") + fmt::format("{:>9}{:>8}", "objects", "of");
+  if (report.evident_movers) out += fmt::format("{:>9}{:>8}", "evident", "of");
+  out += "\n";
+  for (const OfClass& c : report.by_class) {
+    out += counts_row(c.object_class, c.points) + found_columns(c.objects);
+    if (c.evident_movers) out += found_columns(*c.evident_movers);
+    out += "\n";
+  }
+  return out;
+}
+
+std::string recall_table(std::string_view name, const std::vector<InBand<Found>>& bands, bool whole) {
+  std::string rows;
+  for (const InBand<Found>& band : bands) {
+    if (band.counts.of == 0) continue;
+    rows += fmt::format("{:<22}{:>10}{:>10}\n", band_name(band, whole), rate_text(band.counts.share()),
+                        band.counts.of);
+  }
+  return rows.empty() ? "" : fmt::format("\n{:<22}{:>10}{:>10}\n", name, "recall", "of") + rows;
+}
+
+std::string objects_text(const EvaluationReport& report) {
+  std::string out = "\n";
+  if (report.objects.of > 0) {
+    out += fmt::format("objects found (half of their dynamic points): {} of {} in scans\n",
+                       rate_text(report.objects.share()), report.objects.of);
+  }
+  if (report.evident_movers) {
+    out += fmt::format("evident movers found (above {} m/s, {} points or more, within {} m): {} of {}\n",
+                       kEvidentSpeed, kEvidentPoints, kEvidentRange,
+                       rate_text(report.evident_movers->share()), report.evident_movers->of);
+  }
+  const FalseObjects& f = report.false_objects;
+  out += fmt::format("false objects (most of their points static): {} a scan; {} of {} in {} scans\n",
+                     rate_text(f.per_scan()), f.false_ones, f.objects, f.scans);
+  return out;
+}
+
+}  // namespace
+
+std::string rate_text(const std::optional<double>& rate) { return rate ? fmt::format("{:.3f}", *rate) : "-"; }
+
+std::string report_tables(const EvaluationReport& report) {
+  return range_table(report) + class_table(report) +
+         recall_table("true speed [m/s]", report.by_speed, false) +
+         recall_table("visible points", report.by_visible_points, true) + objects_text(report);
+}
+
+std::string velocity_lines(const VelocityReport& r) {
+  std::string out = fmt::format(
+      "\nvelocity of found movers (above {} m/s): RMS error {} m/s, median {}, share below {} m/s {}\n"
+      "  of {} movers in scans; {} seen for the first time and {} mixed with others not judged\n",
+      kMovingSpeed, rate_text(r.rms_mps), rate_text(r.median_mps), kCloseVelocity, rate_text(r.close_share),
+      r.judged, r.first_seen, r.mixed);
+  out += fmt::format(
+      "  of the {} with standard deviations below {} m/s: RMS error {} m/s; error over standard deviation {} "
+      "(RMS of all)\n",
+      r.sure, kSureVelocity, rate_text(r.sure_rms_mps), rate_text(r.normalised_rms));
+  const double changes =
+      r.movers == 0 ? 0 : static_cast<double>(r.id_changes) / static_cast<double>(r.movers);
+  out += fmt::format("changes of id: {} of {} movers found, {:.2f} each\n", r.id_changes, r.movers, changes);
+  return out;
+}
+
+}  // namespace mapless::app

@@ -1,0 +1,52 @@
+#include "run/input_output_report.hpp"
+
+#include <vector>
+
+#include <fmt/format.h>
+
+namespace mapless::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kWorthTellingShare = 0.1;
+constexpr double kWorthTelling_s = 1;
+// A thread that computes for more of its time is not held by the disk.
+constexpr double kComputingShare = 0.5;
+
+double share(double part_s, double run_s) { return run_s > 0 ? part_s / run_s : 0; }
+
+Json side_json(double waited_s, double run_s, const BusyTime& busy) {
+  return {{"waited_s", waited_s},
+          {"waited_share", share(waited_s, run_s)},
+          {"busy_s", busy.wall_s},
+          {"processor_s", busy.processor_s}};
+}
+
+std::string side_text(const char* what, double waited_s, double run_s, const BusyTime& busy) {
+  if (waited_s < kWorthTelling_s || share(waited_s, run_s) < kWorthTellingShare) return "";
+  const bool computes = busy.processor_s > kComputingShare * busy.wall_s;
+  return fmt::format(
+      "detection waited {:.1f} s ({:.0f} % of the run) for {}, which took {:.1f} s, {:.1f} s of it {}",
+      waited_s, 100 * share(waited_s, run_s), what, busy.wall_s, busy.processor_s,
+      computes ? "computing: the disk is not what is slow" : "computing: the disk is slow");
+}
+
+}  // namespace
+
+Json to_json(const InputOutputReport& r) {
+  return {{"run_s", r.run_s},
+          {"reading", side_json(r.waited_for_reading_s, r.run_s, r.reading)},
+          {"writing", side_json(r.waited_for_writing_s, r.run_s, r.writing)}};
+}
+
+std::string trouble(const InputOutputReport& r) {
+  std::vector<std::string> parts;
+  for (std::string part : {side_text("reading", r.waited_for_reading_s, r.run_s, r.reading),
+                           side_text("writing", r.waited_for_writing_s, r.run_s, r.writing)}) {
+    if (!part.empty()) parts.push_back(std::move(part));
+  }
+  return fmt::format("{}", fmt::join(parts, "; "));
+}
+
+}  // namespace mapless::app

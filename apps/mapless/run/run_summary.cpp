@@ -1,0 +1,168 @@
+#include "run/run_summary.hpp"
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include <mapless/evaluation/quantile.hpp>
+#include <mapless/io/result_folder.hpp>
+
+namespace mapless::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct TimingRow {
+  std::string_view name;
+  double (*seconds)(const StageSeconds&);
+};
+
+constexpr std::array<TimingRow, 10> kTimingRows = {{
+    {"compensation", [](const StageSeconds& s) { return s.compensation; }},
+    {"neighbours", [](const StageSeconds& s) { return s.neighbours; }},
+    {"normals", [](const StageSeconds& s) { return s.normals; }},
+    {"comparison", [](const StageSeconds& s) { return s.comparison; }},
+    {"backward", [](const StageSeconds& s) { return s.backward; }},
+    {"forward", [](const StageSeconds& s) { return s.forward; }},
+    {"box_filter", [](const StageSeconds& s) { return s.box_filter; }},
+    {"region_growth", [](const StageSeconds& s) { return s.region_growth; }},
+    {"tracking", [](const StageSeconds& s) { return s.tracking; }},
+    {"total", [](const StageSeconds& s) { return s.total(); }},
+}};
+
+std::vector<double> milliseconds(const std::vector<StageSeconds>& scans, const TimingRow& row) {
+  std::vector<double> out(scans.size());
+  std::transform(scans.begin(), scans.end(), out.begin(),
+                 [&](const StageSeconds& s) { return row.seconds(s) * 1e3; });
+  return out;
+}
+
+Json number_or_null(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
+
+Json quantiles_json(const std::vector<double>& ms) {
+  return {{"median_ms", number_or_null(quantile(ms, 0.5))},
+          {"p95_ms", number_or_null(quantile(ms, 0.95))},
+          {"p99_ms", number_or_null(quantile(ms, 0.99))}};
+}
+
+double peak_memory_mb() {
+  rusage usage = {};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024;
+}
+
+}  // namespace
+
+std::string provenance_text(Provenance provenance) {
+  switch (provenance) {
+    case Provenance::none:
+      return "none";
+    case Provenance::sensor:
+      return "in the recording";
+    case Provenance::recovered_from_angle:
+      return "recovered from the angles of the points";
+    case Provenance::recovered_from_order:
+      return "recovered from the order of the points";
+  }
+  return "none";
+}
+
+RunSummary::RunSummary(const Dataset& dataset, std::string recording, const TrajectorySource& trajectory,
+                       std::string profile, std::size_t first_scan, std::size_t selected_scans)
+    : recording_(std::move(recording)),
+      format_(dataset.format()),
+      sensor_(dataset.model()->name),
+      profile_(std::move(profile)),
+      trajectory_(trajectory.conventions),
+      notes_(dataset.notes()),
+      first_scan_(first_scan),
+      selected_scans_(selected_scans) {}
+
+void RunSummary::set_input(const LidarScan& scan, bool was_compensated) {
+  times_ = provenance_text(scan.time_source);
+  rings_ = provenance_text(scan.ring_source);
+  motion_compensation_ =
+      was_compensated ? "of the recording, undone before detection" : "none in the recording";
+}
+
+void RunSummary::add(const Detection& detection) {
+  records_ += detection.scan->input_size;
+  points_ += detection.object.size();
+  dynamic_points_ += static_cast<std::size_t>(std::count_if(
+      detection.object.begin(), detection.object.end(), [](std::uint16_t object) { return object != 0; }));
+  objects_ += static_cast<std::size_t>(detection.objects);
+  for (const TrackedObject& object : detection.tracked) newest_id_ = std::max(newest_id_, object.id);
+  seconds_.push_back(detection.seconds);
+}
+
+Json timing_json(const std::vector<StageSeconds>& scans) {
+  Json rows = Json::object();
+  for (const TimingRow& row : kTimingRows) {
+    rows[std::string(row.name)] = quantiles_json(milliseconds(scans, row));
+  }
+  return rows;
+}
+
+namespace {
+
+Json odometry_json(const OdometryReport& r) {
+  return {{"scans", r.scans},
+          {"extrapolated", r.extrapolated},
+          {"few_points", r.few_points},
+          {"repeated", r.repeated},
+          {"lost", r.lost},
+          {"restarts", r.restarts},
+          {"gaps", r.gaps},
+          {"degenerate", r.degenerate},
+          {"not_converged", r.not_converged},
+          {"ambiguous_start", r.ambiguous_start}};
+}
+
+}  // namespace
+
+Json RunSummary::json() const {
+  Json trajectory = Json::object();
+  for (const auto& [name, value] : trajectory_) trajectory[name] = value;
+  Json out = {{"program", kProgramName},
+              {"version", MAPLESS_VERSION},
+              {"complete", complete_},
+              {"recording", recording_},
+              {"format", format_},
+              {"sensor", sensor_},
+              {"first_scan", first_scan_},
+              {"selected_scans", selected_scans_},
+              {"scans", seconds_.size()},
+              {"records", records_},
+              {"points", points_},
+              {"dynamic_points", dynamic_points_},
+              {"objects", objects_},
+              {"objects_over_time", newest_id_},
+              {"profile", profile_},
+              {"times", times_},
+              {"rings", rings_},
+              {"motion_compensation", motion_compensation_},
+              {"trajectory", trajectory},
+              {"notes", notes_},
+              {"timing", timing_json(seconds_)},
+              {"peak_memory_mb", peak_memory_mb()}};
+  if (input_output_) out["input_output"] = to_json(*input_output_);
+  if (real_time_) out["real_time"] = to_json(*real_time_);
+  if (odometry_) out["odometry"] = odometry_json(*odometry_);
+  if (!stopped_.empty()) out["stopped"] = stopped_;
+  return out;
+}
+
+std::string RunSummary::lines() const {
+  const std::vector<double> ms = milliseconds(seconds_, kTimingRows.back());
+  const std::string text = fmt::format(
+      "{} scans, {} points, {} of them dynamic, {} objects (counted scan by scan; {} over time)\n"
+      "{:.1f} ms a scan (median), {:.1f} ms (95 %), peak memory {:.0f} MB\n",
+      seconds_.size(), points_, dynamic_points_, objects_, newest_id_, quantile(ms, 0.5).value_or(0),
+      quantile(ms, 0.95).value_or(0), peak_memory_mb());
+  return real_time_ ? text + text_of(*real_time_) : text;
+}
+
+}  // namespace mapless::app

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "reports/json_text.hpp"
+#include "run/input_output_report.hpp"
+#include "run/motion_source.hpp"
+#include "run/real_time_pace.hpp"
+#include <mapless/detection/detector.hpp>
+#include <mapless/io/dataset.hpp>
+#include <mapless/io/trajectory_source.hpp>
+
+namespace mapless::app {
+
+/// What a run of `mapless detect` read, used and found: the contents of summary.json.
+class RunSummary {
+ public:
+  RunSummary(const Dataset& dataset, std::string recording, const TrajectorySource& trajectory,
+             std::string profile, std::size_t first_scan, std::size_t selected_scans);
+
+  /// Where the times and rings of the scans come from, and whether motion compensation was undone.
+  void set_input(const LidarScan& scan, bool was_compensated);
+  /// A scan's detection, its objects, and how long it took to follow them.
+  void add(const Detection& detection);
+  void set_odometry(const OdometryReport& report) { odometry_ = report; }
+  void set_input_output(const InputOutputReport& report) { input_output_ = report; }
+  void set_real_time(const RealTimeReport& report) { real_time_ = report; }
+  void set_complete() { complete_ = true; }
+  void set_stopped(std::string reason) { stopped_ = std::move(reason); }
+
+  /// A line for people, empty where reading and writing did not hold detection back.
+  [[nodiscard]] std::string input_output_trouble() const {
+    return input_output_ ? trouble(*input_output_) : "";
+  }
+  [[nodiscard]] std::size_t scans() const { return seconds_.size(); }
+  [[nodiscard]] nlohmann::ordered_json json() const;
+  /// Text of summary.json.
+  [[nodiscard]] std::string text() const { return json_text(json()); }
+  /// A few lines for people.
+  [[nodiscard]] std::string lines() const;
+
+ private:
+  std::string recording_, format_, sensor_, profile_;
+  std::vector<std::pair<std::string, std::string>> trajectory_;
+  std::vector<std::string> notes_;
+  std::size_t first_scan_, selected_scans_;
+  std::string times_, rings_, motion_compensation_;
+  std::size_t records_ = 0, points_ = 0, dynamic_points_ = 0, objects_ = 0;
+  std::uint32_t newest_id_ = 0;  // of an object: as many there were over time
+  std::vector<StageSeconds> seconds_;
+  std::optional<OdometryReport> odometry_;
+  std::optional<InputOutputReport> input_output_;
+  std::optional<RealTimeReport> real_time_;
+  bool complete_ = false;
+  std::string stopped_;
+};
+
+/// Median and quantiles of the milliseconds of each step and of their total, by the step's name.
+[[nodiscard]] nlohmann::ordered_json timing_json(const std::vector<StageSeconds>& scans);
+
+/// "from the sensor", "recovered from the azimuth" ...
+[[nodiscard]] std::string provenance_text(Provenance provenance);
+
+}  // namespace mapless::app

@@ -1,0 +1,165 @@
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "options/option_checks.hpp"
+#include "options/recording_options.hpp"
+#include "reports/evaluation_json.hpp"
+#include "reports/evaluation_tables.hpp"
+#include "reports/json_text.hpp"
+#include "reports/trajectory_comparison.hpp"
+#include "reports/trajectory_tables.hpp"
+#include "terminal/progress.hpp"
+#include "verbs/verbs.hpp"
+#include <mapless/core/errors.hpp>
+#include <mapless/detection/stages.hpp>
+#include <mapless/evaluation/result_evaluation.hpp>
+#include <mapless/io/atomic_file.hpp>
+
+namespace mapless::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct EvaluateOptions {
+  RecordingOptions recording;
+  std::string result;
+  TrajectoryComparison trajectory;
+  std::optional<double> max_range_m;
+  std::string json;
+};
+
+std::string table_row(std::string_view name, const PrecisionRecall& r) {
+  const Counts& c = r.total();
+  return fmt::format("{:<22}{:>10}{:>8}{:>12}{:>6}{:>9}{:>6}{:>8}{:>8}{:>10}{:>10}{:>10}{:>12}\n", name,
+                     rate_text(c.precision()), rate_text(c.recall()), rate_text(r.average_precision()),
+                     r.precision_scans(), rate_text(r.average_recall()), r.recall_scans(), rate_text(c.f1()),
+                     rate_text(c.iou()), c.tp, c.fp, c.fn, c.tn);
+}
+
+std::string table(const ResultEvaluation& e, const std::optional<double>& max_range_m) {
+  std::string out = fmt::format(
+      "{} scans count (label and truth both there) of {} labelled ({} without truth); points {}\n\n",
+      e.scans.size(), e.labelled_scans, e.scans_without_truth,
+      max_range_m ? fmt::format("within {} m of their laser", *max_range_m) : "at all ranges");
+  out += fmt::format("{:<22}{:>18}{:>33}{:>16}{:>42}\n", "", "total [0..1]", "average over scans [0..1]",
+                     "moving [0..1]", "points");
+  out += fmt::format("{:<22}{:>10}{:>8}{:>12}{:>6}{:>9}{:>6}{:>8}{:>8}{:>10}{:>10}{:>10}{:>12}\n", "after",
+                     "precision", "recall", "precision", "N_p", "recall", "N_r", "F1", "IoU", "TP", "FP",
+                     "FN", "TN");
+  for (std::size_t s = 0; s < e.after_stage.size(); ++s) {
+    if (e.after_stage[s].scans() > 0) out += table_row(kStageNames.at(s), e.after_stage[s]);
+  }
+  return out + table_row("final labels", e.report.points);
+}
+
+Json named_json(std::string_view name, const PrecisionRecall& rates) {
+  Json out = {{"name", name}};
+  out.update(to_json(rates));
+  return out;
+}
+
+Json result_json(const ResultEvaluation& e, const std::optional<double>& max_range_m) {
+  Json stages = Json::array();
+  for (std::size_t s = 0; s < e.after_stage.size(); ++s) {
+    if (e.after_stage[s].scans() > 0) stages.push_back(named_json(kStageNames.at(s), e.after_stage[s]));
+  }
+  return {{"scans", e.scans.size()},
+          {"labelled_scans", e.labelled_scans},
+          {"scans_without_truth", e.scans_without_truth},
+          {"max_range_m", max_range_m ? Json(*max_range_m) : Json(nullptr)},
+          {"stages", stages},
+          {"final", named_json("final labels", e.report.points)},
+          {"report", to_json(e.report)},
+          {"velocity", e.velocity ? to_json(*e.velocity) : Json(nullptr)}};
+}
+
+// The tables of objects belong to the true labels.
+std::filesystem::path objects_folder(const RecordingOptions& recording) {
+  if (recording.dataset.labels.empty()) return recording.path;
+  return std::filesystem::absolute(recording.dataset.labels / "")
+      .lexically_normal()
+      .parent_path()
+      .parent_path();
+}
+
+ResultEvaluation evaluate_labels(const Dataset& dataset, const EvaluateOptions& options) {
+  EvaluationOptions how;
+  how.stages = kStageCount;
+  how.max_range_m = options.max_range_m;
+  how.objects = objects_folder(options.recording);
+  Progress progress("scans");
+  how.progress = [&progress](std::size_t done, std::size_t of) { progress.update(done, of); };
+  ResultEvaluation evaluation = evaluate_result(dataset, ResultFolder(options.result), how);
+  progress.clear();
+  return evaluation;
+}
+
+// A result of poses alone, or of a recording without true labels, is judged by its trajectory alone.
+bool has_labels_to_judge(const Dataset& dataset, const std::filesystem::path& result) {
+  if (!std::filesystem::is_directory(ResultFolder(result).labels())) return false;
+  const auto scans = ResultFolder(result).labelled_scans();
+  return std::any_of(scans.begin(), scans.end(), [&](std::size_t k) {
+    return k >= dataset.size() || dataset.read_labels(k).has_value();
+  });
+}
+
+int evaluate(const EvaluateOptions& options) {
+  const auto dataset = options.recording.open();
+  const std::filesystem::path result = options.result;
+  if (std::filesystem::exists(result) && !std::filesystem::is_directory(result) &&
+      options.trajectory.reference.file.empty() && !dataset->trajectory()) {
+    throw InputError({options.recording.path, "trajectory", "",
+                      "the recording has no true trajectory to compare with", "give --reference-trajectory"});
+  }
+  const auto trajectory = compare_trajectory(*dataset, result, options.trajectory);
+  std::optional<ResultEvaluation> labels;
+  if (!trajectory || has_labels_to_judge(*dataset, result)) labels = evaluate_labels(*dataset, options);
+  Json figures = labels ? result_json(*labels, options.max_range_m) : Json::object();
+  figures["trajectory"] = trajectory ? to_json(*trajectory) : Json(nullptr);
+  if (options.json == "-") {
+    fmt::print("{}", json_text(figures));
+    return 0;
+  }
+  if (!options.json.empty()) write_file_atomically(options.json, json_text(figures));
+  if (labels) fmt::print("{}{}", table(*labels, options.max_range_m), report_tables(labels->report));
+  if (labels && labels->velocity) fmt::print("{}", velocity_lines(*labels->velocity));
+  if (trajectory) fmt::print("{}", trajectory_tables(*trajectory));
+  return 0;
+}
+
+}  // namespace
+
+void add_evaluate(CLI::App& app, int& exit_code) {
+  auto* verb = app.add_subcommand(
+      "evaluate",
+      "Compare a result with the true labels: precision, recall, F1 and IoU after each "
+      "stage; by range, class, speed and visible points; objects found, and the velocity of those followed "
+      "over time. And its trajectory with the "
+      "true one, where there are both: drift (KITTI), absolute and relative errors (as evo's), "
+      "displacement of static points");
+  const auto options = std::make_shared<EvaluateOptions>();
+  add_recording_options(*verb, options->recording);
+  verb->add_option("OUT", options->result,
+                   "the result of mapless detect or odometry, a folder with labels/NNNNNN.label, or a "
+                   "trajectory file (TUM rows, or KITTI rows, world from sensor)")
+      ->required();
+  verb->add_option("--max-range", options->max_range_m,
+                   "points farther than this from their laser do not count [m]")
+      ->check(positive_number());
+  add_reference_trajectory_options(*verb, options->trajectory.reference);
+  add_pose_instant_option(
+      *verb, options->trajectory.result_instant,
+      "the instant of its scan each row of OUT is of, where that is a file of KITTI rows");
+  verb->add_option("--json", options->json,
+                   "also write the figures to this file; - prints them instead of the table");
+  verb->callback([options, &exit_code] { exit_code = evaluate(*options); });
+}
+
+}  // namespace mapless::app

@@ -1,0 +1,207 @@
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <ctime>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <tbb/global_control.h>
+#include <unistd.h>
+
+#include "options/parameter_options.hpp"
+#include "options/recording_options.hpp"
+#include "reports/json_text.hpp"
+#include "run/motion_source.hpp"
+#include "run/scan_poses.hpp"
+#include "terminal/interrupt.hpp"
+#include "terminal/progress.hpp"
+#include "terminal/stderr.hpp"
+#include "verbs/verbs.hpp"
+#include <mapless/core/errors.hpp>
+#include <mapless/evaluation/quantile.hpp>
+#include <mapless/io/result_folder.hpp>
+#include <mapless/io/trajectory_file.hpp>
+
+namespace mapless::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct OdometryOptions {
+  RecordingOptions recording;
+  ParameterOptions parameters;
+  fs::path output;
+  std::string instant = "start";
+  int poses_per_scan = 1;
+  std::optional<std::size_t> threads;
+  bool overwrite = false;
+  bool json = false;
+};
+
+class OutputFiles {
+ public:
+  explicit OutputFiles(fs::path folder)
+      : folder_(std::move(folder)), kitti_(folder_ / "poses_kitti.txt"), tum_(folder_ / "trajectory.txt") {}
+
+  // Before hours of work, not after them.
+  void require_free(bool overwrite) const {
+    require_writable();
+    if (overwrite) return require_own();
+    for (const fs::path& file : {kitti_, tum_}) {
+      if (fs::exists(file)) refuse(file, "is there already", "choose another folder, or --overwrite");
+    }
+  }
+  void write(const std::vector<TimedPose>& at_instants, const std::vector<TimedPose>& rows) const {
+    std::error_code error;
+    fs::create_directories(folder_, error);
+    if (error) refuse(folder_, "cannot be made: " + error.message(), "choose a folder you may write to");
+    write_kitti_poses(kitti_, at_instants);
+    write_tum_trajectory(tum_, rows);
+  }
+
+ private:
+  [[noreturn]] static void refuse(const fs::path& path, const std::string& problem,
+                                  const std::string& remedy) {
+    throw OutputError({path.string(), "", "", problem, remedy});
+  }
+
+  // A trajectory.txt alone is a recording's own, and with a summary it is of a detection.
+  void require_own() const {
+    const bool alone = fs::exists(tum_) && !fs::exists(kitti_);
+    if (!alone && !fs::exists(ResultFolder(folder_).summary())) return;
+    refuse(tum_, "is not of an earlier mapless odometry: it is not overwritten", "choose another folder");
+  }
+
+  // Of a folder that is still to be made, the nearest one there is.
+  void require_writable() const {
+    fs::path nearest = fs::absolute(folder_);
+    while (!fs::exists(nearest) && nearest.has_relative_path()) nearest = nearest.parent_path();
+    if (!fs::is_directory(nearest)) refuse(nearest, "is not a folder", "choose another folder");
+    if (access(nearest.c_str(), W_OK | X_OK) == 0) return;
+    refuse(nearest, std::string("cannot be written into: ") + std::strerror(errno),
+           "choose a folder you may write to");
+  }
+
+  fs::path folder_, kitti_, tum_;
+};
+
+Time instant_of(const LidarScan& scan, const std::string& instant) {
+  if (instant == "start") return scan.start;
+  if (instant == "end") return scan.end();
+  return scan.start + Duration::from_nanoseconds((scan.end() - scan.start).nanoseconds() / 2);
+}
+
+/// What one run found.
+struct Estimate {
+  std::vector<TimedPose> at_instants;  ///< one a scan
+  std::vector<TimedPose> rows;         ///< as many as asked for
+  std::vector<double> scan_ms;         ///< odometry alone, without reading
+  std::vector<double> scan_cpu_ms;     ///< the same in time of the process's threads
+};
+
+// The motion as it is known in the end; nothing where interrupted.
+std::optional<Estimate> estimate(const Dataset& dataset, const OdometryOptions& options,
+                                 MotionSource& motion) {
+  Progress progress("scans");
+  Estimate out;
+  std::vector<std::pair<Time, Duration>> scans;  // instant and length
+  for (std::size_t k = 0; k < dataset.size(); ++k) {
+    if (InterruptGuard::requested()) return std::nullopt;
+    const auto scan = std::make_shared<const LidarScan>(dataset.read(k));
+    scans.emplace_back(instant_of(*scan, options.instant), scan->end() - scan->start);
+    const auto begin = std::chrono::steady_clock::now();
+    const std::clock_t cpu_begin = std::clock();
+    (void)motion.add(scan);
+    out.scan_ms.push_back(
+        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count());
+    out.scan_cpu_ms.push_back(1e3 * static_cast<double>(std::clock() - cpu_begin) / CLOCKS_PER_SEC);
+    progress.update(k + 1, dataset.size());
+  }
+  progress.clear();
+  const Trajectory& trajectory = motion.trajectory();
+  for (const auto& [instant, length] : scans) {
+    out.at_instants.push_back({instant, trajectory.at(instant).T_v0});
+    append_poses(out.rows, scan_poses(trajectory, instant, instant + length, options.poses_per_scan));
+  }
+  if (options.poses_per_scan > 1) append_last_pose(out.rows, trajectory, trajectory.end());
+  return out;
+}
+
+nlohmann::ordered_json time_json(const std::vector<double>& ms) {
+  return {{"median", quantile(ms, 0.5).value_or(0)}, {"p95", quantile(ms, 0.95).value_or(0)}};
+}
+
+std::string summary_json(const OdometryOptions& options, const Estimate& found, const std::string& trouble) {
+  const nlohmann::ordered_json json = {{"program", "mapless odometry"},
+                                       {"recording", options.recording.path},
+                                       {"scans", found.at_instants.size()},
+                                       {"pose_instant", options.instant},
+                                       {"poses", found.rows.size()},
+                                       {"scan_ms", time_json(found.scan_ms)},
+                                       {"scan_cpu_ms", time_json(found.scan_cpu_ms)},
+                                       {"trouble", trouble}};
+  return json_text(json);
+}
+
+int odometry(const OdometryOptions& options) {
+  std::optional<tbb::global_control> threads;
+  if (options.threads) threads.emplace(tbb::global_control::max_allowed_parallelism, *options.threads);
+  const OutputFiles files(options.output);
+  files.require_free(options.overwrite);
+  const auto dataset = options.recording.open();
+  MotionSource motion = MotionSource::odometry(*dataset, 0, options.parameters.odometry());
+  const InterruptGuard interrupt;
+  const std::optional<Estimate> done = estimate(*dataset, options, motion);
+  if (!done) {
+    say("mapless: interrupted; nothing is written\n");
+    return InterruptGuard::exit_code();
+  }
+  const Estimate& found = *done;
+  const std::string trouble = motion.trouble();
+  if (!trouble.empty()) say("mapless: {}\n", trouble);
+  files.write(found.at_instants, found.rows);
+  if (options.json) {
+    fmt::print("{}", summary_json(options, found, trouble));
+    return 0;
+  }
+  fmt::print("{} poses at the {} of the scans in {}; {:.1f} ms a scan (median, without reading)\n",
+             found.at_instants.size(), options.instant, options.output.string(),
+             quantile(found.scan_ms, 0.5).value_or(0));
+  return 0;
+}
+
+}  // namespace
+
+void add_odometry(CLI::App& app, int& exit_code) {
+  auto* verb = app.add_subcommand("odometry", "Estimate the motion of the sensor from the lidar alone");
+  const auto options = std::make_shared<OdometryOptions>();
+  add_recording_options(*verb, options->recording);
+  add_parameter_options(*verb, options->parameters);
+  verb->add_option("-o,--output", options->output,
+                   "folder for poses_kitti.txt and trajectory.txt (TUM), both world from sensor")
+      ->required();
+  verb->add_option("--pose-instant", options->instant, "the instant of its scan each pose is of")
+      ->check(CLI::IsMember({"start", "middle", "end"}))
+      ->capture_default_str();
+  verb->add_option(
+          "--poses-per-scan", options->poses_per_scan,
+          "rows of trajectory.txt per scan, from that instant on; several keep the motion within the "
+          "scan. poses_kitti.txt always has one")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  verb->add_option("--threads", options->threads,
+                   "threads used (all cores where not given); the result is the same")
+      ->check(CLI::Range(1, 1024));
+  verb->add_flag("--overwrite", options->overwrite, "replace the poses of an earlier run in that folder");
+  verb->add_flag("--json", options->json, "print a summary with the time per scan as JSON");
+  verb->callback([options, &exit_code] { exit_code = odometry(*options); });
+}
+
+}  // namespace mapless::app

@@ -1,0 +1,171 @@
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <tbb/global_control.h>
+
+#include "options/option_checks.hpp"
+#include "terminal/interrupt.hpp"
+#include "terminal/progress.hpp"
+#include "terminal/stderr.hpp"
+#include "verbs/verbs.hpp"
+#include <mapless/core/errors.hpp>
+#include <mapless/core/timed.hpp>
+#include <mapless/io/atomic_file.hpp>
+#include <mapless/io/model_file.hpp>
+#include <mapless/simulation/scene.hpp>
+#include <mapless/simulation/sequence_writer.hpp>
+#include <mapless/simulation/simulated_sensor.hpp>
+
+namespace mapless::app {
+namespace {
+
+struct SimulateOptions {
+  std::string scene;
+  std::string output;
+  std::string sensor = "HDL-64E-S2";
+  std::string format = "native";
+  std::string faulty = "on";
+  std::string world = "arbitrary";
+  SceneOptions making;
+  SensorOptions sensing;
+  std::optional<std::size_t> threads;
+};
+
+void require_new(const std::filesystem::path& folder) {
+  if (std::filesystem::exists(folder)) {
+    throw OutputError({folder.string(), "", "", "exists already", "choose a new folder, or remove it"});
+  }
+}
+
+/// Keeps room on the disk for what is written last, so that a disk that fills up leaves a valid recording.
+class RoomForTheEnd {
+ public:
+  RoomForTheEnd(std::filesystem::path file, std::size_t bytes) : file_(std::move(file)) {
+    write_file_atomically(file_, std::string(bytes, ' '));
+  }
+  ~RoomForTheEnd() { release(); }
+  RoomForTheEnd(const RoomForTheEnd&) = delete;
+  RoomForTheEnd& operator=(const RoomForTheEnd&) = delete;
+  void release() const {
+    std::error_code ignored;
+    std::filesystem::remove(file_, ignored);
+  }
+
+ private:
+  std::filesystem::path file_;
+};
+
+// Of trajectory, times and poses, generously.
+std::size_t bytes_at_the_end(const Scene& scene, int scans) {
+  return 65536 + 200 * scene.poses.size() + 300 * static_cast<std::size_t>(scans);
+}
+
+/// Scans written; fewer than asked for where it was interrupted. What is written is a recording either way.
+int write_scans(SimulatedSensor& sensor, SequenceWriter& writer, const RoomForTheEnd& room, int count) {
+  Progress progress("scans");
+  int done = 0;
+  try {
+    for (; done < count && !InterruptGuard::requested(); ++done) {
+      writer.add(sensor.scan(done));
+      progress.update(static_cast<std::size_t>(done) + 1, static_cast<std::size_t>(count));
+    }
+  } catch (const Error&) {
+    progress.clear();
+    room.release();
+    try {
+      writer.finish();
+    } catch (const OutputError&) {  // the first error is the one to report
+    }
+    throw;
+  }
+  progress.clear();
+  room.release();
+  writer.finish();
+  return done;
+}
+
+int simulate(SimulateOptions options) {
+  std::optional<tbb::global_control> threads;
+  if (options.threads) threads.emplace(tbb::global_control::max_allowed_parallelism, *options.threads);
+  require_new(options.output);
+  const auto model = std::make_shared<const LidarModel>(
+      model_for_format(model_from_name_or_file(options.sensor), options.format));
+  const double turns = std::floor(options.making.duration_s * model->rotation_rate_hz + 1e-6);
+  const int count = static_cast<int>(std::min(turns, 1e9));
+  if (count < 1) {
+    throw ParameterError({"--duration-s", "", fmt::format("{}", options.making.duration_s),
+                          "shorter than one scan",
+                          fmt::format("give at least {}", 1 / model->rotation_rate_hz)});
+  }
+  options.making.arbitrary_world = options.world == "arbitrary";
+  options.sensing.seed = options.making.seed;
+  options.sensing.faulty = options.faulty == "on";
+
+  say("mapless: building {}\n", options.scene);
+  const Scene scene = make_scene(options.scene, options.making);
+  const auto writer = make_sequence_writer(options.format, options.output, model, scene);
+  const auto trajectory =
+      std::make_shared<const SampledTrajectory>(scene.poses, Duration(), "trajectory of the scene");
+  SimulatedWorld world(scene.world);
+  SimulatedSensor sensor(model, trajectory, world, options.sensing);
+
+  const RoomForTheEnd room(std::filesystem::path(options.output) / "room_for_the_end",
+                           bytes_at_the_end(scene, count));
+  const InterruptGuard interrupt;
+  double seconds = 0;
+  const int done = timed(seconds, [&] { return write_scans(sensor, *writer, room, count); });
+  if (done < count) {
+    say("mapless: interrupted after {} finished scans; they are a valid shorter sequence\n", done);
+    return InterruptGuard::exit_code();
+  }
+  fmt::print("{} scans of {} ({}, {}), {:.1f} scans/s\nresult in {}\n", done, options.scene, model->name,
+             options.format, done / seconds, options.output);
+  return 0;
+}
+
+}  // namespace
+
+void add_simulate(CLI::App& app, int& exit_code) {
+  auto* verb =
+      app.add_subcommand("simulate", "Make a recording of a simulated scene, with truth for every point");
+  const auto options = std::make_shared<SimulateOptions>();
+  verb->add_option("SCENE", options->scene, fmt::format("one of {}", fmt::join(scene_names(), ", ")))
+      ->required()
+      ->check(CLI::IsMember(scene_names()));
+  verb->add_option("-o,--output", options->output, "folder for the recording; must not exist")->required();
+  verb->add_option("--sensor", options->sensor,
+                   "a named model, or a calibration file: Velodyne's YAML or a sensor.yaml")
+      ->capture_default_str();
+  verb->add_option("--duration-s", options->making.duration_s,
+                   "how long [s]; the same seed for longer only goes on, at most 600")
+      ->check(positive_number())
+      ->capture_default_str();
+  verb->add_option("--seed", options->making.seed, "of the scene, the traffic and the noise")
+      ->check(whole_number(0))
+      ->capture_default_str();
+  verb->add_option("--range-noise-m", options->sensing.range_noise_m, "standard deviation of the ranges [m]")
+      ->check(number_between(0, 1))
+      ->capture_default_str();
+  verb->add_option("--faulty", options->faulty, "whether glass, dark paint and far ground may give no return")
+      ->check(CLI::IsMember({"on", "off"}))
+      ->capture_default_str();
+  verb->add_option("--format", options->format, "of the recording")
+      ->check(CLI::IsMember(sequence_formats()))
+      ->capture_default_str();
+  verb->add_option("--world", options->world,
+                   "frame of the trajectory: turned arbitrarily, or level with z up")
+      ->check(CLI::IsMember({"arbitrary", "level"}))
+      ->capture_default_str();
+  verb->add_option("--threads", options->threads,
+                   "threads used (all cores where not given); the recording is the same")
+      ->check(CLI::Range(1, 1024));
+  verb->callback([options, &exit_code] { exit_code = simulate(*options); });
+}
+
+}  // namespace mapless::app

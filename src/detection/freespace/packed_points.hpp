@@ -1,0 +1,84 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "detection/freespace/ray_image.hpp"
+
+namespace mapless {
+
+/// Points about a scan's origin as FreespaceProbe looks at them, eight at a time, kept so from one scan that
+/// is asked to the next.
+class PackedPoints {
+ public:
+  [[nodiscard]] std::size_t size() const { return columns_.size(); }
+  void clear() { columns_.clear(); }
+  void reserve(std::size_t size) {
+    columns_.reserve(size);
+    eights_.reserve((size + kAtOnce - 1) / kAtOnce);
+  }
+  /// `column` is about where the scans asked look that way.
+  void add(const Eigen::Vector3f& q, float column) {
+    const std::size_t k = size();
+    columns_.push_back(column);
+    if (k / kAtOnce == eights_.size()) eights_.emplace_back();
+    Eight& eight = eights_[k / kAtOnce];
+    eight.x[k % kAtOnce] = q.x();
+    eight.y[k % kAtOnce] = q.y();
+    eight.z[k % kAtOnce] = q.z();
+  }
+  /// Point `to` becomes what point `from` is.
+  void move(std::size_t from, std::size_t to) {
+    columns_[to] = columns_[from];
+    copy(from, to);
+  }
+  /// Leaves the first `size`.
+  void shrink(std::size_t size) { columns_.resize(size); }
+
+  /// Puts all to a scan; `heard` is called with the number and the answer of each. Consecutive firings look
+  /// at consecutive columns of another scan too, so that the column one point was found in tells where to
+  /// look for the next.
+  template <class Heard>
+  void look(const FreespaceProbe& probe, Heard&& heard) {
+    const std::size_t eights = (size() + kAtOnce - 1) / kAtOnce;
+    for (std::size_t k = size(); k < eights * kAtOnce; ++k) copy(size() - 1, k);  // where there are fewer
+    float ahead = 0;                                                              // of the point's own column
+    for (std::size_t first = 0; first < eights; first += kEights) {
+      const auto asked = std::span(eights_).subspan(first, std::min(kEights, eights - first));
+      for (std::size_t k = 0; k < asked.size(); ++k) {
+        asked[k].near = columns_[(first + k) * kAtOnce];
+        asked[k].near_last = columns_[std::min((first + k + 1) * kAtOnce, size()) - 1];
+      }
+      asked.front().near += ahead;
+      probe.look(asked, std::span(answers_).first(asked.size()));
+      ahead = asked.back().column.back() - asked.back().near_last;
+      const std::size_t end = std::min((first + kEights) * kAtOnce, size());
+      for (std::size_t k = first * kAtOnce; k < end; ++k)
+        heard(k, answers_[k / kAtOnce - first][k % kAtOnce]);
+    }
+  }
+
+ private:
+  static constexpr std::size_t kAtOnce = FreespaceProbe::kAtOnce;
+  static constexpr std::size_t kEights = 16;  // asked together: what is said of them should stay at hand
+  using Eight = FreespaceProbe::Points;
+
+  void copy(std::size_t from, std::size_t to) {
+    const Eight& source = eights_[from / kAtOnce];
+    Eight& target = eights_[to / kAtOnce];
+    target.x[to % kAtOnce] = source.x[from % kAtOnce];
+    target.y[to % kAtOnce] = source.y[from % kAtOnce];
+    target.z[to % kAtOnce] = source.z[from % kAtOnce];
+  }
+
+  std::vector<Eight> eights_;
+  std::vector<float> columns_;  // of each point
+  std::array<FreespaceProbe::Answers, kEights> answers_;
+};
+
+}  // namespace mapless

@@ -1,0 +1,81 @@
+#include "detection/freespace/range_noise.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "detection/freespace/four_lanes.hpp"
+
+namespace mapless {
+namespace {
+
+// Stretches of so many firings, one in so many of a row, tell, if there are enough of them. The smoothest
+// quarter is of walls and ground, also in a forest.
+constexpr std::size_t kStretch = 16, kOneIn = 6, kFewestStretches = 50, kSmoothest = 4;
+
+// Of Gaussian noise: the median of the second differences' sizes is .6745 sqrt(6) standard deviations.
+constexpr double kDeviationsPerMedian = 1 / (0.6745 * 2.4495);
+
+bool is_consecutive(const LidarReturn& first, const LidarReturn& last) {
+  return first.laser == last.laser && last.column - first.column == static_cast<int>(kStretch) - 1;
+}
+
+// Of four stretches side by side: their sizes are sorted by exchanges of neighbours, which are the same for
+// all.
+std::array<float, 4> median_second_differences(const std::array<const LidarReturn*, 4>& stretches) {
+  const auto range = [&](std::size_t k) {
+    return Floats{stretches[0][k].range_m, stretches[1][k].range_m, stretches[2][k].range_m,
+                  stretches[3][k].range_m};
+  };
+  std::array<Floats, kStretch - 2> sizes;
+  for (std::size_t k = 0; k < sizes.size(); ++k) {
+    const Floats difference = range(k) - 2 * range(k + 1) + range(k + 2);
+    sizes[k] = difference < 0 ? -difference : difference;
+  }
+  for (std::size_t round = 0; round < sizes.size(); ++round) {
+    for (std::size_t k = round % 2; k + 1 < sizes.size(); k += 2) {
+      const Floats a = sizes[k], b = sizes[k + 1];
+      sizes[k] = a < b ? a : b;
+      sizes[k + 1] = a < b ? b : a;
+    }
+  }
+  const Floats medians = sizes[sizes.size() / 2];
+  return {medians[0], medians[1], medians[2], medians[3]};
+}
+
+std::vector<const LidarReturn*> stretches_of(const LidarScan& scan) {
+  std::vector<const LidarReturn*> stretches;
+  stretches.reserve(scan.returns.size() / (kOneIn * kStretch) + 1);
+  for (std::size_t i = 0; i + kStretch <= scan.returns.size(); i += kOneIn * kStretch) {
+    if (is_consecutive(scan.returns[i], scan.returns[i + kStretch - 1]))
+      stretches.push_back(&scan.returns[i]);
+  }
+  return stretches;
+}
+
+}  // namespace
+
+double range_noise_m(const LidarScan& scan) {
+  const std::vector<const LidarReturn*> stretches = stretches_of(scan);
+  if (stretches.size() < kFewestStretches) return 0;
+  std::vector<float> medians(stretches.size());
+  for (std::size_t first = 0; first < stretches.size(); first += 4) {
+    std::array<const LidarReturn*, 4> four;  // the last one again where there are fewer
+    for (std::size_t k = 0; k < four.size(); ++k)
+      four[k] = stretches[std::min(first + k, stretches.size() - 1)];
+    const std::array<float, 4> found = median_second_differences(four);
+    std::copy_n(found.begin(), std::min(four.size(), stretches.size() - first),
+                medians.begin() + static_cast<std::ptrdiff_t>(first));
+  }
+  const auto quarter = medians.begin() + static_cast<std::ptrdiff_t>(medians.size() / kSmoothest);
+  std::nth_element(medians.begin(), quarter, medians.end());
+  return kDeviationsPerMedian * static_cast<double>(*quarter);
+}
+
+VotingParameters for_noise_of(const LidarScan& scan, VotingParameters parameters) {
+  parameters.tolerance_m = std::max(parameters.tolerance_m, kToleratedDeviations * range_noise_m(scan));
+  return parameters;
+}
+
+}  // namespace mapless

@@ -1,0 +1,146 @@
+#include <deque>
+#include <utility>
+
+#include "detection/detection_pipeline.hpp"
+#include "detection/published/box_filter.hpp"
+#include "detection/published/freespace_check.hpp"
+#include "detection/published/pointcloud_comparison.hpp"
+#include "detection/published/prepared_scan.hpp"
+#include "detection/published/region_growth.hpp"
+#include "detection/published/stage_record.hpp"
+#include <mapless/core/timed.hpp>
+
+namespace mapless {
+namespace {
+
+template <class Condition>
+std::vector<std::int32_t> points_where(const std::vector<StageTrace>& trace, Condition&& condition) {
+  std::vector<std::int32_t> indices;
+  for (std::size_t i = 0; i < trace.size(); ++i) {
+    if (condition(trace[i])) indices.push_back(static_cast<std::int32_t>(i));
+  }
+  return indices;
+}
+
+void record(std::vector<StageTrace>& trace, FreespaceVerdict StageTrace::*stage,
+            const std::vector<std::int32_t>& indices, const std::vector<FreespaceVerdict>& verdicts) {
+  for (std::size_t k = 0; k < indices.size(); ++k)
+    trace[static_cast<std::size_t>(indices[k])].*stage = verdicts[k];
+}
+
+Duration distance(const PreparedScan& earlier, const PreparedScan& later) {
+  return later.scan().start - earlier.scan().start;
+}
+
+bool was_outside(const StageTrace& t) { return t.backward == FreespaceVerdict::outside; }
+bool looks_dynamic(const StageTrace& t) { return t.comparison == ComparisonVerdict::dynamic; }
+
+class PublishedPipeline final : public DetectionPipeline {
+ public:
+  explicit PublishedPipeline(const DetectorParameters& parameters) : parameters_(parameters) {}
+
+  void add(std::shared_ptr<const LidarScan> scan, const Trajectory& trajectory) override {
+    buffer_.push_back(prepare(std::move(scan), trajectory));
+  }
+
+  ProposedObjects detect(std::size_t number) override {
+    const auto gap = static_cast<std::size_t>(parameters_.scan_gap);
+    while (first_number_ + gap < number) {  // the oldest scan this detection can ask for
+      buffer_.pop_front();
+      ++first_number_;
+    }
+    const std::size_t newest = first_number_ + buffer_.size() - 1;
+    const PreparedScan& query = scan_number(number);
+    const PreparedScan* reference = number == 0 ? nullptr : &scan_number(number < gap ? 0 : number - gap);
+    const PreparedScan* other = number < newest ? &scan_number(newest) : nullptr;
+    // At the start of a recording the later scan may be farther off than any earlier one, and tells more.
+    if (number < gap && other != nullptr &&
+        (reference == nullptr || distance(query, *other) > distance(*reference, query))) {
+      std::swap(reference, other);
+    }
+    Detection detection = judge(query, reference, other);
+    detection.seconds = buffer_[number - first_number_].seconds + detection.seconds;
+    return {std::move(detection), query.compensated.column_states, {}};
+  }
+
+ private:
+  struct BufferedScan {
+    PreparedScan prepared;
+    StageSeconds seconds;  // of its preparation
+  };
+  [[nodiscard]] const PreparedScan& scan_number(std::size_t number) const {
+    return buffer_.at(number - first_number_).prepared;
+  }
+  [[nodiscard]] BufferedScan prepare(std::shared_ptr<const LidarScan> scan,
+                                     const Trajectory& trajectory) const;
+  [[nodiscard]] Detection judge(const PreparedScan& query, const PreparedScan* reference,
+                                const PreparedScan* other) const;
+
+  DetectorParameters parameters_;
+  std::deque<BufferedScan> buffer_;  // consecutive scans, oldest first
+  std::size_t first_number_ = 0;     // of the oldest
+};
+
+// Step 1 gives the poses; here every return and ray gets its own.
+PublishedPipeline::BufferedScan PublishedPipeline::prepare(std::shared_ptr<const LidarScan> scan,
+                                                           const Trajectory& trajectory) const {
+  StageSeconds seconds;
+  CompensatedScan compensated =
+      timed(seconds.compensation, [&] { return compensate(std::move(scan), trajectory); });
+  NearestNeighbours neighbours =
+      timed(seconds.neighbours, [&] { return NearestNeighbours(compensated.points_0); });
+  auto normals =
+      timed(seconds.normals, [&] { return estimate_normals(compensated, neighbours, parameters_.normals); });
+  return {{std::move(compensated), std::move(neighbours), std::move(normals)}, seconds};
+}
+
+Detection PublishedPipeline::judge(const PreparedScan& query, const PreparedScan* reference,
+                                   const PreparedScan* other) const {
+  Detection out;
+  out.scan = query.compensated.scan;
+  out.trace.resize(out.scan->returns.size());
+
+  // 2. Pointcloud comparison: what the reference scan does not explain.
+  if (reference != nullptr) {
+    record(out.trace, &StageTrace::comparison, timed(out.seconds.comparison, [&] {
+             return compare_pointclouds(query, *reference, parameters_.comparison);
+           }));
+  }
+  // 3. Freespace check backward (Eq. 1, 2): of that, what stands where the reference scan's rays went
+  // through.
+  if (reference != nullptr) {
+    const auto candidates = points_where(out.trace, looks_dynamic);
+    record(out.trace, &StageTrace::backward, candidates, timed(out.seconds.backward, [&] {
+             return check_freespace(query, candidates, reference->compensated,
+                                    parameters_.freespace.backward_threshold_m, parameters_.freespace);
+           }));
+  }
+  //    and forward, on the later scan: what was hidden then, and has left by now.
+  if (other != nullptr) {
+    const auto hidden = points_where(out.trace, was_outside);
+    record(out.trace, &StageTrace::forward, hidden, timed(out.seconds.forward, [&] {
+             return check_freespace(query, hidden, other->compensated,
+                                    parameters_.freespace.forward_threshold_m, parameters_.freespace);
+           }));
+  }
+  // 4. Box filter: single rows of the scan image are border effects.
+  record(out.trace, &StageTrace::box, timed(out.seconds.box_filter, [&] {
+           return filter_boxes(*out.scan, dynamic_points(out.trace, Stage::forward), parameters_.box_filter);
+         }));
+  // 5. Clustering and region growth: whole objects.
+  auto regions = timed(out.seconds.region_growth, [&] {
+    return grow_regions(query, dynamic_points(out.trace, Stage::box_filter), parameters_.region_growth);
+  });
+  record(out.trace, &StageTrace::growth, regions.verdict);
+  out.object = std::move(regions.object);
+  out.objects = regions.objects;
+  return out;
+}
+
+}  // namespace
+
+std::unique_ptr<DetectionPipeline> make_published_pipeline(const DetectorParameters& parameters) {
+  return std::make_unique<PublishedPipeline>(parameters);
+}
+
+}  // namespace mapless

@@ -1,0 +1,49 @@
+#include "detection/tracking/moving_objects.hpp"
+
+#include <utility>
+
+#include "detection/dynamic_returns.hpp"
+#include "detection/object_number.hpp"
+#include "detection/scan_trajectory.hpp"
+#include <mapless/core/timed.hpp>
+
+namespace mapless {
+
+Detection MovingObjects::judge(ProposedObjects proposed) {
+  Detection detection = std::move(proposed.detection);
+  const Time now = detection.scan->start;
+  detection.tracked = timed(detection.seconds.tracking, [&] {
+    return tracker_.process(detection, ScanTrajectory(*detection.scan, std::move(proposed.column_states)));
+  });
+  if (parameters_.method == DetectionMethod::published) return detection;
+  std::vector<bool> moves;
+  for (const TrackedObject& object : detection.tracked) {
+    MotionState& state = states_[object.id];
+    state = next_state(state, object, proposed.evidence[object.number - 1U], now, parameters_.voting);
+    moves.push_back(state.moves);
+  }
+  forget_absent(states_, now);
+  keep_moving(moves, detection);
+  return detection;
+}
+
+void keep_moving(const std::vector<bool>& moves, Detection& detection) {
+  // Where there are more objects than numbers the last of them share one, and move together.
+  std::vector<std::uint16_t> numbers(kMaxObjectNumber + 1, 0);
+  std::vector<TrackedObject> moving;
+  for (std::size_t k = 0; k < moves.size(); ++k) {
+    if (!moves[k]) continue;
+    TrackedObject object = detection.tracked[k];
+    object.number = numbers[object.number] = static_cast<std::uint16_t>(moving.size() + 1);
+    moving.push_back(object);
+  }
+  for_each_dynamic(detection.object, [&](std::size_t i) {
+    const std::uint16_t number = numbers[detection.object[i]];
+    detection.object[i] = number;
+    if (number == 0) detection.trace[i].growth = GrowthVerdict::stopped;
+  });
+  detection.objects = static_cast<int>(moving.size());
+  detection.tracked = std::move(moving);
+}
+
+}  // namespace mapless

@@ -1,0 +1,90 @@
+#include "detection/tracking/velocity_filter.hpp"
+
+#include <algorithm>
+
+#include <Eigen/Cholesky>
+
+namespace mapless {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+// What is seen and was not expected: the square of a normalised innovation of three axes is 3 in the mean,
+// and above this 0.7 % of the time.
+constexpr double kExpectedSquare = 12;
+constexpr double kMostFade = 2;  // of the covariance
+// The noise on acceleration grows with the mean of these squares: some things turn and bounce all the time.
+constexpr double kGrowthPerSquare = 2.0 / 3;
+constexpr double kMostGrowth = 60;
+constexpr double kMemory = 0.7;  // share of the mean that is older than the last square
+
+}  // namespace
+
+ObjectMotion::ObjectMotion(Time time, const Vector3d& velocity_0, const Matrix3d& velocity_covariance_0,
+                           double acceleration_density)
+    : time_(time),
+      acceleration_density_(acceleration_density),
+      state_(Vector6d::Zero()),
+      covariance_(Matrix6d::Zero()) {
+  state_.segment<3>(3) = velocity_0;
+  covariance_.block<3, 3>(3, 3) = velocity_covariance_0;
+}
+
+void ObjectMotion::predict(Time time) {
+  const double dt = std::max(0.0, (time - time_).seconds());
+  time_ = std::max(time, time_);
+  state_.head<3>() += dt * state_.segment<3>(3);
+  covariance_.topRows<3>() += dt * covariance_.middleRows<3>(3);
+  covariance_.leftCols<3>() += dt * covariance_.middleCols<3>(3);
+  const Matrix3d noise = std::max(1.0, growth_) * acceleration_density_ * dt * Matrix3d::Identity();
+  covariance_.block<3, 3>(0, 0) += dt * dt / 3 * noise;
+  covariance_.block<3, 3>(0, 3) += dt / 2 * noise;
+  covariance_.block<3, 3>(3, 0) += dt / 2 * noise;
+  covariance_.block<3, 3>(3, 3) += noise;
+}
+
+void ObjectMotion::observe(std::size_t past, const Vector3d& displacement_0, const Matrix3d& covariance) {
+  const auto at = static_cast<Eigen::Index>(6 + 3 * past);
+  using Columns = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostStates, 3>;
+  const Columns PHt = covariance_.leftCols<3>() - covariance_.middleCols<3>(at);
+  const Matrix3d expected = PHt.topRows<3>() - PHt.middleRows<3>(at);
+  const Vector3d innovation = displacement_0 - (state_.head<3>() - state_.segment<3>(at));
+  const Matrix3d S = expected + covariance;
+  const auto solver = S.ldlt();
+  const Columns gain = solver.solve(PHt.transpose()).transpose();
+  state_ += gain * innovation;
+  covariance_ -= gain * PHt.transpose();
+  // Either is wrong, the prediction or what was seen, and nobody knows which.
+  const double square = innovation.dot(solver.solve(innovation));
+  covariance_ *= std::clamp(square / kExpectedSquare, 1.0, kMostFade);
+  growth_ = kMemory * growth_ + (1 - kMemory) * std::min(kGrowthPerSquare * square, kMostGrowth);
+  covariance_ = (0.5 * (covariance_ + covariance_.transpose())).eval();
+}
+
+void ObjectMotion::remember(std::size_t most) {
+  const auto kept = static_cast<Eigen::Index>(3 * (std::min({remembered() + 1, most, kMostRemembered}) - 1));
+  // Positions are from that of now on, which is 0.
+  State x = state_;
+  Covariance P = covariance_;
+  for (Eigen::Index i = 6; i < 6 + kept; i += 3) {
+    x.segment<3>(i) -= state_.head<3>();
+    P.middleRows<3>(i) -= covariance_.topRows<3>();
+  }
+  const auto of_now = P.leftCols<3>();
+  for (Eigen::Index i = 6; i < 6 + kept; i += 3) P.middleCols<3>(i) -= of_now;
+  state_.setZero(9 + kept);
+  state_.segment<3>(3) = x.segment<3>(3);
+  state_.tail(kept) = x.segment(6, kept);
+  covariance_.setZero(9 + kept, 9 + kept);
+  covariance_.block<3, 3>(3, 3) = P.block<3, 3>(3, 3);
+  covariance_.block(3, 9, 3, kept) = P.block(3, 6, 3, kept);
+  covariance_.block(9, 3, kept, 3) = P.block(6, 3, kept, 3);
+  covariance_.bottomRightCorner(kept, kept) = P.block(6, 6, kept, kept);
+}
+
+void ObjectMotion::loosen(double velocity_std_mps) {
+  covariance_.block<3, 3>(3, 3) += velocity_std_mps * velocity_std_mps * Matrix3d::Identity();
+}
+
+}  // namespace mapless

@@ -1,0 +1,118 @@
+#include "io/files/text.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cstdint>
+
+#include <fmt/format.h>
+
+namespace mapless {
+namespace {
+
+constexpr std::string_view kBlanks = " \t\r\v\f";
+
+template <class Number>
+std::optional<Number> parse_number(std::string_view text) {
+  if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.remove_prefix(1);
+  Number number{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return number;
+}
+
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+// digits x 10^exponent
+struct Decimal {
+  std::string digits;
+  long long exponent = 0;
+};
+
+std::optional<Decimal> parse_unsigned_decimal(std::string_view text) {
+  Decimal decimal;
+  const std::size_t e = text.find_first_of("eE");
+  if (e != std::string_view::npos) {
+    const auto exponent = parse_number<int>(text.substr(e + 1));
+    if (!exponent) return std::nullopt;
+    decimal.exponent = *exponent;
+    text = text.substr(0, e);
+  }
+  bool after_point = false;
+  for (const char c : text) {
+    if (c == '.' && !after_point) {
+      after_point = true;
+    } else if (is_digit(c)) {
+      decimal.digits += c;
+      if (after_point) --decimal.exponent;
+    } else {
+      return std::nullopt;
+    }
+  }
+  if (decimal.digits.empty()) return std::nullopt;
+  decimal.digits.erase(0, decimal.digits.find_first_not_of('0'));
+  return decimal;
+}
+
+// Of any two times within, the difference fits an int64 of nanoseconds.
+constexpr std::int64_t kLargestNs = 4'000'000'000'000'000'000;
+
+// Rounds half up.
+std::optional<std::int64_t> to_integer(Decimal decimal) {
+  if (decimal.digits.empty()) return 0;
+  const long long length = static_cast<long long>(decimal.digits.size()) + decimal.exponent;
+  if (length < 0) return 0;
+  if (length > 19) return std::nullopt;
+  const auto size = static_cast<std::size_t>(length);
+  const bool round_up = decimal.digits.size() > size && decimal.digits[size] >= '5';
+  decimal.digits.resize(size, '0');
+  const auto integer = size == 0 ? 0 : parse_number<std::int64_t>(decimal.digits);
+  if (!integer || *integer == INT64_MAX) return std::nullopt;
+  return *integer + (round_up ? 1 : 0);
+}
+
+}  // namespace
+
+std::optional<Time> parse_decimal_seconds(std::string_view text) {
+  const bool negative = text.starts_with('-');
+  if (negative || text.starts_with('+')) text.remove_prefix(1);
+  std::optional<Decimal> decimal = parse_unsigned_decimal(text);
+  if (!decimal) return std::nullopt;
+  decimal->exponent += 9;
+  const std::optional<std::int64_t> ns = to_integer(std::move(*decimal));
+  if (!ns || *ns > kLargestNs) return std::nullopt;
+  return Time::from_nanoseconds(negative ? -*ns : *ns);
+}
+
+std::string decimal_seconds(Time time) {
+  const std::int64_t ns = time.nanoseconds();
+  const std::uint64_t magnitude = ns < 0 ? -static_cast<std::uint64_t>(ns) : static_cast<std::uint64_t>(ns);
+  return fmt::format("{}{}.{:09}", ns < 0 ? "-" : "", magnitude / 1'000'000'000, magnitude % 1'000'000'000);
+}
+
+std::optional<double> parse_double(std::string_view text) { return parse_number<double>(text); }
+std::optional<long long> parse_integer(std::string_view text) { return parse_number<long long>(text); }
+
+std::vector<std::string_view> split_lines(std::string_view text) {
+  std::vector<std::string_view> lines;
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    std::string_view line = text.substr(0, end);
+    if (line.ends_with('\r')) line.remove_suffix(1);
+    lines.push_back(line);
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  return lines;
+}
+
+std::vector<std::string_view> split_words(std::string_view line) {
+  std::vector<std::string_view> words;
+  std::size_t begin = line.find_first_not_of(kBlanks);
+  while (begin != std::string_view::npos) {
+    const std::size_t end = std::min(line.find_first_of(kBlanks, begin), line.size());
+    words.push_back(line.substr(begin, end - begin));
+    begin = line.find_first_not_of(kBlanks, end);
+  }
+  return words;
+}
+
+}  // namespace mapless

@@ -1,0 +1,141 @@
+#include "io/formats/kitti/kitti_files.hpp"
+
+#include <charconv>
+#include <chrono>
+#include <cstring>
+#include <optional>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "io/files/text.hpp"
+#include <mapless/core/errors.hpp>
+#include <mapless/io/atomic_file.hpp>
+
+namespace mapless {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Reads the digits at the front of `text`, exactly `count` of them (any number where 0), and takes them off.
+std::optional<long> take_digits(std::string_view& text, std::size_t count) {
+  std::size_t length = 0;
+  while (length < text.size() && text[length] >= '0' && text[length] <= '9') ++length;
+  if (length == 0 || length > 9 || (count != 0 && length != count)) return std::nullopt;
+  long value = 0;
+  std::from_chars(text.data(), text.data() + length, value);
+  text.remove_prefix(length);
+  return value;
+}
+
+bool take(std::string_view& text, char c) {
+  if (text.empty() || text.front() != c) return false;
+  text.remove_prefix(1);
+  return true;
+}
+
+std::optional<Time> date_time(std::string_view text) {
+  const auto year = take_digits(text, 4);
+  if (!year || !take(text, '-')) return std::nullopt;
+  const auto month = take_digits(text, 2);
+  if (!month || !take(text, '-')) return std::nullopt;
+  const auto day = take_digits(text, 2);
+  if (!day || !take(text, ' ')) return std::nullopt;
+  const auto hour = take_digits(text, 2);
+  if (!hour || !take(text, ':')) return std::nullopt;
+  const auto minute = take_digits(text, 2);
+  if (!minute || !take(text, ':')) return std::nullopt;
+  const auto second = take_digits(text, 2);
+  if (!second || *hour > 23 || *minute > 59 || *second > 60) return std::nullopt;
+  long nanoseconds = 0;
+  if (take(text, '.')) {
+    const std::size_t before = text.size();
+    const auto fraction = take_digits(text, 0);
+    if (!fraction) return std::nullopt;
+    nanoseconds = *fraction;
+    for (std::size_t digits = before - text.size(); digits < 9; ++digits) nanoseconds *= 10;
+  }
+  const std::chrono::year_month_day date{std::chrono::year(static_cast<int>(*year)),
+                                         std::chrono::month(static_cast<unsigned>(*month)),
+                                         std::chrono::day(static_cast<unsigned>(*day))};
+  // Years an int64 of nanoseconds can hold.
+  if (!text.empty() || !date.ok() || *year < 1700 || *year > 2200) return std::nullopt;
+  const std::int64_t days = std::chrono::sys_days(date).time_since_epoch().count();
+  const std::int64_t seconds = ((days * 24 + *hour) * 60 + *minute) * 60 + *second;
+  return Time::from_nanoseconds(seconds * 1'000'000'000 + nanoseconds);
+}
+
+}  // namespace
+
+std::map<int, fs::path> numbered_files(const fs::path& folder, const std::string& extension) {
+  std::map<int, fs::path> files;
+  std::error_code error;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+    const fs::path& file = it->path();
+    if (file.extension() != extension) continue;
+    const std::string stem = file.stem().string();
+    std::string_view rest = stem;
+    if (rest.size() > 9) rest.remove_prefix(std::min(rest.find_first_not_of('0'), rest.size() - 1));
+    const auto number = take_digits(rest, 0);
+    if (!number || !rest.empty()) continue;
+    if (!files.emplace(static_cast<int>(*number), file).second) {
+      throw InputError({file.string(), "number", std::to_string(*number), "two files have this number",
+                        "keep one of them"});
+    }
+  }
+  if (error) throw InputError({folder.string(), "", "", error.message(), "give a folder that can be read"});
+  return files;
+}
+
+std::vector<Eigen::Vector3f> read_kitti_cloud(const fs::path& file) {
+  constexpr std::size_t row = 4 * sizeof(float);
+  const std::string bytes = read_whole_file(file);
+  if (bytes.empty()) {
+    throw InputError({file.string(), "size", "0 bytes", "no points", "fetch the file again, or remove it"});
+  }
+  if (bytes.size() % row != 0) {
+    throw InputError({file.string(), "size", fmt::format("{} bytes", bytes.size()),
+                      "not a multiple of 16 (float32 x, y, z, reflectance): truncated or of another format",
+                      "fetch the file again"});
+  }
+  std::vector<Eigen::Vector3f> points(bytes.size() / row);
+  for (std::size_t i = 0; i < points.size(); ++i)
+    std::memcpy(points[i].data(), &bytes[i * row], 3 * sizeof(float));
+  return points;
+}
+
+std::vector<std::string> read_lines(const fs::path& file) {
+  const std::string text = read_whole_file(file);
+  std::vector<std::string> lines;
+  for (std::string_view line : split_lines(text)) {
+    while (line.ends_with(' ')) line.remove_suffix(1);
+    lines.emplace_back(line);
+  }
+  while (!lines.empty() && lines.back().empty()) lines.pop_back();
+  return lines;
+}
+
+Time parse_date_time(const std::string& text, const std::string& where) {
+  const std::optional<Time> time = date_time(text);
+  if (!time) {
+    throw InputError({where, "time", text.empty() ? "empty line" : text, "not YYYY-MM-DD hh:mm:ss.fffffffff",
+                      "restore the line from the original recording"});
+  }
+  return *time;
+}
+
+std::string missing_numbers(const std::map<int, fs::path>& files) {
+  std::string text;
+  std::optional<int> before;
+  for (const auto& [number, file] : files) {
+    if (before && number > *before + 1) {
+      text += text.empty() ? "" : ", ";
+      text += std::to_string(*before + 1);
+      if (number > *before + 2) text += fmt::format(" to {}", number - 1);
+    }
+    before = number;
+  }
+  return text;
+}
+
+}  // namespace mapless

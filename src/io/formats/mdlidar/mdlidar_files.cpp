@@ -1,0 +1,163 @@
+#include "io/formats/mdlidar/mdlidar_files.hpp"
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <string>
+
+#include <fmt/format.h>
+#include <google/protobuf/io/coded_stream.h>
+#include <google/protobuf/wire_format_lite.h>
+
+#include "io/formats/kitti/kitti_files.hpp"
+#include "mdlidar.pb.h"
+#include <mapless/core/errors.hpp>
+#include <mapless/io/atomic_file.hpp>
+
+namespace mapless {
+namespace {
+
+namespace fs = std::filesystem;
+using google::protobuf::internal::WireFormatLite;
+using google::protobuf::io::CodedInputStream;
+
+[[noreturn]] void refuse_corrupt(const fs::path& file, std::size_t size) {
+  throw InputError({file.string(), "size", fmt::format("{} bytes", size), "not a whole mdlidar message",
+                    "fetch the file again"});
+}
+
+// Of any two times within, the difference fits.
+void require_time(std::int64_t ns, const char* field, const fs::path& file) {
+  constexpr std::int64_t kLargest = 4'000'000'000'000'000'000;
+  if (ns >= -kLargest && ns <= kLargest) return;
+  throw InputError({file.string(), field, std::to_string(ns),
+                    "not a time in nanoseconds within 126 years of 0", "fetch the file again"});
+}
+
+template <class Message>
+Message parse(const fs::path& file) {
+  const std::string bytes = read_whole_file(file);
+  Message message;
+  if (bytes.empty() || !message.ParseFromString(bytes)) refuse_corrupt(file, bytes.size());
+  return message;
+}
+
+Eigen::Vector3d vector_of(const mdlidar::Vector3D& v) { return {v.x(), v.y(), v.z()}; }
+
+SE3 pose_of(const mdlidar::Vector3D& position, const mdlidar::Orientation& orientation, const fs::path& file,
+            const char* field) {
+  const Eigen::Vector3d p = vector_of(position);
+  const Eigen::Vector3d axis = vector_of(orientation.axis());
+  const double angle = orientation.angle();
+  const bool finite = p.allFinite() && axis.allFinite() && std::isfinite(angle);
+  if (!finite || (axis.norm() < 1e-6 && angle != 0)) {
+    throw InputError({file.string(), field,
+                      fmt::format("position {} {} {}, axis {} {} {}, angle {}", p.x(), p.y(), p.z(), axis.x(),
+                                  axis.y(), axis.z(), angle),
+                      "not a pose", "fetch the file again"});
+  }
+  if (angle == 0) return {Eigen::Matrix3d::Identity(), p};
+  return {so3_exp(axis.normalized() * angle), p};
+}
+
+// The fields of a frame but its points, which are 128,000 messages to build and none of them wanted.
+bool parse_without_points(const std::string& bytes, mdlidar::Frame& frame) {
+  CodedInputStream in(reinterpret_cast<const std::uint8_t*>(bytes.data()), static_cast<int>(bytes.size()));
+  while (const std::uint32_t tag = in.ReadTag()) {
+    std::uint64_t number = 0;
+    switch (tag) {
+      case WireFormatLite::MakeTag(mdlidar::Frame::kStartTimeFieldNumber, WireFormatLite::WIRETYPE_VARINT):
+        if (!in.ReadVarint64(&number)) return false;
+        frame.set_start_time(static_cast<std::int64_t>(number));
+        break;
+      case WireFormatLite::MakeTag(mdlidar::Frame::kEndTimeFieldNumber, WireFormatLite::WIRETYPE_VARINT):
+        if (!in.ReadVarint64(&number)) return false;
+        frame.set_end_time(static_cast<std::int64_t>(number));
+        break;
+      case WireFormatLite::MakeTag(mdlidar::Frame::kStateFieldNumber,
+                                   WireFormatLite::WIRETYPE_LENGTH_DELIMITED):
+        if (!WireFormatLite::ReadMessage(&in, frame.mutable_state())) return false;
+        break;
+      default:
+        if (!WireFormatLite::SkipField(&in, tag)) return false;
+    }
+  }
+  return in.ConsumedEntireMessage();
+}
+
+std::array<double, 4> numbers_of_row(const std::string& line, const std::string& where) {
+  std::array<double, 4> row{};
+  const char* at = line.data();
+  const char* const end = at + line.size();
+  for (std::size_t i = 0; i < row.size(); ++i) {
+    while (at != end && (*at == ' ' || *at == '\t' || (i > 0 && *at == ','))) ++at;
+    const auto [rest, error] = std::from_chars(at, end, row[i]);
+    if (error != std::errc() || !std::isfinite(row[i])) {
+      throw InputError({where, "row", line, "not four numbers",
+                        "horizontal and vertical offset, rotational and vertical "
+                        "correction are needed for every laser"});
+    }
+    at = rest;
+  }
+  if (at != end)
+    throw InputError({where, "row", line, "more than four numbers", "remove what is not of the calibration"});
+  return row;
+}
+
+}  // namespace
+
+std::vector<MdlidarLaser> read_mdlidar_calibration(const fs::path& file) {
+  std::vector<MdlidarLaser> lasers;
+  const std::vector<std::string> lines = read_lines(file);
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const auto row = numbers_of_row(lines[i], fmt::format("{}:{}", file.string(), i + 1));
+    lasers.push_back({row[0], row[1], row[2], row[3]});
+  }
+  return lasers;
+}
+
+mdlidar::Header read_mdlidar_header(const fs::path& file) {
+  auto header = parse<mdlidar::Header>(file);
+  if (header.channels_count() < 1 || header.points_count_by_channel() < 2 ||
+      header.points_count_by_channel() > 1'000'000) {
+    throw InputError({file.string(), "channels_count x points_count_by_channel",
+                      fmt::format("{} x {}", header.channels_count(), header.points_count_by_channel()),
+                      "a turn has at least one channel of 2 to 1000000 points", "fetch the file again"});
+  }
+  return header;
+}
+
+mdlidar::Frame read_mdlidar_frame(const fs::path& file, std::size_t points) {
+  auto frame = parse<mdlidar::Frame>(file);
+  if (static_cast<std::size_t>(frame.points_size()) != points) {
+    throw InputError({file.string(), "points", std::to_string(frame.points_size()),
+                      fmt::format("the header says {}", points), "fetch the file again"});
+  }
+  return frame;
+}
+
+MdlidarFrameSummary read_mdlidar_summary(const fs::path& file) {
+  const std::string bytes = read_whole_file(file);
+  mdlidar::Frame frame;
+  if (bytes.empty() || !parse_without_points(bytes, frame)) refuse_corrupt(file, bytes.size());
+  MdlidarFrameSummary summary;
+  summary.start = Time::from_nanoseconds(frame.start_time());
+  summary.end = Time::from_nanoseconds(frame.end_time());
+  require_time(frame.start_time(), "start_time", file);
+  require_time(frame.end_time(), "end_time", file);
+  const std::int64_t length = frame.end_time() - frame.start_time();
+  if (length <= 0 || length > 1'000'000'000) {
+    throw InputError({file.string(), "end_time", std::to_string(frame.end_time()),
+                      fmt::format("{} ns after start_time", length),
+                      "a turn takes more than 0 and at most 1 s"});
+  }
+  if (!frame.has_state()) {
+    throw InputError({file.string(), "state", "", "missing: the pose of the sensor", "fetch the file again"});
+  }
+  const mdlidar::State& state = frame.state();
+  summary.pose_at_start = pose_of(state.position_p(), state.orientation_p(), file, "state_p");
+  summary.pose_at_end = pose_of(state.position(), state.orientation(), file, "state");
+  return summary;
+}
+
+}  // namespace mapless

@@ -1,0 +1,21 @@
+#include <fmt/format.h>
+
+#include "io/files/text.hpp"
+#include <mapless/core/errors.hpp>
+#include <mapless/io/time_order.hpp>
+
+namespace mapless {
+
+void require_time_order(const Dataset& dataset, std::size_t first, std::size_t count) {
+  for (std::size_t k = first + 1; k < first + count; ++k) {
+    const Time before = dataset.scan_start(k - 1);
+    const Time start = dataset.scan_start(k);
+    if (start > before) continue;
+    throw InputError({dataset.scan_file(k).string(), fmt::format("start of scan {}", k),
+                      decimal_seconds(start) + " s",
+                      fmt::format("not after that of scan {} ({} s)", k - 1, decimal_seconds(before)),
+                      "correct the times of the recording, or choose scans with --first and --count"});
+  }
+}
+
+}  // namespace mapless

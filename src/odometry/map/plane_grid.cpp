@@ -1,0 +1,299 @@
+#include "odometry/map/plane_grid.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numeric>
+
+#include <Eigen/Eigenvalues>
+
+namespace mapless {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr std::size_t kFirstCapacity = 4096;
+constexpr double kExpectedWeight = 6;  // the expected noise counts like so many points
+constexpr double kFlat = 2.5;          // the plane extends so many times its thickness, squared
+constexpr double kCutSigmas = 2.5;
+// A plane is fitted anew when a cube has grown by this share.
+constexpr double kGrowth = 1.25;
+constexpr std::size_t kAtOnce = 64;  // runs of points whose slots are fetched together
+constexpr std::size_t kAhead = 8;    // runs whose cubes are on their way
+
+}  // namespace
+
+PlaneGrid::PlaneGrid(double cube_m, double offset_m, double sigma_m)
+    : cube_m_(cube_m),
+      cubes_per_m_(1 / cube_m),
+      offset_m_(offset_m),
+      middle_m_(offset_m + cube_m / 2),
+      sigma_m_(sigma_m) {
+  rebuild_table(kFirstCapacity);
+}
+
+void PlaneGrid::clear() {
+  cubes_.clear();
+  planes_.clear();
+  rebuild_table(kFirstCapacity);
+}
+
+Vector3d PlaneGrid::from_origin(const Vector3d& p_0) const { return (p_0.array() - offset_m_).matrix(); }
+
+Vector3d PlaneGrid::corner_of(std::uint64_t key) const {
+  return {cube_m_ * cube_number(key, 0), cube_m_ * cube_number(key, 1), cube_m_ * cube_number(key, 2)};
+}
+
+std::size_t PlaneGrid::add_cube(std::size_t slot, std::uint64_t key) {
+  table_[slot] = {key, static_cast<std::int32_t>(cubes_.size())};
+  cubes_.emplace_back().key = key;
+  planes_.emplace_back();
+  if (2 * cubes_.size() > table_.size()) rebuild_table(2 * table_.size());
+  return cubes_.size() - 1;
+}
+
+void PlaneGrid::rebuild_table(std::size_t capacity) {
+  table_.assign(capacity, {});
+  shift_ = 64 - std::countr_zero(capacity);
+  for (std::size_t i = 0; i < cubes_.size(); ++i) {
+    std::size_t slot = cube_slot(cubes_[i].key, shift_);
+    while (table_[slot].cube >= 0) slot = (slot + 1) & (capacity - 1);
+    table_[slot] = {cubes_[i].key, static_cast<std::int32_t>(i), cubes_[i].count >= kFull};
+  }
+}
+
+// Axis by axis: vectors on their way through memory would keep one another waiting.
+void PlaneGrid::Sums::add(double x, double y, double z, int sign) {
+  const double sx = sign * x, sy = sign * y, sz = sign * z;
+  first[0] += sx;
+  first[1] += sy;
+  first[2] += sz;
+  products[0] += sx * x;
+  products[1] += sx * y;
+  products[2] += sx * z;
+  products[3] += sy * y;
+  products[4] += sy * z;
+  products[5] += sz * z;
+}
+
+// Where the cube can take more: fetched. -1 otherwise.
+std::int32_t PlaneGrid::open_cube(std::uint64_t key) {
+  if (key == kNoCube) return -1;
+  const std::size_t slot = slot_of(key);
+  const bool known = table_[slot].cube >= 0;
+  if (known && table_[slot].full) return -1;
+  const std::size_t i = known ? static_cast<std::size_t>(table_[slot].cube) : add_cube(slot, key);
+  __builtin_prefetch(&cubes_[i], 1);
+  return static_cast<std::int32_t>(i);
+}
+
+void PlaneGrid::find_cubes(std::span<Run> runs) {
+  for (Run& run : runs) run.cube = open_cube(run.key);
+  for (const Run& run : runs) {
+    if (run.cube < 0) continue;
+    cubes_[static_cast<std::size_t>(run.cube)].coming += run.count;
+  }
+}
+
+void PlaneGrid::find_runs(const std::vector<MapPoint>& points, double farthest_m) {
+  std::size_t found = 0;
+  std::uint64_t last = kNoCube;
+  for (std::uint32_t i = 0; i < points.size(); ++i) {
+    const MapPoint& point = points[i];
+    const Place place = point.range_m > farthest_m ? Place{kNoCube} : place_of(point.p_0);
+    const bool goes_on = place.key == last;
+    last = place.key;
+    if (last == kNoCube) continue;
+    if (goes_on) {
+      ++runs_.back().count;
+      continue;
+    }
+    if (runs_.size() - found >= kAtOnce) {
+      find_cubes(std::span(runs_).subspan(found));
+      found = runs_.size();
+    }
+    runs_.push_back({place.key, i, 1});
+    fetch_slot(place);
+  }
+  find_cubes(std::span(runs_).subspan(found));
+  std::erase_if(runs_, [](const Run& run) { return run.cube < 0; });
+}
+
+// What a run needs lies anywhere in memory, and is asked for before others are seen to.
+void PlaneGrid::insert(const std::vector<MapPoint>& points, double farthest_m, unsigned bit,
+                       std::vector<unsigned>& taken) {
+  find_runs(points, farthest_m);
+  for (std::size_t r = 0; r < runs_.size(); ++r) {
+    const Cube& later = cubes_[static_cast<std::size_t>(runs_[std::min(r + kAhead, runs_.size() - 1)].cube)];
+    __builtin_prefetch(&later, 1);
+    __builtin_prefetch(&later.sums.products.back(), 1);  // often in another line of the cache
+    const Run& run = runs_[r];
+    Cube& cube = cubes_[static_cast<std::size_t>(run.cube)];
+    if (cube.coming <= static_cast<std::uint32_t>(kFull - cube.count)) {
+      cube.coming -= run.count;
+      take(points, run, bit, taken);
+    } else {
+      for (std::uint32_t i = run.begin; i < run.begin + run.count; ++i)
+        crowded_.push_back({i, static_cast<std::uint32_t>(run.cube)});
+    }
+  }
+  take_crowded(points, bit, taken);
+  runs_.clear();
+  fit_planes();
+}
+
+// By pass, and within one in their order.
+void PlaneGrid::take_crowded(const std::vector<MapPoint>& points, unsigned bit,
+                             std::vector<unsigned>& taken) {
+  std::vector<std::size_t> next;  // place of each pass among them
+  for (const Crowded& one : crowded_) {
+    const std::size_t pass = points[one.point].pass;
+    if (next.size() < pass + 2) next.resize(pass + 2, 0);
+    ++next[pass + 1];
+  }
+  std::partial_sum(next.begin(), next.end(), next.begin());
+  by_pass_.resize(crowded_.size());
+  for (const Crowded& one : crowded_) by_pass_[next[points[one.point].pass]++] = one;
+  for (const Crowded& one : by_pass_) {
+    Cube& cube = cubes_[one.cube];
+    cube.coming = 0;
+    if (cube.count < kFull)
+      take(points, {cube.key, one.point, 1, static_cast<std::int32_t>(one.cube)}, bit, taken);
+  }
+  crowded_.clear();
+  by_pass_.clear();
+}
+
+void PlaneGrid::take(const std::vector<MapPoint>& points, const Run& run, unsigned bit,
+                     std::vector<unsigned>& taken) {
+  const auto number = static_cast<std::size_t>(run.cube);
+  Cube& cube = cubes_[number];
+  const Vector3d corner_0 = corner_of(run.key).array() + offset_m_;
+  Sums sums = cube.sums;  // in registers
+  for (std::uint32_t i = run.begin; i < run.begin + run.count; ++i) {
+    const MapPoint& point = points[i];
+    sums.add(point.p_0[0] - corner_0[0], point.p_0[1] - corner_0[1], point.p_0[2] - corner_0[2], 1);
+    cube.lines |= std::uint64_t{1} << (point.line & 63U);
+    taken[i] |= bit;
+  }
+  cube.sums = sums;
+  cube.count = static_cast<std::int16_t>(cube.count + static_cast<int>(run.count));
+  if (cube.count >= kFull) table_[slot_of(cube.key)].full = true;
+  if (!cube.waits && cube.count >= kFewest && cube.count >= kGrowth * cube.fitted) {
+    cube.waits = true;
+    grown_.push_back(static_cast<std::uint32_t>(number));
+  }
+}
+
+void PlaneGrid::fit_planes() {
+  for (const std::uint32_t i : grown_) {
+    cubes_[i].waits = false;
+    if (std::popcount(cubes_[i].lines) >= kFewestLines) fit(i);
+  }
+  grown_.clear();
+}
+
+void PlaneGrid::remove(const std::vector<Vector3d>& points_0) {
+  std::vector<std::size_t> changed;
+  for (const Vector3d& p_0 : points_0) {
+    const Place place = place_of(p_0);
+    if (place.key == kNoCube) continue;
+    Slot& slot = table_[slot_of(place.key)];
+    if (slot.cube < 0) continue;
+    const auto i = static_cast<std::size_t>(slot.cube);
+    if (cubes_[i].count == 0) continue;
+    const Vector3d p = from_origin(p_0) - corner_of(place.key);
+    cubes_[i].sums.add(p[0], p[1], p[2], -1);
+    --cubes_[i].count;
+    slot.full = false;
+    changed.push_back(i);
+  }
+  std::sort(changed.begin(), changed.end());
+  changed.erase(std::unique(changed.begin(), changed.end()), changed.end());
+  for (const std::size_t i : changed) fit(i);
+}
+
+void PlaneGrid::keep_within(const Vector3d& centre_0, double radius_m) {
+  const Vector3d centre = from_origin(centre_0);
+  const auto far = [&](const Cube& cube) {
+    return (corner_of(cube.key) - centre).squaredNorm() > radius_m * radius_m;
+  };
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < cubes_.size(); ++i) {
+    if (far(cubes_[i])) continue;
+    cubes_[kept] = cubes_[i];
+    planes_[kept++] = planes_[i];
+  }
+  cubes_.erase(cubes_.begin() + static_cast<std::ptrdiff_t>(kept), cubes_.end());
+  planes_.erase(planes_.begin() + static_cast<std::ptrdiff_t>(kept), planes_.end());
+  rebuild_table(table_.size());
+}
+
+void PlaneGrid::fit(std::size_t i) {
+  Cube& cube = cubes_[i];
+  cube.fitted = cube.count;
+  planes_[i] = {};
+  if (cube.count < kFewest || std::popcount(cube.lines) < kFewestLines) return;
+  const double n = cube.count;
+  const Vector3d mean = Eigen::Map<const Vector3d>(cube.sums.first.data()) / n;
+  Eigen::Matrix3d scatter;
+  const auto& s = cube.sums.products;
+  scatter << s[0], s[1], s[2], s[1], s[3], s[4], s[2], s[4], s[5];
+  scatter = (scatter / n - mean * mean.transpose()).eval();
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+  solver.computeDirect(scatter);
+  const Vector3d extent = solver.eigenvalues().cwiseMax(0);
+  // Three of the points' freedoms went into the plane.
+  const double thickness =
+      (n * extent[0] + kExpectedWeight * sigma_m_ * sigma_m_) / (n - 3 + kExpectedWeight);
+  if (extent[1] < kFlat * thickness) return;
+  Plane plane;
+  plane.mean = mean.cast<float>();
+  plane.normal = solver.eigenvectors().col(0).cast<float>();
+  plane.middle = solver.eigenvectors().col(1).cast<float>();
+  if (is_cut(plane)) return;
+  plane.thickness = static_cast<float>(thickness);
+  const double uncertainty = thickness / n;
+  plane.uncertainty = static_cast<float>(uncertainty);
+  plane.per_middle = static_cast<float>(uncertainty / extent[1]);
+  plane.per_largest = static_cast<float>(uncertainty / extent[2]);
+  planes_[i] = plane;
+}
+
+// A face of the cube that is nearly parallel to the plane and close to it parts the points by their noise:
+// what is left lies on one side of the surface.
+bool PlaneGrid::is_cut(const Plane& plane) const {
+  Eigen::Index axis = 0;
+  const double across = plane.normal.cwiseAbs().maxCoeff(&axis);
+  const double from_face = std::min<double>(plane.mean[axis], cube_m_ - plane.mean[axis]);
+  return from_face * across < kCutSigmas * sigma_m_;
+}
+
+PlaneGrid::Candidate PlaneGrid::candidate_at(const Vector3d& q_0, const Place& place) const {
+  if (place.cube < 0) return {};
+  const Plane& plane = planes_[static_cast<std::size_t>(place.cube)];
+  if (plane.uncertainty <= 0) return {};
+  const Eigen::Vector3f d = (from_origin(q_0) - corner_of(place.key)).cast<float>() - plane.mean;
+  const float along_middle = d.dot(plane.middle);
+  const float across = d.dot(plane.normal);
+  const float along_largest_squared =
+      std::max(0.F, d.squaredNorm() - along_middle * along_middle - across * across);
+  return {place, plane.thickness + plane.uncertainty + plane.per_middle * along_middle * along_middle +
+                     plane.per_largest * along_largest_squared};
+}
+
+MapPlane PlaneGrid::plane_of(const Candidate& candidate) const {
+  const Plane& plane = planes_[static_cast<std::size_t>(candidate.place.cube)];
+  return {(corner_of(candidate.place.key) + plane.mean.cast<double>()).array() + offset_m_,
+          plane.normal.cast<double>(), candidate.variance, (plane.per_middle + plane.per_largest) / 2};
+}
+
+std::optional<MapPlane> PlaneGrid::plane_at(const Vector3d& q_0) const {
+  Place place = place_of(q_0);
+  fetch_plane(place);
+  const Candidate candidate = candidate_at(q_0, place);
+  if (candidate.place.cube < 0) return std::nullopt;
+  return plane_of(candidate);
+}
+
+}  // namespace mapless

@@ -1,0 +1,41 @@
+#pragma once
+
+#include "odometry/solver/blocks.hpp"
+
+namespace mapless {
+
+using Matrix6x24d = Eigen::Matrix<double, 6, 24>;
+
+/// The interval between two knots, with derivatives to the perturbations (pose 1, varpi 1, pose 2, varpi 2)
+/// of its ends (method.md section 3). The derivative of J^-1(xi) varpi_2 to xi is that of the series of J^-1
+/// to its third order, which errs by |rotation of xi|^3 / 180.
+class KnotInterval {
+ public:
+  KnotInterval(const TrajectoryKnot& k1, const TrajectoryKnot& k2);
+
+  struct State {
+    TrajectoryState state;
+    Matrix6x24d pose_jacobian;  ///< left perturbation of T_v0(t)
+  };
+  /// As interpolate(); also a little outside the interval.
+  [[nodiscard]] State at(Time t) const;
+
+  [[nodiscard]] double dt() const { return dt_; }
+  /// xi = ln(T_2 T_1^-1), and J^-1(xi) varpi_2.
+  [[nodiscard]] const Vector6d& xi() const { return xi_; }
+  [[nodiscard]] const Vector6d& velocity_2() const { return velocity_2_; }
+  [[nodiscard]] const Matrix6d& jacobian_inverse() const { return jacobian_inverse_; }
+  [[nodiscard]] const Matrix6d& xi_to_pose_1() const { return xi_to_pose_1_; }
+  [[nodiscard]] const Matrix6d& velocity_2_to_xi() const { return velocity_2_to_xi_; }
+
+ private:
+  TrajectoryKnot k1_, k2_;
+  double dt_;
+  Vector6d xi_;
+  Matrix6d jacobian_inverse_;
+  Vector6d velocity_2_;
+  Matrix6d xi_to_pose_1_;
+  Matrix6d velocity_2_to_xi_;
+};
+
+}  // namespace mapless

@@ -1,0 +1,53 @@
+#pragma once
+
+#include "simulation/random.hpp"
+#include "simulation/traffic/bodies.hpp"
+
+namespace mapless {
+
+/// A patch of ground that follows the terrain, `lift_m` above it, in cells of `cell_m`.
+[[nodiscard]] Mesh ground_patch(const Eigen::Vector2d& low, const Eigen::Vector2d& high, double lift_m,
+                                double cell_m, const Terrain& terrain, Material m);
+/// The vertical edge around such a patch, from the terrain up to `lift_m` (a kerb).
+[[nodiscard]] Mesh patch_edge(const Eigen::Vector2d& low, const Eigen::Vector2d& high, double lift_m,
+                              double cell_m, const Terrain& terrain, Material m);
+
+/// Front towards -y at y = 0, x from -width/2 to width/2, back at y = depth; windows, sills, door, roof.
+[[nodiscard]] Mesh house(RandomSequence& random, double width_m, double depth_m, int floors);
+/// Trunk, branches and single leaves.
+[[nodiscard]] Mesh tree(RandomSequence& random, double height_m);
+[[nodiscard]] Mesh bush(RandomSequence& random);
+[[nodiscard]] Mesh lamp_post();
+[[nodiscard]] Mesh traffic_light();
+[[nodiscard]] Mesh street_sign();
+/// Along x from 0 to length.
+[[nodiscard]] Mesh picket_fence(double length_m);
+[[nodiscard]] Mesh wire_fence(double length_m);
+
+/// Puts one of `variants` forms of each thing at p, turned by `angle`.
+class Scenery {
+ public:
+  Scenery(SceneBuilder& scene, Terrain terrain, std::uint64_t seed)
+      : scene_(scene), terrain_(std::move(terrain)), seed_(seed) {}
+  void put_tree(const Eigen::Vector2d& p, int variant, double angle) const;
+  void put_bush(const Eigen::Vector2d& p, int variant, double angle) const;
+  /// A house of one of twelve forms; returns its width.
+  void put_house(const Eigen::Vector2d& front, double angle, int variant) const;
+  [[nodiscard]] static double house_width(int variant) { return 9.0 + 2.5 * (variant % 4); }
+  void put_lamp(const Eigen::Vector2d& p, double angle) const;
+  void put_traffic_light(const Eigen::Vector2d& p, double angle) const;
+  void put_sign(const Eigen::Vector2d& p, double angle) const;
+  /// A piece of 6 m along `angle` from p.
+  void put_fence(const Eigen::Vector2d& p, double angle, bool wire) const;
+  void put_parked(const Eigen::Vector2d& p, double angle, ObjectClass c, int variant) const;
+  [[nodiscard]] const Terrain& terrain() const { return terrain_; }
+  [[nodiscard]] SceneBuilder& scene() const { return scene_; }
+
+ private:
+  [[nodiscard]] SE3 upright(const Eigen::Vector2d& p, double angle) const;
+  SceneBuilder& scene_;
+  Terrain terrain_;
+  std::uint64_t seed_;
+};
+
+}  // namespace mapless

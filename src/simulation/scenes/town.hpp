@@ -1,0 +1,49 @@
+#pragma once
+
+#include "simulation/scenes/scenes.hpp"
+
+namespace mapless {
+
+/// A town on a grid of streets, crossing nx times ny.
+struct TownPlan {
+  int nx = 4, ny = 3;
+  double dx_m = 180, dy_m = 160;  ///< between junctions
+  double half_road_m = 5.5;       ///< from the middle to the kerb, parked cars included
+  double lane_m = 1.75;           ///< of a lane's middle from the road's
+  double pavement_m = 3;          ///< width
+  double front_garden_m = 4;      ///< from pavement to houses
+  double fences = 0.3;            ///< share of the fronts with a fence
+  double parked = 0.5;            ///< share of the places by the kerb
+  double speed = 12;
+  double hills_m = 1.6;  ///< half the height from valley to top
+  int cars = 34, vans = 5, trucks = 3, buses = 5, motorcycles = 3, cyclists = 8;
+  int people = 70, dogs = 8;
+
+  [[nodiscard]] Eigen::Vector2d junction(int i, int j) const { return {i * dx_m, j * dy_m}; }
+  [[nodiscard]] std::size_t junction_number(int i, int j) const {
+    return static_cast<std::size_t>(i * ny + j);
+  }
+  /// From a junction's middle to where turns begin and vehicles wait.
+  [[nodiscard]] double turn_m() const { return half_road_m + 5; }
+  [[nodiscard]] Terrain terrain() const;
+  [[nodiscard]] std::vector<Junction> junctions() const;
+  /// Length of all streets together.
+  [[nodiscard]] double road_length_m() const { return (nx - 1) * ny * dx_m + nx * (ny - 1) * dy_m; }
+};
+
+[[nodiscard]] TownPlan town1_plan();
+[[nodiscard]] TownPlan town2_plan();
+
+/// Streets, pavements, houses, trees, furniture and parked cars.
+void build_town(const TownPlan& plan, const Scenery& scenery, std::uint64_t seed);
+
+/// A random drive of `length_m`, `aside_m` to the right of the middle of the streets.
+[[nodiscard]] std::shared_ptr<const Path> random_drive(const TownPlan& plan, RandomSequence& random,
+                                                       double aside_m, double length_m);
+/// One who walks on the pavements, crossing streets at the junctions.
+[[nodiscard]] RoadUser random_walker(const TownPlan& plan, RandomSequence& random, double length_m);
+/// Everyone in the streets; the vehicle with the sensor first where there is one.
+[[nodiscard]] std::vector<RoadUser> town_people(const TownPlan& plan, const SceneOptions& options,
+                                                bool with_ego);
+
+}  // namespace mapless

@@ -1,0 +1,351 @@
+#include "detection/tracking/motion_classifier.hpp"
+
+#include <gtest/gtest.h>
+
+namespace mapless {
+namespace MAPLESS_FILE {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+constexpr float kAdvance_m = 0.25F, kLess_m = 0.24F;  // parameters() asks for 0.25
+constexpr double kFast_mps = 0.5, kSlow_mps = 0.49;   // and for 0.5
+constexpr double kWell_mps = 0.1, kBadly_mps = 10;    // a velocity known by itself; known if above 20 m/s
+constexpr int kVotes = 100;                           // and for 100
+constexpr Time kStart = Time::from_seconds(100);
+
+VotingParameters parameters() {
+  VotingParameters p;
+  p.min_advance_m = 0.25;
+  p.min_speed_mps = 0.5;
+  p.min_evidence = kVotes;
+  return p;
+}
+
+TrackedObject object(double speed_mps, double std_mps) {
+  TrackedObject o;
+  o.age = 2;
+  o.velocity_0 = {0, speed_mps, 0};
+  o.velocity_covariance_0 = std_mps * std_mps * Matrix3d::Identity();
+  return o;
+}
+
+// 0.1 s after a scan at kStart.
+MotionState next(const MotionState& last, const TrackedObject& o, float advance_m, int votes = kVotes) {
+  return next_state(last, o, {advance_m, votes}, kStart + Duration::from_seconds(0.1), parameters());
+}
+
+MotionState moving() {
+  MotionState state;
+  state.moves = true;
+  state.age = 1;
+  state.seen = kStart;
+  return state;
+}
+MotionState standing() {
+  MotionState state = moving();
+  state.moves = false;
+  state.slow = true;
+  return state;
+}
+
+bool new_one_moves(float advance_m, int votes) {
+  TrackedObject o = object(0, kBadly_mps);
+  o.age = 1;
+  return next({}, o, advance_m, votes).moves;
+}
+
+TEST(NextState, ANewObjectMovesWithAnAdvanceAndVotes) {
+  EXPECT_TRUE(new_one_moves(kAdvance_m, kVotes));
+  EXPECT_FALSE(new_one_moves(kAdvance_m, kVotes - 1));
+  EXPECT_FALSE(new_one_moves(kLess_m, kVotes));
+}
+
+// 40 / 2 / 2 + 60 / 2 + 60 = 100, and 99 with one vote less in the last scan; what one scan says against is
+// not taken from what others said.
+TEST(NextState, VotesCountHalfForEveryScanTheyAreBack) {
+  for (const int last_votes : {60, 59}) {
+    TrackedObject o = object(kFast_mps, kWell_mps);
+    o.age = 1;
+    MotionState state = next({}, o, kAdvance_m, 40);
+    for (const int votes : {60, last_votes}) {
+      EXPECT_FALSE(state.moves);
+      ++o.age;
+      state = next(state, o, kAdvance_m, votes);
+    }
+    EXPECT_DOUBLE_EQ(state.evidence, 40 + last_votes);
+    EXPECT_EQ(state.moves, last_votes == 60);
+    ++o.age;
+    EXPECT_DOUBLE_EQ(next(state, o, kAdvance_m, -5).evidence, (40 + last_votes) / 2.0);
+  }
+}
+
+TEST(NextState, VotesOfScansItWasNotSeenInAreNone) {
+  TrackedObject o = object(kFast_mps, kWell_mps);
+  o.age = 1;
+  const MotionState first = next({}, o, kAdvance_m, 80);
+  o.age = 4;
+  EXPECT_DOUBLE_EQ(next(first, o, kAdvance_m, 90).evidence, 100);
+}
+
+// A quarter, and half as many again.
+TEST(NextState, WhatItsBodyLooksLikeTellsHowManyVotesAnObjectNeeds) {
+  for (const auto& [body, votes] : {std::pair{Body::solid, kVotes / 4}, std::pair{Body::unclear, kVotes},
+                                    std::pair{Body::flickering, kVotes * 3 / 2}}) {
+    for (const int less : {0, 1}) {
+      const ObjectEvidence evidence = {kAdvance_m, votes - less, body};
+      EXPECT_EQ(next_state(standing(), object(kFast_mps, kWell_mps), evidence,
+                           kStart + Duration::from_seconds(0.1), parameters())
+                    .moves,
+                less == 0);
+    }
+  }
+}
+
+// What has a velocity goes, flickering or not; in its second scan that may be chance.
+TEST(NextState, WhatFlickersNeedsNoMoreVotesWithAKnownVelocity) {
+  for (const int age : {2, 3}) {
+    TrackedObject o = object(kFast_mps, kWell_mps);
+    o.age = age;
+    const ObjectEvidence evidence = {kAdvance_m, kVotes, Body::flickering};
+    EXPECT_EQ(next_state(standing(), o, evidence, kStart + Duration::from_seconds(0.1), parameters()).moves,
+              age == 3);
+  }
+}
+
+TEST(NextState, WhatMovesNeedsNoMoreVotes) {
+  EXPECT_TRUE(next(moving(), object(kFast_mps, kWell_mps), kAdvance_m, 0).moves);
+}
+
+// 1 m/s is twice what is known well: it begins with twice the votes, and goes on with the once, half of them.
+TEST(NextState, TheWorseItsVelocityIsKnownTheMoreVotesAnObjectNeeds) {
+  TrackedObject o = object(5, 1);
+  o.age = 3;
+  MotionState known = standing();
+  known.velocity_known = true;
+  known.age = 2;
+  EXPECT_FALSE(next(known, o, kAdvance_m, 2 * kVotes - 1).moves);
+  EXPECT_TRUE(next(known, o, kAdvance_m, 2 * kVotes).moves);
+  known.moves = true;
+  EXPECT_FALSE(next(known, o, kAdvance_m, kVotes - 1).moves);
+  EXPECT_TRUE(next(known, o, kAdvance_m, kVotes).moves);
+}
+
+// Known to 0.5 m/s it needs none to go on; and in its second scan nothing can be known well yet.
+TEST(NextState, WhatIsKnownWellOrNewNeedsNoMoreVotes) {
+  MotionState known = moving();
+  known.velocity_known = true;
+  known.age = 2;
+  TrackedObject o = object(5, 0.5);
+  o.age = 3;
+  EXPECT_TRUE(next(known, o, kAdvance_m, 0).moves);
+  EXPECT_TRUE(next(moving(), object(5, 1), kAdvance_m, 0).moves);
+  EXPECT_TRUE(next(standing(), object(5, 1), kAdvance_m, kVotes).moves);
+}
+
+// In its second scan it may; once it was known, it may go on unknown.
+TEST(NextState, AnObjectWhoseVelocityIsNeverKnownStandsFromItsThirdScanOn) {
+  TrackedObject o = object(0, kBadly_mps);
+  const MotionState second = next(moving(), o, kAdvance_m);
+  EXPECT_TRUE(second.moves);
+  o.age = 3;
+  EXPECT_FALSE(next(second, o, kAdvance_m).moves);
+  const MotionState known = next(second, object(kFast_mps, kWell_mps), kAdvance_m);
+  EXPECT_TRUE(next(known, o, kAdvance_m, 10 * kVotes).moves);  // 10 m/s: as many as are needed then
+}
+
+TEST(NextState, WhatRaysSpeakAgainstStandsUntilItsVelocityIsKnown) {
+  EXPECT_TRUE(next(moving(), object(0, kBadly_mps), kAdvance_m, 0).moves);
+  EXPECT_FALSE(next(moving(), object(0, kBadly_mps), kAdvance_m, -1).moves);
+  EXPECT_TRUE(next(moving(), object(kFast_mps, kWell_mps), kAdvance_m, -1).moves);
+}
+
+// At 10 m/s it takes 20 times the votes, and twice those are beyond doubt. Of the scan before half count.
+TEST(NextState, WhatIsProvenTwiceOverNeedsNoKnownVelocity) {
+  TrackedObject o = object(0, kBadly_mps);
+  const MotionState second = next(moving(), o, kAdvance_m, 0);
+  o.age = 3;
+  EXPECT_FALSE(next(second, o, kAdvance_m, 40 * kVotes - 1).moves);
+  const MotionState third = next(second, o, kAdvance_m, 40 * kVotes);
+  EXPECT_TRUE(third.moves);
+  o.age = 4;
+  EXPECT_FALSE(next(third, o, kAdvance_m, 20 * kVotes - 1).moves);
+  EXPECT_TRUE(next(third, o, kAdvance_m, 20 * kVotes).moves);
+}
+
+TEST(NextState, ASpeedOfANewObjectSaysNothing) {
+  TrackedObject o = object(0, kWell_mps);
+  o.age = 1;
+  const MotionState state = next({}, o, kAdvance_m);
+  EXPECT_TRUE(state.moves);
+  EXPECT_FALSE(state.slow);
+  o.velocity_0 = {0, 20, 0};
+  EXPECT_FALSE(next({}, o, 0).moves);
+  EXPECT_EQ(next({}, o, 0).unproven_m, 0);
+}
+
+TEST(NextState, KeepsTheTimeOfTheScan) {
+  const Time now = Time::from_seconds(7);
+  EXPECT_EQ(next_state({}, object(0, 1), {}, now, parameters()).seen, now);
+  TrackedObject o = object(0, 1);
+  o.age = 1;
+  EXPECT_EQ(next_state({}, o, {}, now, parameters()).seen, now);
+}
+
+TEST(NextState, AnObjectBeginsToMoveWithSpeedAndAdvance) {
+  EXPECT_TRUE(next(standing(), object(kFast_mps, kWell_mps), kAdvance_m).moves);
+  EXPECT_FALSE(next(standing(), object(kFast_mps, kWell_mps), kLess_m).moves);
+  EXPECT_FALSE(next(standing(), object(kSlow_mps, kWell_mps), kAdvance_m).moves);
+}
+
+// 0.59 m/s, known to 0.3 m/s, may be none; what moves already goes on with it.
+TEST(NextState, AnObjectThatMayStandDoesNotBeginToMove) {
+  EXPECT_FALSE(next(standing(), object(0.59, 0.3), kAdvance_m).moves);
+  EXPECT_TRUE(next(standing(), object(0.61, 0.3), kAdvance_m).moves);
+  EXPECT_TRUE(next(moving(), object(0.59, 0.3), kAdvance_m).moves);
+}
+
+// 2 m/s are 0.8 m in four scans of 0.1 s, of which rays have to show half.
+TEST(NextState, WhatStoodInThreeScansBeginsWithHalfOfTheWayItsVelocitySays) {
+  MotionState state = standing();
+  TrackedObject o = object(2, kWell_mps);
+  for (const int stood : {2, 3}) {
+    state.stood = stood;
+    EXPECT_EQ(next(state, o, 0.39F).moves, stood < 3);
+    EXPECT_TRUE(next(state, o, 0.41F).moves);
+  }
+  o.age = 3;  // not seen in the scan between: two scans in 0.1 s
+  EXPECT_TRUE(next(state, o, kAdvance_m).moves);
+  EXPECT_FALSE(next(state, object(2, kWell_mps), kAdvance_m).moves);
+}
+
+TEST(NextState, CountsTheScansItsVelocitySaidItStood) {
+  MotionState state = standing();
+  state = next(state, object(kSlow_mps, kWell_mps), kLess_m);
+  state = next(state, object(kSlow_mps, kWell_mps), kAdvance_m);
+  EXPECT_EQ(state.stood, 2);
+  state = next(state, object(kFast_mps, kWell_mps), kLess_m);
+  state = next(state, object(0, kBadly_mps), kLess_m);  // slow, but nobody knows
+  EXPECT_EQ(state.stood, 2);
+  state.moves = true;
+  EXPECT_EQ(next(state, object(kSlow_mps, kWell_mps), kLess_m).stood, 0);
+}
+
+TEST(NextState, AnObjectOfUnknownSpeedBeginsToMoveWithAnAdvanceAlone) {
+  EXPECT_TRUE(next(standing(), object(0, kBadly_mps), kAdvance_m).moves);
+  EXPECT_FALSE(next(standing(), object(19, kBadly_mps), kLess_m).moves);
+}
+
+TEST(NextState, AKnownSpeedTellsSlowFromFast) {
+  for (const float advance_m : {kAdvance_m, kLess_m}) {
+    EXPECT_TRUE(next(moving(), object(kSlow_mps, kWell_mps), advance_m).slow);
+    EXPECT_FALSE(next(moving(), object(kFast_mps, kWell_mps), advance_m).slow);
+  }
+}
+
+TEST(NextState, AnUnknownSpeedLeavesThatToTheAdvance) {
+  for (const double speed_mps : {0.0, 19.0}) {
+    EXPECT_TRUE(next(moving(), object(speed_mps, kBadly_mps), kLess_m).slow);
+    EXPECT_FALSE(next(moving(), object(speed_mps, kBadly_mps), kAdvance_m).slow);
+  }
+}
+
+// Without an advance what is unknown is slow; 0.99 m/s are less than two sigma either way.
+TEST(NextState, ASpeedIsKnownToHalfAMetrePerSecond) {
+  EXPECT_FALSE(next(moving(), object(0.99, 0.5), kLess_m).slow);
+  EXPECT_TRUE(next(moving(), object(0.99, 0.51), kLess_m).slow);
+}
+
+TEST(NextState, TheWorstAxisDecidesHowWellASpeedIsKnown) {
+  for (int axis = 0; axis < 3; ++axis) {
+    TrackedObject o = object(0.5, 0.26);  // less than two sigma
+    EXPECT_FALSE(next(moving(), o, kLess_m).slow);
+    o.velocity_covariance_0(axis, axis) = 0.51 * 0.51;
+    EXPECT_TRUE(next(moving(), o, kLess_m).slow) << axis;
+  }
+}
+
+TEST(NextState, ASpeedOfMoreThanTwoSigmaIsKnown) {
+  EXPECT_TRUE(next(moving(), object(7.9, 4), kLess_m).slow);
+  EXPECT_FALSE(next(moving(), object(8.1, 4), kLess_m).slow);
+}
+
+// Across a wall 0.25 m/s are known to 0.1 m/s, along it nothing is: the whole speed is known, and slow.
+TEST(NextState, SigmasAreThoseAlongTheVelocity) {
+  TrackedObject wall = object(0.25, 0.1);
+  wall.velocity_covariance_0(0, 0) = 100;
+  EXPECT_TRUE(next(moving(), wall, kAdvance_m).slow);
+  wall.velocity_0 = {0.25, 0, 0};
+  EXPECT_FALSE(next(moving(), wall, kAdvance_m).slow);
+}
+
+TEST(NextState, WhatMovesStopsWhenItIsSlowInTwoScansInARow) {
+  const TrackedObject slow = object(0, kWell_mps), fast = object(kFast_mps, kWell_mps);
+  const MotionState once = next(moving(), slow, kAdvance_m);
+  EXPECT_TRUE(once.moves);
+  EXPECT_FALSE(next(once, slow, kAdvance_m).moves);
+  const MotionState fast_again = next(once, fast, kAdvance_m);
+  EXPECT_TRUE(fast_again.moves);
+  EXPECT_TRUE(next(fast_again, slow, kAdvance_m).moves);
+}
+
+// 0.59 m/s, known to 0.3 m/s, may be none, as in AnObjectThatMayStandDoesNotBeginToMove; known to 0.6 m/s it
+// is not known at all.
+TEST(NextState, WhatWasSlowAndMayStandStops) {
+  const MotionState once = next(moving(), object(0, kWell_mps), kAdvance_m);
+  ASSERT_TRUE(once.moves && once.slow);
+  EXPECT_FALSE(next(once, object(0.59, 0.3), kAdvance_m).moves);
+  EXPECT_TRUE(next(once, object(0.61, 0.3), kAdvance_m).moves);
+  EXPECT_TRUE(next(once, object(0.59, 0.6), kAdvance_m).moves);
+}
+
+TEST(NextState, WhatIsKnownToBeSlowAndDoesNotAdvanceStopsAtOnce) {
+  EXPECT_FALSE(next(moving(), object(0, kWell_mps), kLess_m).moves);
+  EXPECT_TRUE(next(moving(), object(0, kBadly_mps), kLess_m).moves);
+  EXPECT_TRUE(next(moving(), object(0, kWell_mps), kAdvance_m).moves);
+  EXPECT_TRUE(next(moving(), object(kFast_mps, kWell_mps), 0).moves);
+}
+
+// 4 m/s for 0.1 s are 0.4 m; 3 of these scans are 1.2 m.
+TEST(NextState, WhatWentAMetreByItsSpeedWithoutAnAdvanceStands) {
+  const TrackedObject fast = object(4, kWell_mps);
+  MotionState state = moving();
+  for (const double unproven_m : {0.4, 0.8}) {
+    state = next_state(state, fast, {kLess_m, 0}, state.seen + Duration::from_seconds(0.1), parameters());
+    EXPECT_NEAR(state.unproven_m, unproven_m, 1e-9);
+    EXPECT_TRUE(state.moves);
+  }
+  const Time third = state.seen + Duration::from_seconds(0.1);
+  EXPECT_FALSE(next_state(state, fast, {kLess_m, 0}, third, parameters()).moves);
+  const MotionState advanced = next_state(state, fast, {kAdvance_m, 0}, third, parameters());
+  EXPECT_TRUE(advanced.moves);
+  EXPECT_EQ(advanced.unproven_m, 0);
+}
+
+TEST(NextState, ThatMetreIsOneMetre) {
+  MotionState state = moving();
+  state.unproven_m = 0.59;
+  EXPECT_TRUE(next(state, object(4, kWell_mps), kLess_m).moves);  // 0.99 m
+  state.unproven_m = 0.61;
+  EXPECT_FALSE(next(state, object(4, kWell_mps), kLess_m).moves);  // 1.01 m
+}
+
+// It is seen again after 0.3 s, in which it went 1.2 m.
+TEST(NextState, WhatItWentWhileItWasHiddenCounts) {
+  const Time now = kStart + Duration::from_seconds(0.3);
+  EXPECT_FALSE(next_state(moving(), object(4, kWell_mps), {kLess_m, 0}, now, parameters()).moves);
+}
+
+TEST(ForgetAbsent, ForgetsWhatWasNotSeenForMoreThanASecond) {
+  MotionStates states;
+  states[3].seen = kStart;
+  states[5].seen = kStart + Duration::from_nanoseconds(1);
+  forget_absent(states, kStart + Duration::from_seconds(1));
+  EXPECT_EQ(states.size(), 2u);
+  forget_absent(states, kStart + Duration::from_seconds(1) + Duration::from_nanoseconds(1));
+  ASSERT_EQ(states.size(), 1u);
+  EXPECT_EQ(states.begin()->first, 5u);
+}
+
+}  // namespace MAPLESS_FILE
+}  // namespace mapless

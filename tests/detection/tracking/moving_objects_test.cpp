@@ -1,0 +1,193 @@
+#include "detection/tracking/moving_objects.hpp"
+
+#include <gtest/gtest.h>
+
+#include "support/toy_scene.hpp"
+#include <mapless/geometry/compensated_scan.hpp>
+
+namespace mapless {
+namespace MAPLESS_FILE {
+
+constexpr double kAdvance_m = 1;  // far more than an object needs
+constexpr int kVotes = 1000;      // and so is this
+
+test::ToyScene room_with_box(double speed_mps) {
+  auto room = test::toy_room("OS1-64", test::drive(0, 0));
+  room.world.push_back(test::toy_box({4, -1, 0}, {0.5, 0.5, 0.8}));
+  room.world.back().velocity_0 = {0, speed_mps, 0};
+  room.world.back().object = 1;
+  return room;
+}
+
+// By its place: truth names only what moves.
+bool is_of_box(const test::ToyScene& scene, const LidarScan& scan, const LidarReturn& r) {
+  const test::ToyBody& box = scene.world.back();
+  const Eigen::Vector3d centre = box.pose_at(scan.time_of(r)).translation();
+  const Eigen::Vector3d off = r.position_v.cast<double>() - centre;
+  return off.cwiseAbs().maxCoeff() < 0.9 && off.head<2>().cwiseAbs().maxCoeff() < 0.6;
+}
+
+/// The box, proposed with an advance and votes.
+ProposedObjects propose(const test::ToyScene& scene, int k, double advance_m, int votes = kVotes) {
+  const auto cast = test::cast_scan(scene, k);
+  ProposedObjects proposed;
+  Detection& detection = proposed.detection;
+  detection.scan = cast.scan;
+  detection.sequence_number = static_cast<std::size_t>(k);
+  detection.trace.resize(detection.scan->returns.size());
+  for (const LidarReturn& r : detection.scan->returns)
+    detection.object.push_back(is_of_box(scene, *cast.scan, r) ? 1 : 0);
+  detection.objects = 1;
+  proposed.column_states = compensate(cast.scan, *scene.trajectory).column_states;
+  proposed.evidence = {{static_cast<float>(advance_m), votes}};
+  return proposed;
+}
+
+TEST(MovingObjects, WhatGoesOnMovesAndWhatStandsHasNoNumber) {
+  for (const double speed_mps : {0.0, 1.0}) {
+    SCOPED_TRACE(speed_mps);
+    const auto scene = room_with_box(speed_mps);
+    MovingObjects moving{DetectorParameters{}};
+    for (int k = 0; k < 6; ++k) {
+      ProposedObjects proposed = propose(scene, k, k < 2 ? kAdvance_m : 0);
+      const std::vector<std::uint16_t> box = proposed.detection.object;
+      const Detection detection = moving.judge(std::move(proposed));
+      if (k < 4) continue;
+      const bool moves = speed_mps > 0;
+      EXPECT_EQ(detection.objects, moves ? 1 : 0);
+      EXPECT_EQ(detection.tracked.size(), moves ? 1u : 0u);
+      for (std::size_t i = 0; i < box.size(); ++i) {
+        EXPECT_EQ(detection.dynamic(i), moves && box[i] == 1);
+        EXPECT_EQ(detection.trace[i].growth == GrowthVerdict::stopped, !moves && box[i] == 1);
+      }
+    }
+  }
+}
+
+// An error of registration is no motion: without an advance nothing begins to move, whatever its speed.
+TEST(MovingObjects, WithoutAdvanceNothingBeginsToMove) {
+  const auto scene = room_with_box(1);
+  MovingObjects moving{DetectorParameters{}};
+  for (int k = 0; k < 5; ++k) EXPECT_EQ(moving.judge(propose(scene, k, 0.029)).objects, 0);
+  EXPECT_EQ(moving.judge(propose(scene, 5, 0.031)).objects, 1);
+}
+
+// After more than a second an object is a new one: the votes it had before are forgotten. (Ten scans later
+// they would count 1 / 1024.)
+TEST(MovingObjects, WhatWasAbsentForMoreThanASecondIsNew) {
+  const auto scene = room_with_box(1);
+  for (const int again : {11, 13}) {
+    SCOPED_TRACE(again);
+    MovingObjects moving{DetectorParameters{}};
+    const auto objects = [&](int k) { return moving.judge(propose(scene, k, kAdvance_m, 75)).objects; };
+    EXPECT_EQ(objects(0), 0);  // 75 votes of 100
+    EXPECT_EQ(objects(1), 1);  // 112
+    EXPECT_EQ(objects(again), again == 11 ? 1 : 0);
+    EXPECT_EQ(objects(again + 1), 1);
+  }
+}
+
+// The second half of the box is an object of its own: the one that advances moves, and has number 1.
+TEST(MovingObjects, EveryObjectHasItsOwnAdvance) {
+  const auto scene = room_with_box(0);
+  for (const bool second : {false, true}) {
+    SCOPED_TRACE(second);
+    ProposedObjects proposed = propose(scene, 0, kAdvance_m);
+    std::vector<std::uint16_t>& object = proposed.detection.object;
+    std::size_t count = 0;
+    for (std::uint16_t& number : object) {
+      if (number != 0 && ++count > 50) number = 2;
+    }
+    ASSERT_GT(count, 100u);
+    proposed.detection.objects = 2;
+    proposed.evidence = {{second ? 0 : 1.F, kVotes}, {second ? 1.F : 0, kVotes}};
+    const std::vector<std::uint16_t> before = object;
+    const Detection detection = MovingObjects{DetectorParameters{}}.judge(std::move(proposed));
+    for (std::size_t i = 0; i < before.size(); ++i)
+      EXPECT_EQ(detection.object[i], before[i] == (second ? 2 : 1) ? 1 : 0);
+  }
+}
+
+/// Objects 1 to 3 with two points each, between points of none.
+Detection three_objects() {
+  Detection detection;
+  detection.object = {0, 1, 2, 3, 0, 3, 2, 1};
+  detection.trace.resize(detection.object.size());
+  for (StageTrace& trace : detection.trace) trace.growth = GrowthVerdict::grown;
+  detection.objects = 3;
+  for (std::uint16_t number = 1; number <= 3; ++number) {
+    detection.tracked.emplace_back().number = number;
+    detection.tracked.back().id = 10U + number;
+  }
+  return detection;
+}
+
+TEST(KeepMoving, NumbersAnewWhatMovesAndStopsTheRest) {
+  Detection detection = three_objects();
+  keep_moving({true, false, true}, detection);
+  EXPECT_EQ(detection.object, (std::vector<std::uint16_t>{0, 1, 0, 2, 0, 2, 0, 1}));
+  EXPECT_EQ(detection.objects, 2);
+  ASSERT_EQ(detection.tracked.size(), 2u);
+  for (const std::size_t k : {0, 1}) {
+    EXPECT_EQ(detection.tracked[k].number, k + 1);
+    EXPECT_EQ(detection.tracked[k].id, k == 0 ? 11u : 13u);
+  }
+  for (std::size_t i = 0; i < detection.trace.size(); ++i) {
+    EXPECT_EQ(detection.trace[i].growth, i == 2 || i == 6 ? GrowthVerdict::stopped : GrowthVerdict::grown)
+        << i;
+  }
+}
+
+TEST(KeepMoving, LeavesNoObjectWhereNothingMoves) {
+  Detection detection = three_objects();
+  keep_moving({false, false, false}, detection);
+  EXPECT_EQ(detection.object, std::vector<std::uint16_t>(8, 0));
+  EXPECT_EQ(detection.objects, 0);
+  EXPECT_TRUE(detection.tracked.empty());
+}
+
+// The tracker sees as one object what shares the last number, 65535.
+TEST(KeepMoving, ObjectsThatShareTheLastNumberMoveTogether) {
+  Detection detection = three_objects();
+  detection.object = {65535, 1, 65535, 65535, 0, 0, 0, 0};
+  detection.objects = 65537;
+  detection.tracked.pop_back();
+  detection.tracked[1].number = 65535;
+  Detection all = detection, last = detection;
+  keep_moving({true, true}, all);
+  EXPECT_EQ(all.object, (std::vector<std::uint16_t>{2, 1, 2, 2, 0, 0, 0, 0}));
+  EXPECT_EQ(all.objects, 2);
+  keep_moving({false, true}, last);
+  EXPECT_EQ(last.object, (std::vector<std::uint16_t>{1, 0, 1, 1, 0, 0, 0, 0}));
+  EXPECT_EQ(last.objects, 1);
+}
+
+TEST(KeepMoving, HasANumberForAsManyObjectsAsThereAreNumbers) {
+  Detection detection;
+  detection.objects = 65535;
+  for (int number = 1; number <= 65535; ++number) {
+    detection.object.push_back(static_cast<std::uint16_t>(number));
+    detection.tracked.emplace_back().number = static_cast<std::uint16_t>(number);
+  }
+  detection.trace.resize(detection.object.size());
+  const std::vector<std::uint16_t> before = detection.object;
+  keep_moving(std::vector<bool>(65535, true), detection);
+  EXPECT_EQ(detection.object, before);
+  EXPECT_EQ(detection.objects, 65535);
+}
+
+// The method as published calls moving what its five steps do.
+TEST(MovingObjects, AreAllThatThePublishedMethodProposes) {
+  DetectorParameters parameters;
+  parameters.method = DetectionMethod::published;
+  MovingObjects moving{parameters};
+  const auto scene = room_with_box(0);
+  for (int k = 0; k < 3; ++k) {
+    ProposedObjects proposed = propose(scene, k, 0);
+    proposed.evidence.clear();
+    EXPECT_EQ(moving.judge(std::move(proposed)).tracked.size(), 1u);
+  }
+}
+
+}  // namespace MAPLESS_FILE
+}  // namespace mapless
