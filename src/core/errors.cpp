@@ -3,7 +3,7 @@
 
 #include <mapless/core/errors.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 constexpr std::size_t kLongestPart = 200;

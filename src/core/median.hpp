@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// The upper one of the two in the middle where their number is even. `values` must not be empty.
 template <typename T>

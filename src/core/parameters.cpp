@@ -9,7 +9,7 @@
 #include <mapless/core/errors.hpp>
 #include <mapless/core/parameters.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 // The whole text as a number, or nothing.

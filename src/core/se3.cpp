@@ -4,7 +4,7 @@
 
 #include <mapless/core/se3.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 // Below these angles the closed forms lose digits to cancellation; the series kept are exact to double

@@ -7,7 +7,7 @@
 #include "detection/published/region_growth.hpp"
 #include <mapless/detection/detector.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// What a pipeline finds in a scan: every object it proposes has a number.
 struct ProposedObjects {

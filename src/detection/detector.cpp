@@ -6,7 +6,7 @@
 #include <mapless/core/errors.hpp>
 #include <mapless/detection/detector.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 Detector::Detector(const DetectorParameters& parameters)
     : parameters_(parameters),

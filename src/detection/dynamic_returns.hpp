@@ -5,7 +5,7 @@
 #include <cstring>
 #include <vector>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Calls `visit(i)` for every return i that is of an object, by increasing index; it may change object[i].
 /// Hardly any are, so that four at a time are looked at.

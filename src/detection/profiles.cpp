@@ -3,7 +3,7 @@
 #include <mapless/core/errors.hpp>
 #include <mapless/detection/parameters.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 // The method as published; where it is silent, the plainest reading.

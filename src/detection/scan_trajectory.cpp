@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <utility>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 ScanTrajectory::ScanTrajectory(const LidarScan& scan, std::vector<TrajectoryState> column_states)
     : start_(scan.start), column_period_(scan.column_period), states_(std::move(column_states)) {}

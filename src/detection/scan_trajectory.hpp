@@ -5,7 +5,7 @@
 #include <mapless/lidar/lidar_scan.hpp>
 #include <mapless/trajectory/trajectory.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// The motion of the sensor during one scan, as it was known when the scan was compensated: its states at the
 /// columns, and from the nearest of them at constant body-centric velocity; beyond the ends too, where few

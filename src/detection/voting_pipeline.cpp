@@ -9,7 +9,7 @@
 #include "detection/segmentation/vote_growth.hpp"
 #include <mapless/core/timed.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 ComparisonVerdict compared(const PointVotes& v) {

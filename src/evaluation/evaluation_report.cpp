@@ -1,6 +1,6 @@
 #include <mapless/evaluation/evaluation_report.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 std::optional<double> Found::share() const {
   if (of == 0) return std::nullopt;

@@ -10,7 +10,7 @@
 #include <mapless/evaluation/evaluator.hpp>
 #include <mapless/io/labels.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 constexpr double kLimitStep_m = 5;

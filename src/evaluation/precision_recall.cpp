@@ -4,7 +4,7 @@
 #include <mapless/evaluation/precision_recall.hpp>
 #include <mapless/io/labels.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 std::optional<double> ratio(std::int64_t numerator, std::int64_t denominator) {

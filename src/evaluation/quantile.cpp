@@ -3,7 +3,7 @@
 
 #include <mapless/evaluation/quantile.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 std::optional<double> quantile(std::vector<double> values, double q) {
   if (values.empty()) return std::nullopt;

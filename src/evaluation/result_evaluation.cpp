@@ -12,7 +12,7 @@
 #include <mapless/io/object_table.hpp>
 #include <mapless/io/trajectory_file.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 using Mask = std::vector<std::uint8_t>;

@@ -4,7 +4,7 @@
 
 #include <mapless/evaluation/static_displacement.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;

@@ -8,7 +8,7 @@
 #include <mapless/evaluation/quantile.hpp>
 #include <mapless/evaluation/trajectory_error.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi;

@@ -8,7 +8,7 @@
 #include <mapless/evaluation/static_displacement.hpp>
 #include <mapless/evaluation/trajectory_evaluation.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 constexpr double kWidestGapInScans = 1.5;

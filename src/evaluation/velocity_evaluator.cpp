@@ -10,7 +10,7 @@
 #include <mapless/evaluation/velocity_evaluator.hpp>
 #include <mapless/io/labels.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 // The dynamic points of one true object in one scan.
 struct VelocityEvaluator::Mover {

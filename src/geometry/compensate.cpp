@@ -10,7 +10,7 @@
 #include <mapless/core/errors.hpp>
 #include <mapless/geometry/compensated_scan.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 Eigen::Vector3d CompensatedScan::ray_origin_0(int laser, int column) const {
   const LidarModel& model = *scan->model;

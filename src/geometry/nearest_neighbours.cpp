@@ -7,7 +7,7 @@
 
 #include <mapless/geometry/nearest_neighbours.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();

@@ -10,7 +10,7 @@
 #include <mapless/geometry/normals.hpp>
 #include <mapless/lidar/aligned_image.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 // Below this share of the largest variance the middle one is rounding, not width: the closed form loses half

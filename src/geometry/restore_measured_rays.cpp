@@ -10,7 +10,7 @@
 #include <mapless/core/errors.hpp>
 #include <mapless/geometry/compensated_scan.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 // The (fractional) column, any whole number of turns away, at which `laser` measures p_v.

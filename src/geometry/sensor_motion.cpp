@@ -6,7 +6,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 SensorMotion::SensorMotion(const LidarScan& scan, const Trajectory& trajectory)
     : trajectory_(trajectory), start_(scan.start), period_ns_(scan.column_period.nanoseconds()) {

@@ -9,7 +9,7 @@
 #include <mapless/lidar/lidar_scan.hpp>
 #include <mapless/trajectory/trajectory.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Maps points between world and sensor at the instants of a scan. The trajectory is asked once per column;
 /// within a column period of that the sensor moves to first order, which errs by dt^2/2 |omega| (|nu| +

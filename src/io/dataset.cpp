@@ -8,7 +8,7 @@
 #include <mapless/core/errors.hpp>
 #include <mapless/io/dataset.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 namespace fs = std::filesystem;

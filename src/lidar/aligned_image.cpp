@@ -3,7 +3,7 @@
 
 #include <mapless/lidar/aligned_image.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 AlignedImage::AlignedImage(const LidarScan& scan) : columns_(scan.columns) {
   const LidarModel& model = *scan.model;

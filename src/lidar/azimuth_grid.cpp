@@ -10,7 +10,7 @@
 #include "core/median.hpp"
 #include "lidar/ring_points.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 constexpr double kTwoPi = 2 * std::numbers::pi;

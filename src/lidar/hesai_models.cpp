@@ -4,7 +4,7 @@
 
 #include "lidar/vendor_models.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 // Elevation and azimuth of the channels, from the vendor's angle correction files [deg]; azimuth clockwise

@@ -8,7 +8,7 @@
 #include <mapless/core/errors.hpp>
 #include <mapless/lidar/lidar_model.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 [[noreturn]] void refuse(const std::string& source, const std::string& field, const std::string& value,

@@ -6,7 +6,7 @@
 #include <mapless/core/errors.hpp>
 #include <mapless/lidar/lidar_scan.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 constexpr float kMinRangeM = 0.01f;

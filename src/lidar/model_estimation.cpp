@@ -7,7 +7,7 @@
 #include <mapless/core/errors.hpp>
 #include <mapless/lidar/model_estimation.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 using Cloud = std::vector<Eigen::Vector3f>;

@@ -9,7 +9,7 @@
 #include "lidar/vendor_models.hpp"
 #include <mapless/core/errors.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 struct NamedModel {

@@ -9,7 +9,7 @@
 #include "core/median.hpp"
 #include <mapless/lidar/ring_recovery.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 // A laser as seen by a point of which only height and distance from the spin axis count.

@@ -7,7 +7,7 @@
 
 #include <mapless/lidar/lidar_model.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Which laser measured each point, for clouds that do not say.
 struct BeamAssignment {

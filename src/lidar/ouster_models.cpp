@@ -4,7 +4,7 @@
 
 #include "lidar/vendor_models.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 // beam_altitude_angles and beam_azimuth_angles of the sensors' own metadata [deg]; azimuth clockwise

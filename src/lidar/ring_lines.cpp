@@ -5,7 +5,7 @@
 #include "core/median.hpp"
 #include "lidar/ring_points.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 constexpr int kIterations = 20;

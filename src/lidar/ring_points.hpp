@@ -2,7 +2,7 @@
 
 #include <vector>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Cylindrical coordinates of one point of a ring, and the scan it is from.
 struct RingPoint {

@@ -7,7 +7,7 @@
 #include <mapless/core/errors.hpp>
 #include <mapless/lidar/ring_recovery.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 constexpr double kTurn_rad = 2 * std::numbers::pi;

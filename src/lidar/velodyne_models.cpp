@@ -3,7 +3,7 @@
 
 #include "lidar/vendor_models.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 // In degrees and metres: vert_correction, rot_correction, vert_offset_correction, horiz_offset_correction.

@@ -2,7 +2,7 @@
 
 #include <mapless/lidar/lidar_model.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 // The tables of the named models, one file per vendor.
 [[nodiscard]] LidarModel hdl_64e_s2();

@@ -9,7 +9,7 @@
 #include <mapless/core/errors.hpp>
 #include <mapless/odometry/lidar_odometry.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 constexpr std::size_t kFewestKeypoints = 50;

@@ -6,7 +6,7 @@
 
 #include <mapless/simulation/mesh.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 using Eigen::Vector3d;

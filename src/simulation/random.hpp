@@ -5,7 +5,7 @@
 #include <initializer_list>
 #include <numbers>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Counter-based random numbers: a function of what they are for, never of what was drawn before, so that
 /// neither threads nor the length of a run change them. (The mixing function is splitmix64.)

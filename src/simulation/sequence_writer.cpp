@@ -18,7 +18,7 @@
 #include <mapless/io/trajectory_file.hpp>
 #include <mapless/simulation/sequence_writer.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 namespace fs = std::filesystem;

@@ -11,7 +11,7 @@
 #include <mapless/io/labels.hpp>
 #include <mapless/simulation/simulated_sensor.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 using Eigen::Vector3d;

@@ -9,7 +9,7 @@
 #include <mapless/core/errors.hpp>
 #include <mapless/simulation/world.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 using Eigen::Vector3d;

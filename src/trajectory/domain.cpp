@@ -4,7 +4,7 @@
 
 #include <mapless/core/errors.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 namespace {
 

@@ -4,7 +4,7 @@
 
 #include <mapless/core/time.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Throws TrajectoryDomainError naming `source` and the three times unless begin <= t <= end.
 void require_covered(Time t, Time begin, Time end, const std::string& source);

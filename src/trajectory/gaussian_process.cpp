@@ -5,7 +5,7 @@
 #include "trajectory/knot_states.hpp"
 #include <mapless/trajectory/trajectory.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 Time instant(Time first, Duration period, std::size_t i) {

@@ -5,7 +5,7 @@
 
 #include <mapless/trajectory/trajectory.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Trajectory::at and sample of the Gaussian process over `knots`, two at least. Throw TrajectoryDomainError
 /// naming `source`.

@@ -6,7 +6,7 @@
 #include <mapless/core/errors.hpp>
 #include <mapless/trajectory/trajectory.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 // More than twice round the Earth: geocentric and map coordinates are within.

@@ -2,7 +2,7 @@
 
 #include <mapless/trajectory/trajectory.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 // Half of what an int64 holds, 146 years either way, so that differences of times within do not overflow.
 Time StationaryTrajectory::begin() const {

@@ -3,7 +3,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// What went wrong with one thing from outside. Every part may be empty except `problem`.
 struct ErrorDetail {

@@ -9,7 +9,7 @@
 #include <variant>
 #include <vector>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// The declaration of one parameter: the only place its name, unit, bounds, meaning and source are written;
 /// the default is the member's initialiser. The configuration reader, `--set`, the dumped configuration,

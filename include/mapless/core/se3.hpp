@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;

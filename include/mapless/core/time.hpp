@@ -3,7 +3,7 @@
 #include <compare>
 #include <cstdint>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// A span of time in whole nanoseconds. There is no conversion from bare numbers: 2.0 and 2 must say what
 /// they are.

@@ -3,7 +3,7 @@
 #include <chrono>
 #include <utility>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Adds its own life to `seconds`, by a steady clock.
 class WallTime {

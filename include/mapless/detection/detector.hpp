@@ -9,7 +9,7 @@
 #include <mapless/detection/tracked_object.hpp>
 #include <mapless/trajectory/trajectory.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Wall time of each step for one scan [s].
 struct StageSeconds {

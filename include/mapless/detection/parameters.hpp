@@ -8,7 +8,7 @@
 #include <mapless/core/parameters.hpp>
 #include <mapless/geometry/normals.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Step 2, pointcloud comparison.
 struct ComparisonParameters {

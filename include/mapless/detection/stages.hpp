@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string_view>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// What the pointcloud comparison said of a point.
 enum class ComparisonVerdict : std::uint8_t { not_compared, matched, dynamic };

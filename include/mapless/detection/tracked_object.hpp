@@ -6,7 +6,7 @@
 
 #include <mapless/core/time.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// A thing that moves, as it is in one scan: where, and how fast, in the world frame 0. Its points are those
 /// of Detection::object with its `number`; where they are at another instant t, velocity_0 (t - their own

@@ -8,7 +8,7 @@
 
 #include <mapless/evaluation/precision_recall.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// How many of some were found: a share whose denominator is 0 is absent.
 struct Found {

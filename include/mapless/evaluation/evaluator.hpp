@@ -13,7 +13,7 @@
 #include <mapless/io/object_truth.hpp>
 #include <mapless/lidar/lidar_scan.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// One scan of truth and result, an entry per input record each.
 struct JudgedScan {

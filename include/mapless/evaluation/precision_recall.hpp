@@ -5,7 +5,7 @@
 #include <optional>
 #include <span>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Points by truth and prediction, "positive" meaning dynamic. A rate whose denominator is 0 is absent, never
 /// 0 or 1.

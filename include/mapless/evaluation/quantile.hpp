@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// The value below which a fraction `q` in [0, 1] of `values` lies, linear between the two nearest ranks (the
 /// median of an even count is the mean of the middle two). Absent for no values.

@@ -11,7 +11,7 @@
 #include <mapless/io/dataset.hpp>
 #include <mapless/io/result_folder.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// How well the labels of a result folder agree with the truth of its recording.
 struct ResultEvaluation {

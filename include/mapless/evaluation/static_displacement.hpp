@@ -6,7 +6,7 @@
 #include <mapless/lidar/lidar_scan.hpp>
 #include <mapless/trajectory/trajectory.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Where the sensor was at every column of a scan, in truth and by an estimate.
 struct ScanPoses {

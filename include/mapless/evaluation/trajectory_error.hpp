@@ -8,7 +8,7 @@
 #include <mapless/core/se3.hpp>
 #include <mapless/core/time.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// One instant of a true and of an estimated trajectory, each in a world frame of its own.
 struct PosePair {

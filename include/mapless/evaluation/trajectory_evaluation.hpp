@@ -9,7 +9,7 @@
 #include <mapless/io/dataset.hpp>
 #include <mapless/trajectory/trajectory.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Scans between the two that a displacement is between, and those the "settled" figures leave out.
 inline constexpr std::size_t kDisplacementGap = 4;

@@ -14,7 +14,7 @@
 #include <mapless/io/object_table.hpp>
 #include <mapless/io/object_truth.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 inline constexpr double kMovingSpeed = 1;      ///< true speed beyond which a velocity is judged [m/s]
 inline constexpr double kCloseVelocity = 0.3;  ///< an error below this is a small one [m/s]

@@ -10,7 +10,7 @@
 #include <mapless/lidar/lidar_scan.hpp>
 #include <mapless/trajectory/trajectory.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// A scan with the motion of its sensor accounted for (paper step 1): every return in the world frame 0, and
 /// the pose of the sensor at the instant of every column, so that each ray can be had from its own origin.

@@ -6,7 +6,7 @@
 
 #include <Eigen/Core>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Exact Euclidean nearest neighbours of a fixed set of points (a k-d tree). The points are copied.
 class NearestNeighbours {

@@ -11,7 +11,7 @@
 #include <mapless/geometry/compensated_scan.hpp>
 #include <mapless/geometry/nearest_neighbours.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 enum class NormalMethod { image_window, nearest_neighbours };
 inline constexpr std::array<std::string_view, 2> kNormalMethodNames = {"image_window", "nearest_neighbours"};

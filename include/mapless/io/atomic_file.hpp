@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Writes `bytes` to a file beside `file` and renames it over, so that a reader sees the old file or the
 /// whole new one. A symbolic link is kept and its target replaced; what is no plain file (a folder, a device)

@@ -12,7 +12,7 @@
 #include <mapless/lidar/model_estimation.hpp>
 #include <mapless/trajectory/trajectory.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// A recording: scans in time order, of one sensor.
 class Dataset {

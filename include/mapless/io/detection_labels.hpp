@@ -8,7 +8,7 @@
 #include <mapless/detection/tracked_object.hpp>
 #include <mapless/io/object_table.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// One label per input record of the scan, in input order: kLabelDynamic with the object's number in the high
 /// 16 bits, kLabelStatic, or 0 for a record without a return.

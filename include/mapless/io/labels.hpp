@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <vector>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Labels of the SemanticKITTI moving-object convention: low 16 bits the class, high 16 bits the object.
 inline constexpr std::uint32_t kLabelUnknown = 0;

@@ -7,7 +7,7 @@
 #include <mapless/core/se3.hpp>
 #include <mapless/core/time.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// A row of vel_64_calib.csv. With a = rotation - rot_correction (clockwise), xy = r cos(vert) - v sin(vert):
 /// x = xy cos a + h sin a, y = -xy sin a + h cos a, z = r sin(vert) + v cos(vert).

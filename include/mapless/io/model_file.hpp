@@ -5,7 +5,7 @@
 
 #include <mapless/lidar/lidar_model.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Reads the native sensor.yaml (method.md section 4). Unknown keys are errors. Throws InputError naming
 /// file, key and value.

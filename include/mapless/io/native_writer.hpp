@@ -8,7 +8,7 @@
 #include <mapless/lidar/lidar_scan.hpp>
 #include <mapless/trajectory/trajectory.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Writes a native sequence (method.md section 4). Every file is written beside and renamed; until finish()
 /// the folder has no times.txt and is not a recording.

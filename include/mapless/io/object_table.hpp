@@ -9,7 +9,7 @@
 
 #include <mapless/core/time.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// A row of the objects.csv of a result: one object in one scan, in the world of its trajectory.txt.
 struct ObjectRow {

@@ -11,7 +11,7 @@
 
 #include <mapless/core/time.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// A row of objects.csv.
 struct ObjectDescription {

@@ -6,7 +6,7 @@
 
 #include <mapless/core/parameters.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Sets parameters from a YAML file whose maps are the groups of the keys ("freespace.backward_threshold_m"
 /// is backward_threshold_m in the map freespace). Keys the file does not have keep their value. Throws

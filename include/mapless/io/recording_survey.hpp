@@ -9,7 +9,7 @@
 
 #include <mapless/io/dataset.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// What reading a whole recording shows: how much there is, where its times and rings come from, and what is
 /// odd.

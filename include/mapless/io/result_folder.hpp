@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// The folder a run of the detector writes. Scan numbers are those of the recording, from 0, six digits:
 ///

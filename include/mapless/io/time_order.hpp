@@ -4,7 +4,7 @@
 
 #include <mapless/io/dataset.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Throws InputError naming the first of the scans [first, first + count) that does not start after the one
 /// before it. The detector refuses it too, but only when it gets there, and without the file.

@@ -11,7 +11,7 @@
 #include <mapless/core/time.hpp>
 #include <mapless/trajectory/trajectory.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 enum class PoseDirection { world_from_sensor, sensor_from_world };
 

@@ -12,7 +12,7 @@
 #include <mapless/io/trajectory_file.hpp>
 #include <mapless/trajectory/trajectory.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// The frame the poses of a file are of.
 enum class PoseFrame { sensor, camera };

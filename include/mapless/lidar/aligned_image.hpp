@@ -4,7 +4,7 @@
 
 #include <mapless/lidar/lidar_scan.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// The scan image with every row shifted by its laser's azimuth offset, in whole columns, so that neighbours
 /// in the image are neighbours in space. Columns are given for one scan and wrap.

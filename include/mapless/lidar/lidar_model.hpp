@@ -10,7 +10,7 @@
 #include <mapless/core/se3.hpp>
 #include <mapless/core/time.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// One laser of a spinning lidar, as it sits in the rotating hub (frame h: z along the spin axis, x where the
 /// hub's zero points).

@@ -10,7 +10,7 @@
 #include <mapless/core/time.hpp>
 #include <mapless/lidar/lidar_model.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// What one firing of one laser gave. The first three are the codes of the native format.
 enum class ReturnCode : std::uint8_t {

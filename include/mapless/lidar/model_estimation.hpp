@@ -9,7 +9,7 @@
 #include <mapless/lidar/lidar_model.hpp>
 #include <mapless/lidar/ring_recovery.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// What `mapless info` says of how the rings, angles and origins of a bare cloud's lasers were found.
 struct ModelEstimate {

@@ -10,7 +10,7 @@
 #include <mapless/lidar/lidar_model.hpp>
 #include <mapless/lidar/lidar_scan.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// How a bare cloud (points only: no ring, no time) is stored, as KITTI stores its HDL-64E (method.md section
 /// 4): ring after ring, atan2(y, x) mod 2 pi rising inside a ring and dropping between rings.

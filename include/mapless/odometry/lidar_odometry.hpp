@@ -10,7 +10,7 @@
 #include <mapless/odometry/parameters.hpp>
 #include <mapless/trajectory/trajectory.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 using Vector12d = Eigen::Matrix<double, 12, 1>;
 using Matrix12d = Eigen::Matrix<double, 12, 12>;

@@ -4,7 +4,7 @@
 
 #include <mapless/core/parameters.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Everything the lidar odometry can be told.
 struct OdometryParameters {

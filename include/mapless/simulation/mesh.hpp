@@ -8,7 +8,7 @@
 
 #include <mapless/core/se3.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// What a surface is made of, as far as a lidar can tell.
 enum class Material : std::uint8_t {

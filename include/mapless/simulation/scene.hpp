@@ -8,7 +8,7 @@
 #include <mapless/simulation/world.hpp>
 #include <mapless/trajectory/trajectory.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// What decides a scene. A longer duration of the same seed continues the shorter one.
 struct SceneOptions {

@@ -10,7 +10,7 @@
 #include <mapless/simulation/scene.hpp>
 #include <mapless/simulation/simulated_sensor.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Writes a simulated recording in one of the formats of sequence_formats().
 class SequenceWriter {

@@ -8,7 +8,7 @@
 #include <mapless/simulation/world.hpp>
 #include <mapless/trajectory/trajectory.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Truth counts a surface as dynamic above this speed (paper, section on its benchmark) [m/s].
 inline constexpr double kDynamicSpeed = 0.2;

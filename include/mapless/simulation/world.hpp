@@ -15,7 +15,7 @@
 #include <mapless/core/time.hpp>
 #include <mapless/simulation/mesh.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 enum class ObjectClass : std::uint8_t {
   ground,

@@ -8,7 +8,7 @@
 #include <mapless/core/se3.hpp>
 #include <mapless/core/time.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Where the sensor was, and how it moved, at one instant.
 struct TrajectoryState {

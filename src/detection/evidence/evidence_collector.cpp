@@ -9,7 +9,7 @@
 
 #include "detection/freespace/range_noise.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 // Votes against a point that settle it, if no scan saw through: of the order in_order gives, three scans, 32,

@@ -10,7 +10,7 @@
 #include "detection/evidence/point_evidence.hpp"
 #include "detection/freespace/packed_points.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Seen as a surface, and by nobody seen through or moving.
 [[nodiscard]] inline bool is_static(const PointVotes& v) {

@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Squared distance of a point from the line through a and b, or from the nearer of the two beyond them.
 inline float off_line2(const Eigen::Vector3f& q, const Eigen::Vector3f& a, const Eigen::Vector3f& b) {

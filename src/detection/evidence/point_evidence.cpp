@@ -11,7 +11,7 @@
 #include "detection/evidence/scanline_sampler.hpp"
 #include "detection/evidence/sliding_rows.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 // More stay longer with what is known of one scan; fewer are more to share among threads.

@@ -8,7 +8,7 @@
 #include "detection/freespace/ray_image.hpp"
 #include <mapless/detection/parameters.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// A scan that is asked about another: so many scans before it, or after it where `gap` is below 0.
 struct AskedScan {

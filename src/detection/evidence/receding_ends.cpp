@@ -8,7 +8,7 @@
 
 #include "detection/freespace/packed_points.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 // An end is known to within the tolerance of range and the columns on either side of it; they are farther

@@ -10,7 +10,7 @@
 #include "detection/evidence/point_evidence.hpp"
 #include "detection/evidence/row_line.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// What slides along itself has left the place beyond its trailing end: there the scan at hand looks through,
 /// and earlier scans saw the surface go on, the farther the earlier they are. So the end of what stands never

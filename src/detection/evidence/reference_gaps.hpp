@@ -5,7 +5,7 @@
 
 #include <mapless/detection/parameters.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// How many scans back those lie that are asked, increasing: `first_gap` times 1, 2, 3, 4, 6, 8, 12, 16, ...,
 /// two to an octave, so that as many scans tell of a moment ago as of seconds ago.

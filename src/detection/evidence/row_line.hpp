@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Returns of one laser that lie one after another on a straight line: a cut through one face of something.
 struct RowLine {

@@ -1,6 +1,6 @@
 #include "detection/evidence/row_lines.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 // What is shorter has left its place soon enough.

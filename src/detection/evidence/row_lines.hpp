@@ -7,7 +7,7 @@
 #include <mapless/detection/parameters.hpp>
 #include <mapless/geometry/compensated_scan.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Joins the straight spans a row is cut into to the lines that make faces of things: spans that follow one
 /// another in nearly the same direction, over no gap.

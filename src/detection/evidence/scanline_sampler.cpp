@@ -6,7 +6,7 @@
 #include "detection/evidence/off_line.hpp"
 #include "detection/freespace/four_lanes.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 constexpr std::size_t kLongest = 64;  // span [points]

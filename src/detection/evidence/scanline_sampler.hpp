@@ -8,7 +8,7 @@
 #include "detection/evidence/row_lines.hpp"
 #include <mapless/lidar/aligned_image.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Puts a scan's points to the witnesses, a few lasers at a time, as few points as will do.
 ///

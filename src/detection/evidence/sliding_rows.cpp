@@ -7,7 +7,7 @@
 #include "detection/segmentation/disjoint_sets.hpp"
 #include <mapless/lidar/aligned_image.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 // A stack: rows no more than three apart whose receding ends lie near each other, on the edge of one thing.

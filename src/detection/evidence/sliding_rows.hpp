@@ -6,7 +6,7 @@
 #include "detection/evidence/point_evidence.hpp"
 #include "detection/evidence/receding_ends.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// What every point of a surface that slides along itself has: as many votes as two scans that saw through.
 inline constexpr int kSlidingVotes = 2 * kSeenThroughVotes;

@@ -5,7 +5,7 @@
 #include <limits>
 #include <numbers>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 // Lasers whose origins differ less than this in height are of one bank: from 4 m on the parallax between

@@ -4,7 +4,7 @@
 
 #include <mapless/lidar/lidar_model.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// The beams of a sensor as they lie in its hub, in single precision, to find the nearest ones above and
 /// below a point.

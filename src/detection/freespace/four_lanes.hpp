@@ -1,6 +1,6 @@
 #pragma once
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Four numbers that share each instruction (GCC's and Clang's vector extension: any processor with vectors
 /// of 128 bits, with no flags). Comparisons give masks of 0 and -1; `mask ? a : b` chooses lane by lane.

@@ -12,7 +12,7 @@
 
 // The same source twice: four points at once for any processor, eight for one with vectors of 256 bits.
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 constexpr int kPasses = 4;  // towards the column that looks at a point
@@ -50,7 +50,7 @@ struct LaneNumbers;  // so many numbers side by side
 
 #undef MAPLESS_INLINE
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 FreespaceProbe::Vectors FreespaceProbe::widest_vectors() {
 #ifdef MAPLESS_EIGHT_LANES

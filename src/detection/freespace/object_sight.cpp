@@ -7,7 +7,7 @@
 
 #include <Eigen/Geometry>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 using Eigen::Vector3d;

@@ -8,7 +8,7 @@
 #include <mapless/lidar/lidar_scan.hpp>
 #include <mapless/trajectory/trajectory.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Asks a scan whether it looked through a place, near an instant: the sensor moves to first order from
 /// there. Lasers are taken to start at the sensor's origin. FreespaceProbe is the exact thing; this needs no

@@ -10,7 +10,7 @@
 
 #include "detection/freespace/ray_image.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Points about a scan's origin as FreespaceProbe looks at them, eight at a time, kept so from one scan that
 /// is asked to the next.

@@ -7,7 +7,7 @@
 
 #include "detection/freespace/four_lanes.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 // Stretches of so many firings, one in so many of a row, tell, if there are enough of them. The smoothest

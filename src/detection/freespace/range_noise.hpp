@@ -3,7 +3,7 @@
 #include <mapless/detection/parameters.hpp>
 #include <mapless/lidar/lidar_scan.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Standard deviation of the noise of the scan's ranges [m], a little below it if anything: by how far ranges
 /// of consecutive firings are off the line between their neighbours, where the scan is smoothest. 0 where too

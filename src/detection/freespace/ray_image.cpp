@@ -7,7 +7,7 @@
 
 #include "detection/dynamic_returns.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 using Eigen::Matrix3f;

@@ -14,7 +14,7 @@
 #include <mapless/detection/stages.hpp>
 #include <mapless/geometry/compensated_scan.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// What a scan keeps to be asked about freespace later: how far each of its rays went, and from where. About
 /// a twentieth of the scan's size, since neither points nor normals are needed.

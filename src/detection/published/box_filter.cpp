@@ -4,7 +4,7 @@
 
 #include <mapless/lidar/aligned_image.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 constexpr int kWindowRows = 3;

@@ -6,7 +6,7 @@
 #include <mapless/detection/stages.hpp>
 #include <mapless/lidar/lidar_scan.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Step 4: on the image of `scan` with dynamic = 1, a window of 3 lasers x 4 columns is compared pixel by
 /// pixel (XNOR) with the pattern 0000 / 1111 / 0000; where more than score_threshold of the 12 pixels agree,

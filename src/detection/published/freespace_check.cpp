@@ -9,7 +9,7 @@
 #include "detection/published/ray_search.hpp"
 #include <mapless/lidar/aligned_image.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 // The point asked about, with what its own scan knows of it.

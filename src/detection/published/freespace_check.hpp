@@ -7,7 +7,7 @@
 #include <mapless/detection/parameters.hpp>
 #include <mapless/detection/stages.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Step 3: whether each of the returns `queries` (indices into query.scan().returns) stands inside the
 /// freespace that the rays of `reference` measured, on its border, or outside it. One verdict per element of

@@ -5,7 +5,7 @@
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/parallel_for.h>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 ComparisonVerdict compare_point(const PreparedScan& query, std::size_t i, const PreparedScan& reference,

@@ -6,7 +6,7 @@
 #include <mapless/detection/parameters.hpp>
 #include <mapless/detection/stages.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Step 2: compares every point q of `query` with its nearest point p of `reference`, both in frame 0: |n .
 /// (p - q)| where q has a normal n, else ||p - q||; above the error threshold q is dynamic. One verdict per

@@ -8,7 +8,7 @@
 #include <mapless/geometry/nearest_neighbours.hpp>
 #include <mapless/geometry/normals.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// What the stages need of one scan, computed once when it arrives.
 struct PreparedScan {

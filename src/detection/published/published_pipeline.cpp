@@ -10,7 +10,7 @@
 #include "detection/published/stage_record.hpp"
 #include <mapless/core/timed.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 template <class Condition>

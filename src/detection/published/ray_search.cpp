@@ -6,7 +6,7 @@
 
 #include <Eigen/Geometry>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 // Enough for a sensor turning at half its spin rate: each iteration multiplies the error by the ratio of the

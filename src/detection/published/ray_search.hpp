@@ -6,7 +6,7 @@
 
 #include <mapless/geometry/compensated_scan.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// A cell of a scan seen as the ray that was fired there.
 struct NearestRay {

@@ -9,7 +9,7 @@
 #include "detection/object_number.hpp"
 #include "detection/segmentation/disjoint_sets.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 class RegionGrowth {

@@ -7,7 +7,7 @@
 #include <mapless/detection/parameters.hpp>
 #include <mapless/detection/stages.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// What an object looks like to all the scans that were asked about its points.
 enum class Body : std::uint8_t {

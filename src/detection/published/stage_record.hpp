@@ -6,7 +6,7 @@
 
 #include <mapless/detection/stages.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// One element per point: whether it is dynamic once `stage` is done.
 inline std::vector<char> dynamic_points(const std::vector<StageTrace>& trace, Stage stage) {

@@ -4,7 +4,7 @@
 #include <numeric>
 #include <vector>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Union-find over 0 .. size-1; the representative of a set is its lowest member.
 class DisjointSets {

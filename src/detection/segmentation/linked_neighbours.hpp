@@ -10,7 +10,7 @@
 #include "detection/segmentation/marked_returns.hpp"
 #include <mapless/lidar/aligned_image.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Windows of the scan image, half sizes: a point's support comes from its immediate neighbours; clusters and
 /// growth step over a laser or a few firings that hit something in front.

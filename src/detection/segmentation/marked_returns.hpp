@@ -6,7 +6,7 @@
 
 #include <mapless/lidar/aligned_image.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Returns of a scan that are marked, as bits of the aligned image, which goes on around the turn a little: a
 /// whole row of a window is read at once, and is mostly empty.

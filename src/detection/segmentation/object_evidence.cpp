@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 // A solid body has so many rows, and so many points and such a share of them that no scan saw through. One

@@ -7,7 +7,7 @@
 #include "detection/evidence/point_evidence.hpp"
 #include "detection/published/region_growth.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Sums up what rays say of the points of whole objects of one scan.
 ///

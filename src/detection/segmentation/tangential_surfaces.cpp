@@ -1,6 +1,6 @@
 #include "detection/segmentation/tangential_surfaces.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 // A thing is not larger than that many times what was found moving of it.

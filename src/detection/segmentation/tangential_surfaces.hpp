@@ -8,7 +8,7 @@
 #include "detection/segmentation/linked_neighbours.hpp"
 #include "detection/segmentation/marked_returns.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// All votes against that the three scans before and the later one can have: as many has what slides within
 /// itself while it moves, and what stands has more.

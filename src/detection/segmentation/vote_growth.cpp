@@ -11,7 +11,7 @@
 #include "detection/segmentation/object_evidence.hpp"
 #include "detection/segmentation/tangential_surfaces.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 // Holes are filled where more than a third of the support window is dynamic: twice whatever is not firmly

@@ -6,7 +6,7 @@
 #include "detection/evidence/point_evidence.hpp"
 #include "detection/published/region_growth.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// The place of paper step 4 in method "voting": whether the votes of a point and of its linked neighbours in
 /// the 3 x 5 window of the aligned scan image sum to seed_score or more. Not asked of points whose own votes

@@ -9,7 +9,7 @@
 
 #include "detection/tracking/sorted_points.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Of a few hundred points, the nearest to each of as many places, while points and places move a little at a
 /// time. The one found last is the nearest still where the others were farther by more than anything moved

@@ -1,6 +1,6 @@
 #pragma once
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// An object not seen for longer is another one when it comes back: by then it may be metres from where its
 /// last velocity puts it (braking at 3 m/s^2: 1.5 m), and something else where it was.

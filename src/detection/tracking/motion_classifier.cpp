@@ -8,7 +8,7 @@
 #include "detection/evidence/point_evidence.hpp"
 #include "detection/tracking/longest_absence.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 // Scans an object may move in without its velocity being known: one has nothing to be registered to, the

@@ -8,7 +8,7 @@
 #include <mapless/detection/parameters.hpp>
 #include <mapless/detection/tracked_object.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Whether an object that is followed moves, and what of its last scan the next one has to know.
 struct MotionState {

@@ -7,7 +7,7 @@
 #include "detection/scan_trajectory.hpp"
 #include <mapless/core/timed.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 Detection MovingObjects::judge(ProposedObjects proposed) {
   Detection detection = std::move(proposed.detection);

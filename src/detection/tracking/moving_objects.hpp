@@ -7,7 +7,7 @@
 #include "detection/tracking/object_tracker.hpp"
 #include <mapless/detection/detector.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Follows the objects that a pipeline proposes and, with method "voting", tells those that move from those
 /// that stand (next_state). Rays tell that something was elsewhere a while ago; whether it still goes on, the

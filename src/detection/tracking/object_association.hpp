@@ -9,7 +9,7 @@
 
 #include "detection/tracking/object_snapshot.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Where a known object is expected in the next scan: its last points, moved there.
 struct ExpectedObject {

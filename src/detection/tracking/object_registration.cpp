@@ -11,7 +11,7 @@
 
 #include "detection/tracking/followed_neighbours.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 using Eigen::Matrix3d;

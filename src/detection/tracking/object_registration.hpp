@@ -4,7 +4,7 @@
 
 #include "detection/tracking/object_snapshot.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// How an object moved from one scan to another.
 struct RegisteredMotion {

@@ -13,7 +13,7 @@
 #include "detection/dynamic_returns.hpp"
 #include <mapless/lidar/aligned_image.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 using Eigen::Matrix3d;

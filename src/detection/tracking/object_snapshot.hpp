@@ -14,7 +14,7 @@
 #include <mapless/detection/detector.hpp>
 #include <mapless/trajectory/trajectory.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// A point of an object with what its neighbourhood looks like.
 struct SurfaceSample {

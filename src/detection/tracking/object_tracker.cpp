@@ -21,7 +21,7 @@
 #include "detection/tracking/velocity_filter.hpp"
 #include <mapless/core/errors.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 using Eigen::Matrix3d;

@@ -7,7 +7,7 @@
 #include <mapless/detection/tracked_object.hpp>
 #include <mapless/trajectory/trajectory.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Keeps the objects of consecutive detections apart over time and estimates their velocity.
 ///

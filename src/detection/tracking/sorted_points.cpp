@@ -4,7 +4,7 @@
 
 #include <Eigen/Geometry>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 void SortedPoints::assign(std::span<const Eigen::Vector3d> points) {
   entries_.clear();

@@ -7,7 +7,7 @@
 
 #include <Eigen/Core>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// A few hundred points, sorted along the axis of the world they are spread over most: for so few, faster to
 /// make and to ask than a tree.

@@ -4,7 +4,7 @@
 
 #include <Eigen/Cholesky>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 using Eigen::Matrix3d;

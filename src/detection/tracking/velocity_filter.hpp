@@ -7,7 +7,7 @@
 #include <mapless/core/se3.hpp>
 #include <mapless/core/time.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Velocity of an object and its displacement since earlier scans: a Kalman filter with white noise on
 /// acceleration whose state is (position, velocity, positions of remembered scans, newest first). Only

@@ -12,7 +12,7 @@
 #include <mapless/io/atomic_file.hpp>
 #include <mapless/io/model_file.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 constexpr double kMaxFiringOffsetUs = 1e6;

@@ -9,7 +9,7 @@
 #include <mapless/io/atomic_file.hpp>
 #include <mapless/io/parameters_file.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 using References = std::vector<ParameterReference>;

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 constexpr std::string_view kBlanks = " \t\r\v\f";

@@ -7,7 +7,7 @@
 
 #include <mapless/core/time.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Decimal seconds ("1317042272.283701593", "1.5e-3") as whole nanoseconds, exactly; further digits round
 /// half away from 0. Nothing for text that is not one number, or beyond 126 years. A double would be off by

@@ -12,7 +12,7 @@
 #include <mapless/core/errors.hpp>
 #include <mapless/io/atomic_file.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 // Wider than double: a double in degrees cannot name every double in radians.

@@ -7,7 +7,7 @@
 
 #include <yaml-cpp/yaml.h>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// One map of a YAML file, read key by key; whatever is wrong is an InputError naming file, line, key and
 /// value.

@@ -9,7 +9,7 @@
 
 #include "core/median.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 // Of fewer points nothing is concluded, and more need not be looked at.

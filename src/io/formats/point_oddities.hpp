@@ -7,7 +7,7 @@
 
 #include <mapless/lidar/lidar_scan.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Finds scans whose points can be read and yet make no sense together: what a wrong unit, field or
 /// description of the sensor makes of a recording.

@@ -11,7 +11,7 @@
 #include <mapless/io/labels.hpp>
 #include <mapless/io/recording_survey.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 // A pause between scans of more than this many median periods is a gap.

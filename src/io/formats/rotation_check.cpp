@@ -3,7 +3,7 @@
 #include <Eigen/LU>
 #include <fmt/format.h>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 std::optional<std::string> why_no_rotation(const Eigen::Matrix3d& R) {
   const double deviation = (R * R.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();

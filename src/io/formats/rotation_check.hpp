@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Rotations are often written with few digits; anything farther from one is another convention, or damage.
 inline constexpr double kRotationTolerance = 1e-3;

@@ -9,7 +9,7 @@
 #include <mapless/core/errors.hpp>
 #include <mapless/io/atomic_file.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 std::vector<Time> read_scan_times(const std::filesystem::path& file, std::size_t scan_count) {
   const std::string text = read_whole_file(file);

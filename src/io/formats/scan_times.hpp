@@ -5,7 +5,7 @@
 
 #include <mapless/core/time.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Starts of the scans of a recording: decimal seconds, one a line; '#' starts a comment. Throws InputError
 /// naming file, line and value for text that is no time, times that do not increase, and more or fewer of

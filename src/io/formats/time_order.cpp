@@ -4,7 +4,7 @@
 #include <mapless/core/errors.hpp>
 #include <mapless/io/time_order.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 void require_time_order(const Dataset& dataset, std::size_t first, std::size_t count) {
   for (std::size_t k = first + 1; k < first + count; ++k) {

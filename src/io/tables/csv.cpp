@@ -8,7 +8,7 @@
 #include "io/files/text.hpp"
 #include <mapless/core/errors.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 std::vector<std::string_view> split_cells(std::string_view line) {

@@ -9,7 +9,7 @@
 
 #include <mapless/core/time.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// One line of a table and where it stands, for messages. Refers to the table's text.
 struct CsvLine {

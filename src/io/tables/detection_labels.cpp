@@ -3,7 +3,7 @@
 #include <mapless/io/detection_labels.hpp>
 #include <mapless/io/labels.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 std::uint8_t stage_mask(const StageTrace& trace) {

@@ -7,7 +7,7 @@
 #include <mapless/io/atomic_file.hpp>
 #include <mapless/io/labels.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 // Label files are little-endian, and read and written without turning bytes round.
 static_assert(std::endian::native == std::endian::little);

@@ -12,7 +12,7 @@
 #include <mapless/io/labels.hpp>
 #include <mapless/io/object_table.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 using Eigen::Vector3d;

@@ -10,7 +10,7 @@
 #include <mapless/io/atomic_file.hpp>
 #include <mapless/io/object_truth.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 namespace fs = std::filesystem;

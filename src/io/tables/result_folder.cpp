@@ -13,7 +13,7 @@
 #include <mapless/io/atomic_file.hpp>
 #include <mapless/io/result_folder.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 namespace fs = std::filesystem;

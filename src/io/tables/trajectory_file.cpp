@@ -12,7 +12,7 @@
 #include <mapless/io/atomic_file.hpp>
 #include <mapless/io/trajectory_file.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 constexpr std::size_t kTumNumbers = 8;

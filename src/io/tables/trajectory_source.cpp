@@ -10,7 +10,7 @@
 #include <mapless/io/atomic_file.hpp>
 #include <mapless/io/trajectory_source.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 constexpr std::array<std::string_view, 2> kDirectionNames = {"world_from_sensor", "sensor_from_world"};

@@ -6,7 +6,7 @@
 
 #include "odometry/map/cube_hash.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 /// Cubes seen so far, in an open-addressing table made large enough at once.

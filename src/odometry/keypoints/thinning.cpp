@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 constexpr std::size_t kSample = 1021;  // returns that tell how ranges are distributed

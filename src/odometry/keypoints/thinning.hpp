@@ -8,7 +8,7 @@
 #include <mapless/lidar/lidar_scan.hpp>
 #include <mapless/odometry/parameters.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// A return of a scan that odometry uses.
 struct ScanPoint {

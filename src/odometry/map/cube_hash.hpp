@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// The key of no cube; those of cubes have 63 bits.
 inline constexpr std::uint64_t kNoCube = ~std::uint64_t{0};

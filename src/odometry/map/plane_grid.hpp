@@ -13,7 +13,7 @@
 
 #include "odometry/map/cube_hash.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// A plane fitted to the points of the map near some query point.
 struct MapPlane {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 // Cubes from the sensor up to which a grid takes points: there a lidar's rays are some 0.5 degrees apart.

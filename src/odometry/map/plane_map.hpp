@@ -8,7 +8,7 @@
 
 #include "odometry/map/plane_grid.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// What a map that stays as it is has near a point.
 struct PlaneNear {

@@ -6,7 +6,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 // So many that half of one, moved through to first order, errs by less than 0.1 mm at 200 deg/s and 30 m.

@@ -8,7 +8,7 @@
 #include "odometry/map/plane_map.hpp"
 #include <mapless/trajectory/trajectory.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Points of a scan in the world frame, every one from the pose at its own instant between two knots. Their
 /// lines are `first_line` and the laser's number.

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 // No narrower than the gaps between the lasers of a sensor of sixteen.

@@ -5,7 +5,7 @@
 #include "odometry/solver/time_bins.hpp"
 #include <mapless/lidar/lidar_scan.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// How far a scan saw at least in every direction. Points of another scan that lie well within what it saw
 /// were not there then: they have moved, or the motion between both scans is wrong. Many of them mean the

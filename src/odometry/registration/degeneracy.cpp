@@ -3,7 +3,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 // Weighs rotation against translation where a motion is split into held and free parts.

@@ -2,7 +2,7 @@
 
 #include "odometry/solver/time_bins.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// How well the points hold each direction of translation of the whole scan, T_v0 being the sensor at the
 /// scan's end. Directions with a share below `min_share` count as held by the prior.

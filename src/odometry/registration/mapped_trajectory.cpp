@@ -7,7 +7,7 @@
 #include "odometry/map/points_in_world.hpp"
 #include "odometry/solver/motion_density.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 // What is known of a sensor before its first scan: where it is, by definition, and hardly how it moves.

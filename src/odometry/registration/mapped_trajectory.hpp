@@ -9,7 +9,7 @@
 #include "odometry/registration/scan_registration.hpp"
 #include <mapless/lidar/lidar_scan.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Numbers of the lines (PlaneGrid::insert) of two scans: odd, so that they fall apart.
 inline constexpr unsigned kLinesApart = 29;

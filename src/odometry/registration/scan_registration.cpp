@@ -4,7 +4,7 @@
 
 #include "odometry/registration/degeneracy.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 // A step is small when it moves the last pose less than this.

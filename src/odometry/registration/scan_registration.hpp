@@ -7,7 +7,7 @@
 #include "odometry/solver/time_bins.hpp"
 #include "odometry/solver/window_prior.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Of the information of its points, what a scan really brings: points of one surface share the errors of its
 /// plane, and those of the poses that it was seen from. With this share the velocity errs by what its

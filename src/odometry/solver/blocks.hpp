@@ -3,7 +3,7 @@
 #include <mapless/core/se3.hpp>
 #include <mapless/odometry/lidar_odometry.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Adjoint of a transform: exp((Ad(T) xi)^) = T exp(xi^) T^-1.
 [[nodiscard]] inline Matrix6d adjoint(const SE3& T) {

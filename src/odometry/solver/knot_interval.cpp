@@ -1,6 +1,6 @@
 #include "odometry/solver/knot_interval.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 KnotInterval::KnotInterval(const TrajectoryKnot& k1, const TrajectoryKnot& k2)
     : k1_(k1), k2_(k2), dt_((k2.time - k1.time).seconds()) {

@@ -2,7 +2,7 @@
 
 #include "odometry/solver/blocks.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 using Matrix6x24d = Eigen::Matrix<double, 6, 24>;
 

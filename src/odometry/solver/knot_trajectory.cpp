@@ -5,7 +5,7 @@
 #include "trajectory/domain.hpp"
 #include "trajectory/knot_states.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 const std::string& source() {

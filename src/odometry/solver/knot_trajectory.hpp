@@ -4,7 +4,7 @@
 
 #include <mapless/trajectory/trajectory.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// A Gaussian-process trajectory over knots that somebody else owns and adds to.
 class KnotTrajectory final : public Trajectory {

@@ -1,6 +1,6 @@
 #include "odometry/solver/motion_density.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 constexpr std::size_t kRemembered = 20;  // intervals

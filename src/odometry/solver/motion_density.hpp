@@ -4,7 +4,7 @@
 
 #include "odometry/solver/prior_terms.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// How much the velocity of a sensor has changed of late, as the density that the motion prior is to have for
 /// it: a car on a motorway and a sensor in the hand differ by a factor of a thousand. Taken from the mean

@@ -4,7 +4,7 @@
 
 #include "odometry/solver/knot_interval.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 Vector12d motion_error(const TrajectoryKnot& k1, const TrajectoryKnot& k2) {
   const KnotInterval interval(k1, k2);

@@ -4,7 +4,7 @@
 
 #include "odometry/solver/window_solver.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Power spectral densities Qc of the white noise on acceleration, equal on the axes of each group.
 struct AccelerationDensity {

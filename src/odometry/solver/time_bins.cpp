@@ -8,7 +8,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 constexpr std::int64_t kBinsPerScan = 32;

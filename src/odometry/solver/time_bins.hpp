@@ -7,7 +7,7 @@
 #include "odometry/solver/knot_interval.hpp"
 #include "odometry/solver/window_solver.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// How distances of points from planes count.
 struct PointWeights {

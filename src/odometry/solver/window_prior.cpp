@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 Matrix12d knot_jacobian(const Vector12d& error) {

@@ -4,7 +4,7 @@
 
 #include "odometry/solver/window_solver.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// What is known beforehand of a few knots that follow one another: after marginalisation, all that the knots
 /// before them and the scans until then tell.

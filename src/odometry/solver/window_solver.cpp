@@ -2,7 +2,7 @@
 
 #include <Eigen/Cholesky>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 void WindowSystem::add(std::size_t k, const Eigen::Matrix<double, 24, 24>& H,
                        const Eigen::Matrix<double, 24, 1>& g) {

@@ -5,7 +5,7 @@
 
 #include "odometry/solver/blocks.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Normal equations H dx = -g of a chain of knots: H is symmetric, block tridiagonal.
 struct WindowSystem {

@@ -9,7 +9,7 @@
 #include "odometry/map/points_in_world.hpp"
 #include "odometry/registration/degeneracy.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 constexpr int kSteps = 30;

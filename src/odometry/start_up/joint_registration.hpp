@@ -5,7 +5,7 @@
 
 #include "odometry/registration/mapped_trajectory.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Registers a few consecutive scans at once, each to the map of all the others: what a sparse sensor's first
 /// two scans do not tell of each other, the scans after them do. `knots` and `prior` are of the whole time,

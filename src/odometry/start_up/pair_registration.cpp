@@ -7,7 +7,7 @@
 
 #include "odometry/map/points_in_world.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 constexpr std::size_t kRoughPoints = 8000;  // of the first scan, for the first rough registrations

@@ -5,7 +5,7 @@
 
 #include "odometry/registration/mapped_trajectory.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Two scans whose sensor may have been moving, or turning, from the very first on. The second is registered
 /// to the first, which is compensated anew with the motion found after every step.

@@ -8,7 +8,7 @@
 
 #include "odometry/start_up/joint_registration.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 // Another motion whose score comes so near to the best leaves the start uncertain, and so does a best one

@@ -6,7 +6,7 @@
 #include "odometry/start_up/pair_registration.hpp"
 #include <mapless/odometry/parameters.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Finds how a sensor moves that may be moving from its very first scan on. Two scans of few lasers often do
 /// not tell (on a motorway the ground agrees with any speed): every motion that may have been is followed for

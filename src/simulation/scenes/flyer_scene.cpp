@@ -6,7 +6,7 @@
 #include "simulation/scenes/rings.hpp"
 #include "simulation/scenes/scenes.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 using Eigen::Vector2d;

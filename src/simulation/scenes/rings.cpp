@@ -1,6 +1,6 @@
 #include "simulation/scenes/rings.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 using Eigen::Vector2d;
 

@@ -7,7 +7,7 @@
 
 #include "simulation/traffic/path.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 inline constexpr double kTurn = 2 * std::numbers::pi;
 

@@ -6,7 +6,7 @@
 #include "simulation/scenes/scenes.hpp"
 #include <mapless/core/errors.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 using Eigen::Vector3d;

@@ -1,6 +1,6 @@
 #include "simulation/traffic/bodies.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 std::size_t SceneBuilder::shape(const std::string& name, const std::function<Mesh()>& make) {
   const auto [found, fresh] = shapes_.try_emplace(name, world_.shapes.size());

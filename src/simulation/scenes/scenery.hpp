@@ -3,7 +3,7 @@
 #include "simulation/random.hpp"
 #include "simulation/traffic/bodies.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// A patch of ground that follows the terrain, `lift_m` above it, in cells of `cell_m`.
 [[nodiscard]] Mesh ground_patch(const Eigen::Vector2d& low, const Eigen::Vector2d& high, double lift_m,

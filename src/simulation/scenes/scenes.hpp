@@ -6,7 +6,7 @@
 #include "simulation/traffic/traffic.hpp"
 #include <mapless/simulation/scene.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// The tracks reach this much beyond the duration, for what looks a little ahead.
 inline constexpr double kMargin_s = 2;

@@ -2,7 +2,7 @@
 
 #include "simulation/scenes/scenes.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// A town on a grid of streets, crossing nx times ny.
 struct TownPlan {

@@ -3,7 +3,7 @@
 
 #include "simulation/scenes/town.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 using Eigen::Vector2d;

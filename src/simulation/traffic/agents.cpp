@@ -5,7 +5,7 @@
 
 #include "simulation/traffic/bodies.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 using Eigen::Vector2d;

@@ -8,7 +8,7 @@
 
 #include "simulation/traffic/traffic.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Whether he goes on foot or paws.
 [[nodiscard]] bool on_foot(ObjectClass c);

@@ -8,7 +8,7 @@
 #include "simulation/traffic/path.hpp"
 #include <mapless/simulation/world.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Collects the shapes and objects of a scene. Shapes with a name are made once and shared.
 class SceneBuilder {

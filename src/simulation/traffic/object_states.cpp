@@ -1,6 +1,6 @@
 #include "simulation/traffic/object_states.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 using Eigen::AlignedBox3d;

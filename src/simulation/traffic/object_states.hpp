@@ -10,7 +10,7 @@
 #include <mapless/simulation/scene.hpp>
 #include <mapless/simulation/simulated_sensor.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Where the movers of a scene are, and how fast, for those a scan shows.
 class ObjectStates {

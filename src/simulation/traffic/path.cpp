@@ -5,7 +5,7 @@
 
 #include <Eigen/Geometry>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;

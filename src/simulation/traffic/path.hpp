@@ -9,7 +9,7 @@
 #include <mapless/core/se3.hpp>
 #include <mapless/core/time.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Height of the ground [m] at (x, y).
 using Terrain = std::function<double(double x, double y)>;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 using Eigen::Vector2d;

@@ -2,7 +2,7 @@
 
 #include "simulation/traffic/agents.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Whether the light shows green to those who come along x, or along y, at `t_s`.
 [[nodiscard]] bool is_green(const Junction& junction, bool along_x, double t_s);

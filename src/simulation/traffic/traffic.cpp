@@ -7,7 +7,7 @@
 #include "simulation/random.hpp"
 #include "simulation/traffic/right_of_way.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 using Eigen::Vector2d;

@@ -7,7 +7,7 @@
 #include "simulation/traffic/path.hpp"
 #include <mapless/simulation/world.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Where a path on foot crosses a street, from kerb to kerb, by distance along it.
 struct StreetCrossing {

@@ -6,7 +6,7 @@
 
 #include "simulation/traffic/bodies.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 using Eigen::Matrix3d;

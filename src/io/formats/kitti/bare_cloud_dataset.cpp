@@ -14,7 +14,7 @@
 #include <mapless/io/labels.hpp>
 #include <mapless/io/model_file.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 namespace fs = std::filesystem;

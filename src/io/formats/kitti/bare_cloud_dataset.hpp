@@ -8,7 +8,7 @@
 
 #include <mapless/io/dataset.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// One scan of a recording of bare clouds (KITTI).
 struct BareCloudScan {

@@ -10,7 +10,7 @@
 #include <mapless/io/atomic_file.hpp>
 #include <mapless/io/trajectory_file.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 // A text file of lines "key: number number ...".

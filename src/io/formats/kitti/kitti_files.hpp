@@ -9,7 +9,7 @@
 
 #include <mapless/core/time.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Files of `folder` named NUMBER.extension, by number. Others are ignored. Throws InputError for a number
 /// that occurs twice, or a folder that cannot be read.

@@ -5,7 +5,7 @@
 
 #include <mapless/io/dataset.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// KITTI odometry and SemanticKITTI (Geiger et al., CVPR 2012; Behley et al., ICCV 2019), `sequences/NN/`:
 /// `velodyne/NNNNNN.bin` (as KITTI raw's), `times.txt` (seconds since the first frame, a line per frame),

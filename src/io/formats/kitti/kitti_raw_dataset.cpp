@@ -10,7 +10,7 @@
 #include "io/formats/kitti/kitti_files.hpp"
 #include <mapless/core/errors.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 namespace fs = std::filesystem;

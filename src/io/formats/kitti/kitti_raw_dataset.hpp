@@ -5,7 +5,7 @@
 
 #include <mapless/io/dataset.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// KITTI raw (Geiger et al., IJRR 2013), `<date>/<date>_drive_NNNN_sync/velodyne_points/`:
 /// `data/NNNNNNNNNN.bin` (float32 x, y, z [m], reflectance; Velodyne HDL-64E at about 10 Hz; hits only, no

@@ -16,7 +16,7 @@
 #include <mapless/core/errors.hpp>
 #include <mapless/io/labels.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 namespace fs = std::filesystem;

@@ -5,7 +5,7 @@
 
 #include <mapless/io/dataset.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// mdlidar, the dataset of the paper (arXiv 1809.06972): `town_N/` with the protobuf messages `header` and
 /// `frame/data_<i>` (mdlidar.proto), and `vel_64_calib.csv` there or one folder up (a row per laser:

@@ -12,7 +12,7 @@ class Frame;
 class Header;
 }  // namespace mdlidar
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// Rows of vel_64_calib.csv. Throws InputError naming line and value.
 [[nodiscard]] std::vector<MdlidarLaser> read_mdlidar_calibration(const std::filesystem::path& file);

@@ -7,7 +7,7 @@
 #include <mapless/io/atomic_file.hpp>
 #include <mapless/io/mdlidar_writer.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 void set(const Eigen::Vector3d& from, mdlidar::Vector3D& to) {

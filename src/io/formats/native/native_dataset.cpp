@@ -13,7 +13,7 @@
 #include <mapless/io/model_file.hpp>
 #include <mapless/io/trajectory_file.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 namespace fs = std::filesystem;

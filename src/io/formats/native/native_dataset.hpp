@@ -5,7 +5,7 @@
 
 #include <mapless/io/dataset.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// A folder with sensor.yaml and scans/ (method.md section 4).
 [[nodiscard]] bool looks_native(const std::filesystem::path& path);

@@ -16,7 +16,7 @@
 #include <mapless/io/native_writer.hpp>
 #include <mapless/io/trajectory_file.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 namespace fs = std::filesystem;

@@ -2,7 +2,7 @@
 
 #include "io/formats/pcd/pcd.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 // A control byte below 32 starts a run of literal bytes; any other a copy of what was written `distance`
 // bytes ago.

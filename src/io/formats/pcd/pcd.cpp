@@ -10,7 +10,7 @@
 #include <mapless/core/errors.hpp>
 #include <mapless/io/atomic_file.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 // Calls `use` with a zero of the field's own type.

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// One field of a point cloud file: `count` numbers of one type per point.
 struct PcdField {

@@ -16,7 +16,7 @@
 #include <mapless/io/model_file.hpp>
 #include <mapless/lidar/ring_recovery.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 namespace fs = std::filesystem;

@@ -5,7 +5,7 @@
 
 #include <mapless/io/dataset.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// A folder of *.pcd that is no native sequence.
 [[nodiscard]] bool looks_pcd_folder(const std::filesystem::path& path);

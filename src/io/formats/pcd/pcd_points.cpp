@@ -11,7 +11,7 @@
 #include <mapless/core/errors.hpp>
 #include <mapless/lidar/ring_recovery.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 // Eleven days: no scan lasts as long, and no clock that counts from 1970 shows less.

@@ -9,7 +9,7 @@
 
 #include <mapless/core/time.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// The points of a PCD scan with what it says of each.
 struct PcdPoints {

@@ -11,7 +11,7 @@
 #include <mapless/core/errors.hpp>
 #include <mapless/io/atomic_file.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 using Words = std::vector<std::string_view>;

@@ -15,7 +15,7 @@
 #include "lidar/nearest_beam.hpp"
 #include <mapless/core/errors.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 namespace fs = std::filesystem;

@@ -8,7 +8,7 @@
 #include "io/formats/pcd/pcd_points.hpp"
 #include <mapless/lidar/model_estimation.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// What tells the ring of a point.
 enum class PcdRingSource {

@@ -9,7 +9,7 @@
 
 #include "core/median.hpp"
 
-namespace mapless {
+namespace mapless::inline v1 {
 namespace {
 
 constexpr double kTurn_rad = 2 * std::numbers::pi;

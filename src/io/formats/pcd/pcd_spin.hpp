@@ -8,7 +8,7 @@
 
 #include <mapless/lidar/lidar_model.hpp>
 
-namespace mapless {
+namespace mapless::inline v1 {
 
 /// The usable points of a scan by rising atan2(y, x), with the ring of each and, where recorded, its time.
 struct TimedCloud {
