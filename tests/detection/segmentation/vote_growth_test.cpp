@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "oracle/vote_growth_oracle.hpp"
+#include "support/detection/vote_image.hpp"
 #include "support/small_scan.hpp"
-#include "support/vote_image.hpp"
 
 namespace mapless {
 namespace MAPLESS_FILE {
