@@ -1,3 +1,5 @@
+#include "lidar/model_estimation.hpp"
+
 #include <cmath>
 #include <numbers>
 
@@ -5,7 +7,6 @@
 
 #include "support/bare_cloud.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/lidar/model_estimation.hpp>
 
 namespace mapless {
 namespace MAPLESS_FILE {

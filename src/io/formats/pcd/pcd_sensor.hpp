@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "io/formats/pcd/pcd_points.hpp"
-#include <mapless/lidar/model_estimation.hpp>
+#include "lidar/model_estimation.hpp"
 
 namespace mapless::inline v1 {
 
