@@ -22,7 +22,7 @@ struct RegistrationSettings {
   AccelerationDensity density;
   PointWeights weights;
   double sigma_m;  ///< noise expected of a point
-  double min_direction_share;
+  double min_constraint_ratio;
   int max_iterations;
 };
 
