@@ -4,6 +4,7 @@
 
 #include <Eigen/LU>
 
+#include "odometry/solver/knot_chunks.hpp"
 #include "odometry/solver/knot_trajectory.hpp"
 #include "odometry/start_up/start_up.hpp"
 #include <mapless/core/errors.hpp>
@@ -210,6 +211,7 @@ OdometryUpdate LidarOdometry::State::process(const std::shared_ptr<const LidarSc
   update.knots.assign(known().knots.begin() + changed, known().knots.end());
   knots.resize(known().knots.size());
   std::copy(update.knots.begin(), update.knots.end(), knots.begin() + changed);
+  final_knots.update(knots, start_up ? 0 : track.window_begin);
   return update;
 }
 
@@ -228,5 +230,8 @@ void LidarOdometry::remove_dynamic_points(const LidarScan& scan, const std::vect
 bool LidarOdometry::started() const { return !state_->start_up; }
 const std::vector<TrajectoryKnot>& LidarOdometry::knots() const { return state_->knots; }
 const Trajectory& LidarOdometry::trajectory() const { return state_->trajectory; }
+std::shared_ptr<const Trajectory> LidarOdometry::trajectory_snapshot() const {
+  return state_->final_knots.snapshot(state_->knots);
+}
 
 }  // namespace mapless

@@ -266,6 +266,25 @@ TEST(LidarOdometry, FollowsSensorsOfAnyRateAndAnyNumberOfLasers) {
   }
 }
 
+TEST(LidarOdometry, ATrajectorySnapshotStaysAsItIs) {
+  const ToyScene scene = room(2, 10 * kDegree);
+  const Scans scans = cast(scene, 0, 9);
+  LidarOdometry odometry;
+  EXPECT_GT(odometry.trajectory_snapshot()->begin(), odometry.trajectory_snapshot()->end());
+  for (std::size_t k = 0; k < 7; ++k) (void)odometry.process(scans[k]);
+  ASSERT_TRUE(odometry.started());
+  const std::vector<TrajectoryKnot> knots = odometry.knots();
+  const auto snapshot = odometry.trajectory_snapshot();
+  for (std::size_t k = 7; k < scans.size(); ++k) (void)odometry.process(scans[k]);
+  ASSERT_NE(odometry.knots()[knots.size() - 1].varpi, knots.back().varpi) << "later scans correct a knot";
+  EXPECT_EQ(snapshot->end(), knots.back().time);
+  for (const TrajectoryKnot& knot : knots) {
+    const TrajectoryState expected = GaussianProcessTrajectory(knots, "test").at(knot.time);
+    EXPECT_EQ(snapshot->at(knot.time).T_v0.matrix(), expected.T_v0.matrix());
+    EXPECT_EQ(snapshot->at(knot.time).varpi, expected.varpi);
+  }
+}
+
 // With all returns removed as dynamic, the map has nothing left for the next scan to register to.
 TEST(LidarOdometry, RemovesDynamicPointsFromTheMap) {
   const ToyScene scene = room(0, 0);

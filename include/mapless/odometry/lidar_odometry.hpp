@@ -43,6 +43,10 @@ class LidarOdometry {
   /// The trajectory so far. It lives as long as this object and grows with every scan, so that no other
   /// thread may read it while process() runs. Its domain is empty before the first scan.
   [[nodiscard]] const Trajectory& trajectory() const;
+  /// The trajectory as it is now, for another thread to keep: immutable, with no tie to this object. Costs
+  /// the copy of at most 260 knots (50 kB), and 16 bytes for every further 256. Call it in the thread that
+  /// calls process(). Its domain is empty before the first scan.
+  [[nodiscard]] std::shared_ptr<const Trajectory> trajectory_snapshot() const;
 
  private:
   struct State;
