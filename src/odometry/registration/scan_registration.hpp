@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "odometry/solver/prior_terms.hpp"
-#include "odometry/solver/time_bins.hpp"
+#include "odometry/registration/time_bins.hpp"
 #include "odometry/solver/window_prior.hpp"
 
 namespace mapless::inline v1 {
