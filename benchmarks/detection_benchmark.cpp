@@ -10,6 +10,7 @@
 #include "detection/published/pointcloud_comparison.hpp"
 #include "detection/published/region_growth.hpp"
 #include "detection/segmentation/vote_growth.hpp"
+#include "geometry/nearest_neighbours.hpp"
 #include "support/detection/prepared.hpp"
 #include "support/detection/run_detector.hpp"
 #include "support/local_points.hpp"

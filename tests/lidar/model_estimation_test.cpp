@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "lidar/ring_recovery.hpp"
 #include "support/bare_cloud.hpp"
 #include <mapless/core/errors.hpp>
 

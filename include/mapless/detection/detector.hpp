@@ -7,6 +7,7 @@
 #include <mapless/detection/parameters.hpp>
 #include <mapless/detection/stages.hpp>
 #include <mapless/detection/tracked_object.hpp>
+#include <mapless/lidar/lidar_scan.hpp>
 #include <mapless/trajectory/trajectory.hpp>
 
 namespace mapless::inline v1 {

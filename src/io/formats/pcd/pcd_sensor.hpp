@@ -7,6 +7,7 @@
 
 #include "io/formats/pcd/pcd_points.hpp"
 #include "lidar/model_estimation.hpp"
+#include "lidar/ring_recovery.hpp"
 
 namespace mapless::inline v1 {
 
