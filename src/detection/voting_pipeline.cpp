@@ -6,7 +6,7 @@
 #include "detection/evidence/point_evidence.hpp"
 #include "detection/evidence/reference_gaps.hpp"
 #include "detection/freespace/range_noise.hpp"
-#include "detection/segmentation/vote_growth.hpp"
+#include "detection/segmentation/evidence_growth.hpp"
 #include <mapless/core/timed.hpp>
 
 namespace mapless::inline v1 {

@@ -9,7 +9,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
-#include "detection/tracking/followed_neighbours.hpp"
+#include "detection/tracking/nearest_neighbour_cache.hpp"
 
 namespace mapless::inline v1 {
 namespace {

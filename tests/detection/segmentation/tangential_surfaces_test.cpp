@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "support/vote_image.hpp"
+#include "support/evidence_image.hpp"
 
 namespace mapless {
 namespace MAPLESS_FILE {

@@ -1,4 +1,4 @@
-#include "detection/segmentation/vote_growth.hpp"
+#include "detection/segmentation/evidence_growth.hpp"
 
 #include <algorithm>
 #include <random>
@@ -6,9 +6,9 @@
 
 #include <gtest/gtest.h>
 
-#include "oracle/vote_growth_oracle.hpp"
+#include "oracle/evidence_growth_oracle.hpp"
 #include "support/small_scan.hpp"
-#include "support/vote_image.hpp"
+#include "support/evidence_image.hpp"
 
 namespace mapless {
 namespace MAPLESS_FILE {

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "detection/segmentation/vote_growth.hpp"
+#include "detection/segmentation/evidence_growth.hpp"
 #include "support/small_scan.hpp"
 
 namespace mapless::test {

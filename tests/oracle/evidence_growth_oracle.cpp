@@ -1,4 +1,4 @@
-#include "oracle/vote_growth_oracle.hpp"
+#include "oracle/evidence_growth_oracle.hpp"
 
 #include <algorithm>
 #include <cmath>

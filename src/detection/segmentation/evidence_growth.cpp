@@ -1,4 +1,4 @@
-#include "detection/segmentation/vote_growth.hpp"
+#include "detection/segmentation/evidence_growth.hpp"
 
 #include <algorithm>
 #include <span>

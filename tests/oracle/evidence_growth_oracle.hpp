@@ -7,7 +7,7 @@
 
 namespace mapless::test {
 
-/// vote_growth.hpp by going over all pairs of points. Two points belong together where they are no farther
+/// evidence_growth.hpp by going over all pairs of points. Two points belong together where they are no farther
 /// apart than link_m + range x max(link_per_m, link_spacings x the widest angle between neighbouring beams)
 /// of either, and no more than so many lasers and columns of the aligned scan image.
 class VoteGrowthOracle {

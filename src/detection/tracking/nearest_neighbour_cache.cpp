@@ -1,4 +1,4 @@
-#include "detection/tracking/followed_neighbours.hpp"
+#include "detection/tracking/nearest_neighbour_cache.hpp"
 
 #include <algorithm>
 #include <cmath>
