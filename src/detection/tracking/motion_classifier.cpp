@@ -49,9 +49,9 @@ double evidence_needed(const TrackedObject& object, const VotingParameters& para
 
 // So many times that, by what its body looks like, for what is to begin.
 double times_to_begin(Body body, const TrackedObject& object) {
-  if (body == Body::solid) return kOfSolid;
+  if (body == Body::rigid) return kOfSolid;
   const bool told = object.age > kUntoldScans && object.velocity_std_0().maxCoeff() <= kKnownStd_mps;
-  return body == Body::flickering && !told ? kOfFlickering : 1;
+  return body == Body::porous && !told ? kOfFlickering : 1;
 }
 
 // Whether rays show what a velocity says to be gone since scans of a moment ago.
@@ -59,14 +59,14 @@ bool goes_as_told(const MotionState& last, const TrackedObject& object, const Ob
                   Time now) {
   const double scans = object.age - last.age;
   const double way_m = object.velocity_0.norm() * (now - last.seen).seconds() * kRecentGap / scans;
-  return static_cast<double>(evidence.advance_m) >= kShareOfWay * way_m;
+  return static_cast<double>(evidence.displacement_m) >= kShareOfWay * way_m;
 }
 
 }  // namespace
 
 MotionState next_state(const MotionState& last, const TrackedObject& object, const ObjectEvidence& evidence,
                        Time now, const VotingParameters& parameters) {
-  const bool advances = static_cast<double>(evidence.advance_m) >= parameters.min_advance_m;
+  const bool advances = static_cast<double>(evidence.displacement_m) >= parameters.min_advance_m;
   const bool differs = differs_from_zero(object);
   // Of what slides along itself, or is far, it is not.
   const bool known = differs || object.velocity_std_0().maxCoeff() <= kKnownStd_mps;

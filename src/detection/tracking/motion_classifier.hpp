@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <map>
 
-#include "detection/published/region_growth.hpp"
+#include "detection/segmentation/object_evidence.hpp"
 #include <mapless/core/time.hpp>
 #include <mapless/detection/parameters.hpp>
 #include <mapless/detection/tracked_object.hpp>

@@ -9,7 +9,7 @@
 
 namespace mapless::inline v1 {
 
-Detection MovingObjects::judge(ProposedObjects proposed) {
+Detection MovingObjects::classify(ProposedObjects proposed) {
   Detection detection = std::move(proposed.detection);
   const Time now = detection.scan->start;
   detection.tracked = timed(detection.seconds.tracking, [&] {
@@ -40,7 +40,7 @@ void keep_moving(const std::vector<bool>& moves, Detection& detection) {
   for_each_dynamic(detection.object, [&](std::size_t i) {
     const std::uint16_t number = numbers[detection.object[i]];
     detection.object[i] = number;
-    if (number == 0) detection.trace[i].growth = GrowthVerdict::stopped;
+    if (number == 0) detection.trace[i].growth = GrowthVerdict::static_track;
   });
   detection.objects = static_cast<int>(moving.size());
   detection.tracked = std::move(moving);

@@ -5,7 +5,8 @@
 #include "detection/detection_pipeline.hpp"
 #include "detection/tracking/motion_classifier.hpp"
 #include "detection/tracking/object_tracker.hpp"
-#include <mapless/detection/detector.hpp>
+#include <mapless/detection/detection.hpp>
+#include <mapless/detection/parameters.hpp>
 
 namespace mapless::inline v1 {
 
@@ -18,7 +19,7 @@ class MovingObjects {
   explicit MovingObjects(const DetectorParameters& parameters) : parameters_(parameters) {}
 
   /// The detection, of what moves alone: numbers go to that, in the order they had.
-  Detection judge(ProposedObjects proposed);
+  Detection classify(ProposedObjects proposed);
 
  private:
   DetectorParameters parameters_;

@@ -31,8 +31,8 @@ TrackedObject object(double speed_mps, double std_mps) {
 }
 
 // 0.1 s after a scan at kStart.
-MotionState next(const MotionState& last, const TrackedObject& o, float advance_m, int votes = kVotes) {
-  return next_state(last, o, {advance_m, votes}, kStart + Duration::from_seconds(0.1), parameters());
+MotionState next(const MotionState& last, const TrackedObject& o, float displacement_m, int votes = kVotes) {
+  return next_state(last, o, {displacement_m, votes}, kStart + Duration::from_seconds(0.1), parameters());
 }
 
 MotionState moving() {
@@ -49,10 +49,10 @@ MotionState standing() {
   return state;
 }
 
-bool new_one_moves(float advance_m, int votes) {
+bool new_one_moves(float displacement_m, int votes) {
   TrackedObject o = object(0, kBadly_mps);
   o.age = 1;
-  return next({}, o, advance_m, votes).moves;
+  return next({}, o, displacement_m, votes).moves;
 }
 
 TEST(NextState, ANewObjectMovesWithAnAdvanceAndVotes) {
@@ -90,8 +90,8 @@ TEST(NextState, VotesOfScansItWasNotSeenInAreNone) {
 
 // A quarter, and half as many again.
 TEST(NextState, WhatItsBodyLooksLikeTellsHowManyVotesAnObjectNeeds) {
-  for (const auto& [body, votes] : {std::pair{Body::solid, kVotes / 4}, std::pair{Body::unclear, kVotes},
-                                    std::pair{Body::flickering, kVotes * 3 / 2}}) {
+  for (const auto& [body, votes] : {std::pair{Body::rigid, kVotes / 4}, std::pair{Body::unclear, kVotes},
+                                    std::pair{Body::porous, kVotes * 3 / 2}}) {
     for (const int less : {0, 1}) {
       const ObjectEvidence evidence = {kAdvance_m, votes - less, body};
       EXPECT_EQ(next_state(standing(), object(kFast_mps, kWell_mps), evidence,
@@ -107,7 +107,7 @@ TEST(NextState, WhatFlickersNeedsNoMoreVotesWithAKnownVelocity) {
   for (const int age : {2, 3}) {
     TrackedObject o = object(kFast_mps, kWell_mps);
     o.age = age;
-    const ObjectEvidence evidence = {kAdvance_m, kVotes, Body::flickering};
+    const ObjectEvidence evidence = {kAdvance_m, kVotes, Body::porous};
     EXPECT_EQ(next_state(standing(), o, evidence, kStart + Duration::from_seconds(0.1), parameters()).moves,
               age == 3);
   }
@@ -237,9 +237,9 @@ TEST(NextState, AnObjectOfUnknownSpeedBeginsToMoveWithAnAdvanceAlone) {
 }
 
 TEST(NextState, AKnownSpeedTellsSlowFromFast) {
-  for (const float advance_m : {kAdvance_m, kLess_m}) {
-    EXPECT_TRUE(next(moving(), object(kSlow_mps, kWell_mps), advance_m).slow);
-    EXPECT_FALSE(next(moving(), object(kFast_mps, kWell_mps), advance_m).slow);
+  for (const float displacement_m : {kAdvance_m, kLess_m}) {
+    EXPECT_TRUE(next(moving(), object(kSlow_mps, kWell_mps), displacement_m).slow);
+    EXPECT_FALSE(next(moving(), object(kFast_mps, kWell_mps), displacement_m).slow);
   }
 }
 
