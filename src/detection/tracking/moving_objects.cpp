@@ -15,14 +15,14 @@ Detection MovingObjects::classify(ProposedObjects proposed) {
   detection.tracked = timed(detection.seconds.tracking, [&] {
     return tracker_.process(detection, ScanTrajectory(*detection.scan, std::move(proposed.column_states)));
   });
-  if (parameters_.method == DetectionMethod::published) return detection;
+  if (method_ == DetectionMethod::published) return detection;
   std::vector<bool> moves;
   for (const TrackedObject& object : detection.tracked) {
     MotionState& state = states_[object.id];
-    state = next_state(state, object, proposed.evidence[object.number - 1U], now, parameters_.voting);
+    state = classifier_.update(state, object, proposed.evidence[object.number - 1U], now);
     moves.push_back(state.moves);
   }
-  forget_absent(states_, now);
+  erase_dropped(states_, now);
   keep_moving(moves, detection);
   return detection;
 }

@@ -16,13 +16,15 @@ namespace mapless::inline v1 {
 /// centimetres. What stands is followed on for as long as it is proposed.
 class MovingObjects {
  public:
-  explicit MovingObjects(const DetectorParameters& parameters) : parameters_(parameters) {}
+  explicit MovingObjects(const DetectorParameters& parameters)
+      : method_(parameters.method), classifier_(parameters.voting) {}
 
   /// The detection, of what moves alone: numbers go to that, in the order they had.
   Detection classify(ProposedObjects proposed);
 
  private:
-  DetectorParameters parameters_;
+  DetectionMethod method_;
+  MotionClassifier classifier_;
   ObjectTracker tracker_;
   MotionStates states_;
 };
