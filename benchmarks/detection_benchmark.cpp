@@ -145,7 +145,7 @@ struct VotingStreet {
   std::vector<AskedScan> asked = asked_scans();
   std::vector<PointVotes> votes =
       collect_votes(Street::instance().query.scan(), points, asked, own, parameters);
-  std::vector<BoxVerdict> seeds = filter_votes(Street::instance().query.scan(), points, votes, parameters);
+  std::vector<BoxVerdict> seeds = filter_evidence(Street::instance().query.scan(), points, votes, parameters);
 
   static const VotingStreet& instance() {
     static const VotingStreet street;
@@ -197,13 +197,14 @@ void votes(benchmark::State& state) {
 void vote_filter(benchmark::State& state) {
   const VotingStreet& s = VotingStreet::instance();
   run(state, returns(),
-      [&] { return filter_votes(Street::instance().query.scan(), s.points, s.votes, s.parameters); });
+      [&] { return filter_evidence(Street::instance().query.scan(), s.points, s.votes, s.parameters); });
 }
 
 void evidence_growth(benchmark::State& state) {
   const VotingStreet& s = VotingStreet::instance();
-  run(state, returns(),
-      [&] { return grow_votes(Street::instance().query.scan(), s.points, s.votes, s.seeds, s.parameters); });
+  run(state, returns(), [&] {
+    return grow_evidence(Street::instance().query.scan(), s.points, s.votes, s.seeds, s.parameters);
+  });
 }
 
 /// One scan into a detector that has seen all it can ask for, or the 30 scans there are.
