@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "detection/evidence/evidence_collector.hpp"
-#include <mapless/lidar/aligned_image.hpp>
+#include "lidar/aligned_image.hpp"
 
 namespace mapless::inline v1 {
 
