@@ -15,32 +15,33 @@ class EvidenceGrowthOracle {
   EvidenceGrowthOracle(const LidarScan& scan, const LocalPoints& points, const VotingParameters& parameters)
       : scan_(scan), points_(points.points), parameters_(parameters) {}
 
-  [[nodiscard]] std::vector<BoxVerdict> filter(const std::vector<PointVotes>& votes) const;
-  [[nodiscard]] EvidenceGrowthResult grow(const std::vector<PointVotes>& votes,
+  [[nodiscard]] std::vector<BoxVerdict> filter(const std::vector<PointEvidence>& votes) const;
+  [[nodiscard]] EvidenceGrowthResult grow(const std::vector<PointEvidence>& votes,
                                           const std::vector<BoxVerdict>& seeds) const;
 
  private:
-  void fill(const std::vector<PointVotes>& votes, int least, std::vector<char>& dynamic,
+  void fill(const std::vector<PointEvidence>& votes, int least, std::vector<char>& dynamic,
             EvidenceGrowthResult& result) const;
   /// Adds the sides of every set of `dynamic` points: all that hangs together with it and slides.
-  void slide(const std::vector<PointVotes>& votes, std::vector<char>& dynamic,
+  void slide(const std::vector<PointEvidence>& votes, std::vector<char>& dynamic,
              EvidenceGrowthResult& result) const;
   [[nodiscard]] std::vector<char> sides_of(const std::vector<std::size_t>& thing,
-                                           const std::vector<PointVotes>& votes,
+                                           const std::vector<PointEvidence>& votes,
                                            const std::vector<char>& dynamic) const;
   struct Ends {
     int free = 0, held = 0;  // in front of something farther; going on into what stands
   };
-  [[nodiscard]] Ends ends_of(const std::vector<char>& sides, const std::vector<PointVotes>& votes) const;
+  [[nodiscard]] Ends ends_of(const std::vector<char>& sides, const std::vector<PointEvidence>& votes) const;
   /// Numbers the sets of `dynamic` points, and takes down the evidence of each.
-  void number(const std::vector<PointVotes>& votes, const std::vector<char>& dynamic,
+  void number(const std::vector<PointEvidence>& votes, const std::vector<char>& dynamic,
               EvidenceGrowthResult& result) const;
   /// Diameter about the centroid, times the share of points seen through lately [m].
-  [[nodiscard]] double displacement_m(const std::vector<PointVotes>& votes,
+  [[nodiscard]] double displacement_m(const std::vector<PointEvidence>& votes,
                                       const std::vector<std::size_t>& object) const;
-  [[nodiscard]] int weighed_votes(const std::vector<PointVotes>& votes,
+  [[nodiscard]] int weighed_votes(const std::vector<PointEvidence>& votes,
                                   const std::vector<std::size_t>& object) const;
-  [[nodiscard]] Body body(const std::vector<PointVotes>& votes, const std::vector<std::size_t>& object) const;
+  [[nodiscard]] Body body(const std::vector<PointEvidence>& votes,
+                          const std::vector<std::size_t>& object) const;
   [[nodiscard]] bool linked(std::size_t i, std::size_t j, int rows, int columns) const;
   [[nodiscard]] double link_m(const LidarReturn& r) const;
   [[nodiscard]] int image_column(const LidarReturn& r) const;

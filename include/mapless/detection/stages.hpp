@@ -4,23 +4,29 @@
 #include <cstdint>
 #include <string_view>
 
+#include <mapless/detection/parameters.hpp>
+
 namespace mapless::inline v1 {
 
-/// What the pointcloud comparison said of a point.
+/// Whether a point differs from the reference scans at all. Method "published": answer of the pointcloud
+/// comparison. Method "voting": `dynamic` where some reference scan saw through the point or its occluder
+/// left, `matched` where otherwise some saw a surface.
 enum class ComparisonVerdict : std::uint8_t { not_compared, matched, dynamic };
 
-/// What a freespace check said of a point (paper step 3).
+/// Where a point lies with respect to the rays of a scan (paper step 3). Every freespace check answers so.
 enum class FreespaceVerdict : std::uint8_t {
   not_asked,
-  inside,     ///< the ray goes on beyond the point's plane: it stands where space was free
-  border,     ///< the ray ends on the point's plane
-  outside,    ///< the ray ends short of it: the point was hidden
-  unobserved  ///< no ray passes near, or the nearest had no usable return
+  inside,     ///< in freespace: the ray passes beyond the point
+  border,     ///< on a surface: the ray ends at the point
+  outside,    ///< hidden: the ray ends short of the point
+  unobserved  ///< no ray passes near, or the nearest has no usable return
 };
 
+/// Answer of the filter of border effects: the box filter of the paper, or the support of the linked
+/// neighbours.
 enum class BoxVerdict : std::uint8_t { not_asked, kept, removed };
 
-/// What clustering and region growth said of a point.
+/// Answer of clustering and region growth.
 enum class GrowthVerdict : std::uint8_t {
   not_reached,
   seed,
@@ -29,36 +35,44 @@ enum class GrowthVerdict : std::uint8_t {
   static_track  ///< its track is classified as static (method "voting")
 };
 
-/// Every stage's verdict on one point.
+/// Every stage's verdict on one point. Method "voting" fills `past` with the sign of the votes of the earlier
+/// scans and `future` with that of all scans: `inside` for positive sums, `border` for negative ones.
 struct StageTrace {
-  ComparisonVerdict comparison = ComparisonVerdict::not_compared;
-  FreespaceVerdict backward = FreespaceVerdict::not_asked;
-  FreespaceVerdict forward = FreespaceVerdict::not_asked;
-  BoxVerdict box = BoxVerdict::not_asked;
+  ComparisonVerdict candidate = ComparisonVerdict::not_compared;
+  FreespaceVerdict past = FreespaceVerdict::not_asked;
+  FreespaceVerdict future = FreespaceVerdict::not_asked;
+  BoxVerdict filtered = BoxVerdict::not_asked;
   GrowthVerdict growth = GrowthVerdict::not_reached;
 
   bool operator==(const StageTrace&) const = default;
 };
 
-/// The points after which `dynamic_after` can be asked, in pipeline order.
-enum class Stage : std::uint8_t { comparison, backward, forward, box_filter, region_growth };
+/// Stages in the order of the pipeline; the bits of a .stages file.
+enum class Stage : std::uint8_t { candidate, past, future, filtered, growth };
 inline constexpr int kStageCount = 5;
-inline constexpr std::array<std::string_view, kStageCount> kStageNames = {
-    "pointcloud comparison", "freespace backward", "freespace forward", "box filter", "region growth"};
+using StageNames = std::array<std::string_view, kStageCount>;
+inline constexpr StageNames kVotingStageNames = {"candidates", "past evidence", "past and future",
+                                                 "neighbour support", "region growth"};
+inline constexpr StageNames kPublishedStageNames = {"pointcloud comparison", "freespace backward",
+                                                    "freespace forward", "box filter", "region growth"};
+/// What each stage is called in tables.
+[[nodiscard]] constexpr const StageNames& stage_names(DetectionMethod method) {
+  return method == DetectionMethod::voting ? kVotingStageNames : kPublishedStageNames;
+}
 
 /// Whether the point counts as dynamic once `stage` is done.
 [[nodiscard]] constexpr bool dynamic_after(const StageTrace& t, Stage stage) {
   switch (stage) {
-    case Stage::comparison:
-      return t.comparison == ComparisonVerdict::dynamic;
-    case Stage::backward:
-      return t.backward == FreespaceVerdict::inside;
-    case Stage::forward:  // its verdict stands where it was asked
-      return t.forward == FreespaceVerdict::inside ||
-             (t.forward == FreespaceVerdict::not_asked && t.backward == FreespaceVerdict::inside);
-    case Stage::box_filter:
-      return t.box == BoxVerdict::kept;
-    case Stage::region_growth:
+    case Stage::candidate:
+      return t.candidate == ComparisonVerdict::dynamic;
+    case Stage::past:
+      return t.past == FreespaceVerdict::inside;
+    case Stage::future:  // replaces the answer of `past` for the points it was queried about
+      return t.future == FreespaceVerdict::inside ||
+             (t.future == FreespaceVerdict::not_asked && t.past == FreespaceVerdict::inside);
+    case Stage::filtered:
+      return t.filtered == BoxVerdict::kept;
+    case Stage::growth:
       return t.growth == GrowthVerdict::seed || t.growth == GrowthVerdict::grown;
   }
   return false;

@@ -29,7 +29,7 @@ class EvidenceGrowth {
 
  public:
   EvidenceGrowth(const LidarScan& scan, const LinkedNeighbours& neighbours, const LocalPoints& points,
-                 const std::vector<PointVotes>& votes, const VotingParameters& parameters)
+                 const std::vector<PointEvidence>& votes, const VotingParameters& parameters)
       : scan_(scan),
         neighbours_(neighbours),
         points_(points),
@@ -60,7 +60,7 @@ class EvidenceGrowth {
 
   // What was uncovered beside a thing that moved looks as if that had left it too: alone that is not enough.
   [[nodiscard]] bool may_move(std::int32_t i) const {
-    const PointVotes& v = votes_[static_cast<std::size_t>(i)];
+    const PointEvidence& v = votes_[static_cast<std::size_t>(i)];
     return v.total() > 0 || (v.seen_through && v.total() >= kFirmlyStatic);
   }
 
@@ -152,7 +152,7 @@ class EvidenceGrowth {
   // In the first scans nothing is known to stand, and there sides would go on over all there is.
   [[nodiscard]] bool something_stands() const {
     return std::any_of(votes_.begin(), votes_.end(),
-                       [](const PointVotes& v) { return v.total() < kSliding; });
+                       [](const PointEvidence& v) { return v.total() < kSliding; });
   }
 
   // The sides of one object after another; whether there are any. The marks are on what moves.
@@ -216,7 +216,7 @@ class EvidenceGrowth {
   const LidarScan& scan_;
   const LinkedNeighbours& neighbours_;
   const LocalPoints& points_;
-  const std::vector<PointVotes>& votes_;
+  const std::vector<PointEvidence>& votes_;
   const VotingParameters& parameters_;
   EvidenceGrowthResult result_;
   MarkedReturns marks_;
@@ -229,7 +229,7 @@ class EvidenceGrowth {
 }  // namespace
 
 std::vector<BoxVerdict> filter_evidence(const LidarScan& scan, const LocalPoints& points,
-                                        const std::vector<PointVotes>& votes,
+                                        const std::vector<PointEvidence>& votes,
                                         const VotingParameters& parameters) {
   const LinkedNeighbours neighbours(scan, points, parameters);
   std::vector<BoxVerdict> verdicts(votes.size(), BoxVerdict::not_asked);
@@ -246,8 +246,8 @@ std::vector<BoxVerdict> filter_evidence(const LidarScan& scan, const LocalPoints
 }
 
 EvidenceGrowthResult grow_evidence(const LidarScan& scan, const LocalPoints& points,
-                                   const std::vector<PointVotes>& votes, const std::vector<BoxVerdict>& seeds,
-                                   const VotingParameters& parameters) {
+                                   const std::vector<PointEvidence>& votes,
+                                   const std::vector<BoxVerdict>& seeds, const VotingParameters& parameters) {
   const LinkedNeighbours neighbours(scan, points, parameters);
   return EvidenceGrowth(scan, neighbours, points, votes, parameters).grow(seeds);
 }

@@ -5,6 +5,7 @@
 
 #include "detection/evidence/point_evidence.hpp"
 #include "detection/segmentation/object_evidence.hpp"
+#include <mapless/detection/parameters.hpp>
 #include <mapless/detection/stages.hpp>
 
 namespace mapless::inline v1 {
@@ -21,7 +22,7 @@ struct EvidenceGrowthResult {
 /// the 3 x 5 window of the aligned scan image sum to seed_score or more. Not asked of points whose own votes
 /// are not above 0.
 [[nodiscard]] std::vector<BoxVerdict> filter_evidence(const LidarScan& scan, const LocalPoints& points,
-                                                      const std::vector<PointVotes>& votes,
+                                                      const std::vector<PointEvidence>& votes,
                                                       const VotingParameters& parameters);
 
 /// The place of paper step 5: clusters of fewer than min_seeds `seeds` (kept by filter_evidence) are dropped;
@@ -32,10 +33,10 @@ struct EvidenceGrowthResult {
 /// together with an object is a side of it that slides within itself, where it ends in front of something
 /// farther and does not go on into what stands (src/detection/sliding_sides.hpp). What is linked is one
 /// object, numbered in the order of its first point. The share of its points that were seen through
-/// `recently`, times twice the distance of the farthest from their centroid, is about how far it went: its
-/// `displacement_m`.
+/// `recently_free`, times twice the distance of the farthest from their centroid, is about how far it went:
+/// its `displacement_m`.
 [[nodiscard]] EvidenceGrowthResult grow_evidence(const LidarScan& scan, const LocalPoints& points,
-                                                 const std::vector<PointVotes>& votes,
+                                                 const std::vector<PointEvidence>& votes,
                                                  const std::vector<BoxVerdict>& seeds,
                                                  const VotingParameters& parameters);
 

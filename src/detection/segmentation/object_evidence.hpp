@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "detection/evidence/point_evidence.hpp"
+#include <mapless/geometry/compensated_scan.hpp>
 
 namespace mapless::inline v1 {
 
@@ -19,7 +20,7 @@ enum class Body : std::uint8_t {
 /// What rays tell of the whole of an object, of method "voting".
 struct ObjectEvidence {
   float displacement_m = 0;  ///< about how far it went since the scans of a moment ago
-  int votes = 0;  ///< of its points (PointVotes::total): half where a surface was seen, of one row at
+  int votes = 0;  ///< of its points (PointEvidence::total): half where a surface was seen, of one row at
                   ///< most VotingParameters::min_evidence
   Body body = Body::unclear;
 };
@@ -33,7 +34,7 @@ class ObjectEvidenceCollector {
  public:
   /// Keeps references.
   ObjectEvidenceCollector(const LidarScan& scan, const LocalPoints& points,
-                          const std::vector<PointVotes>& votes, int most_of_row);
+                          const std::vector<PointEvidence>& votes, int most_of_row);
 
   /// `object`: its returns, in any order.
   [[nodiscard]] ObjectEvidence of(std::span<const std::int32_t> object);
@@ -57,7 +58,7 @@ class ObjectEvidenceCollector {
 
   const LidarScan& scan_;
   const LocalPoints& points_;
-  const std::vector<PointVotes>& votes_;
+  const std::vector<PointEvidence>& votes_;
   int most_of_row_;
   std::vector<RowTally> rows_;  // 0 between calls
 };

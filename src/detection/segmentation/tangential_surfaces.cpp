@@ -45,8 +45,8 @@ void TangentialSurfaces::reach(std::int32_t from) {
 }
 
 // What only the later scan saw may be what the thing has just left free.
-bool TangentialSurfaces::slides(const PointVotes& votes) {
-  return votes.total() >= kSliding && (votes.earlier != 0 || votes.moving_seen);
+bool TangentialSurfaces::slides(const PointEvidence& votes) {
+  return votes.total() >= kSliding && (votes.past != 0 || votes.seen_dynamic);
 }
 
 bool TangentialSurfaces::end_of_themselves() const {

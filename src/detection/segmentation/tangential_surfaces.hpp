@@ -24,7 +24,7 @@ class TangentialSurfaces {
  public:
   /// Keeps references. The marks are on what moves.
   TangentialSurfaces(const LidarScan& scan, const LocalPoints& points, const LinkedNeighbours& neighbours,
-                     const std::vector<PointVotes>& votes, const MarkedReturns& moving)
+                     const std::vector<PointEvidence>& votes, const MarkedReturns& moving)
       : scan_(scan),
         points_(points.points),
         neighbours_(neighbours),
@@ -38,7 +38,7 @@ class TangentialSurfaces {
 
  private:
   void reach(std::int32_t from);
-  [[nodiscard]] static bool slides(const PointVotes& votes);
+  [[nodiscard]] static bool slides(const PointEvidence& votes);
   [[nodiscard]] bool end_of_themselves() const;
 
   // Rims of the sides: in front of something farther, where the surface goes on into what stands or straight
@@ -55,7 +55,7 @@ class TangentialSurfaces {
   const LidarScan& scan_;
   const std::vector<Eigen::Vector3f>& points_;
   const LinkedNeighbours& neighbours_;
-  const std::vector<PointVotes>& votes_;
+  const std::vector<PointEvidence>& votes_;
   const MarkedReturns& moving_;
   std::vector<std::uint8_t> reached_;  // of each return, by the thing at hand
   std::vector<std::int32_t> sides_;

@@ -20,7 +20,7 @@ class MovingObjects {
       : method_(parameters.method), classifier_(parameters.voting) {}
 
   /// The detection, of what moves alone: numbers go to that, in the order they had.
-  Detection classify(ProposedObjects proposed);
+  Detection classify(ObjectProposals proposed);
 
  private:
   DetectionMethod method_;

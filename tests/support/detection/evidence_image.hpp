@@ -27,9 +27,9 @@ class EvidenceImage : public testing::Test {
     return static_cast<std::size_t>(scan_.cell(laser, column));
   }
   void set(int laser, int column, int votes) {
-    PointVotes& v = votes_[at(laser, column)];
-    v.earlier = static_cast<std::int16_t>(votes);
-    v.seen_through = v.recently = votes > 0;
+    PointEvidence& v = votes_[at(laser, column)];
+    v.past = static_cast<std::int16_t>(votes);
+    v.seen_through = v.recently_free = votes > 0;
     v.surface_seen = votes < 0;
   }
   [[nodiscard]] std::vector<BoxVerdict> filter() const {
@@ -37,18 +37,18 @@ class EvidenceImage : public testing::Test {
   }
   [[nodiscard]] EvidenceGrowthResult grow() const {
     std::vector<BoxVerdict> seeds;
-    for (const PointVotes& v : votes_)
+    for (const PointEvidence& v : votes_)
       seeds.push_back(v.total() > 0 ? BoxVerdict::kept : BoxVerdict::not_asked);
     return grow_evidence(scan_, points_, votes_, seeds, parameters_);
   }
   /// Growth alone reaches it: seen through once, and a surface seen as often.
   void see_through(int laser, int column) { votes_[at(laser, column)] = {1, -1, true, true, true}; }
   /// Whoever saw through it did so a while ago.
-  void make_old(int laser, int column) { votes_[at(laser, column)].recently = false; }
+  void make_old(int laser, int column) { votes_[at(laser, column)].recently_free = false; }
 
   LidarScan scan_ = small_scan({0, 0, 0, 0, 0}, 5);
   LocalPoints points_ = points_of(scan_);
-  std::vector<PointVotes> votes_ = std::vector<PointVotes>(scan_.returns.size());
+  std::vector<PointEvidence> votes_ = std::vector<PointEvidence>(scan_.returns.size());
   VotingParameters parameters_;
 };
 
