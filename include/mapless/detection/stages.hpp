@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include <mapless/detection/parameters.hpp>
+#include <mapless/geometry/freespace_verdict.hpp>
 
 namespace mapless::inline v1 {
 
@@ -12,15 +13,6 @@ namespace mapless::inline v1 {
 /// comparison. Method "voting": `dynamic` where some reference scan saw through the point or its occluder
 /// left, `matched` where otherwise some saw a surface.
 enum class ComparisonVerdict : std::uint8_t { not_compared, matched, dynamic };
-
-/// Where a point lies with respect to the rays of a scan (paper step 3). Every freespace check answers so.
-enum class FreespaceVerdict : std::uint8_t {
-  not_asked,
-  inside,     ///< in freespace: the ray passes beyond the point
-  border,     ///< on a surface: the ray ends at the point
-  outside,    ///< hidden: the ray ends short of the point
-  unobserved  ///< no ray passes near, or the nearest has no usable return
-};
 
 /// Answer of the filter of border effects: the box filter of the paper, or the support of the linked
 /// neighbours.

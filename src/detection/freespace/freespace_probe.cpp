@@ -140,12 +140,12 @@ float FreespaceProbe::max_distance_m(const Sighting& nearest) const {
 void FreespaceProbe::add_window(const Sighting& s, bool is_nearest, Window& window) const {
   const float tolerance = tolerance_m(s.beam->laser, s.range_m);
   for (int c = s.column - half_window_; c <= s.column + half_window_; ++c) {
-    const float range = image_.range_m(s.beam->laser, c);  // NaN is neither
-    if (range < s.range_m - tolerance) {
+    const FreespaceVerdict found = compare_ranges(image_.range_m(s.beam->laser, c), s.range_m, tolerance);
+    if (found == FreespaceVerdict::outside) {
       const int beside = std::abs(c - s.column);
       if (beside <= 1 || static_cast<float>(beside) * s.range_m <= hides_within_columns_m())
         window.hides = true;
-    } else if (range <= s.range_m + tolerance) {
+    } else if (found == FreespaceVerdict::border) {
       window.border = true;
     }
   }

@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "odometry/map/seen_through.hpp"
+#include "odometry/map/coarse_freespace.hpp"
 #include "odometry/registration/scan_registration.hpp"
 #include <mapless/lidar/lidar_scan.hpp>
 
@@ -18,7 +18,7 @@ inline constexpr unsigned kLinesApart = 29;
 struct UsableScan {
   std::vector<ScanPoint> points;
   TimeBins bins;                            ///< of its keypoints
-  std::shared_ptr<const SeenThrough> seen;  ///< null once the odometry has started
+  std::shared_ptr<const CoarseFreespace> freespace;  ///< null once the odometry has started
   Time start;
   std::size_t interval = 0;  ///< the knot at its start
 };

@@ -18,8 +18,9 @@ constexpr double kAmbiguous = 0.75;
 // A motion is clearly better by so many standard deviations of the number of points asked.
 constexpr double kClearlyMore = 1.5;
 constexpr double kWell = 0.8;  // times the keypoints of a scan, of three at most
-// A point that others saw through speaks against a motion as so many that agree speak for it: walls and
-// ground agree with any motion along them, but nothing right sees through them, only what moves itself.
+// A point in the freespace of other scans counts against a motion as so many that agree speak for it: walls
+// and ground agree with any motion along them, but with the right motion no wall lies in freespace, only what
+// moves itself.
 constexpr double kThroughCounts = 10;
 // A map that a wrong motion has smeared has planes in more places, and a few more points agree with it.
 constexpr double kFarSpeed = 3;  // [m/s]
@@ -29,7 +30,7 @@ constexpr double kFarFewer = 0.5;
 // Two scans of which a smaller share agrees with any motion do not hold one another: .04 to .09 of sixteen
 // lasers on top of a hill and on a motorway, .11 and more in forests, towns and tunnels.
 constexpr double kFewAgree = 0.1;
-// Of all points, what is to agree with a motion from rest, less what is seen through: .73 and more on top of
+// Of all points, what is to agree with a motion from rest, less those in freespace: .73 and more on top of
 // a hill, at rest on a motorway at most .24.
 constexpr double kAgreeFromRest = 0.5;
 
@@ -43,19 +44,19 @@ double motion_cost(const MappedTrajectory& track, const UsableScan& scan,
   return 0.5 * e.dot(motion_information((k2.time - k1.time).seconds(), density) * e);
 }
 
-// Points of the scan that the scans before it saw through.
-double seen_through(const MappedTrajectory& track, const std::vector<UsableScan>& others,
-                    const UsableScan& scan) {
+// Points of the scan in the freespace of each scan before it, in the mean.
+double freespace_violations(const MappedTrajectory& track, const std::vector<UsableScan>& others,
+                            const UsableScan& scan) {
   const KnotInterval interval(track.knots[scan.interval], track.knots[scan.interval + 1]);
-  double through = 0;
+  double inside = 0;
   int scans = 0;
   for (const UsableScan& other : others) {
     if (other.interval == scan.interval) break;
     const KnotInterval own(track.knots[other.interval], track.knots[other.interval + 1]);
-    through += other.seen->count(own, scan.bins, interval).through;
+    inside += other.freespace->count_inside(own, scan.bins, interval);
     ++scans;
   }
-  return through / scans;
+  return inside / scans;
 }
 
 // Farther than one of them can be found from the other in the scans to come.
@@ -138,11 +139,13 @@ std::vector<UsableScan> StartUp::all_scans() const {
   return out;
 }
 
-// The points that agree with a motion, each scan's with all the others, less those seen through.
+// The points that agree with a motion, each scan's with all the others, less those in the freespace of
+// others.
 double StartUp::worth(const MappedTrajectory& track) const {
   const std::vector<UsableScan> all = all_scans();
   double out = agreement_of(track.knots, all, settings_);
-  for (std::size_t s = 1; s < all.size(); ++s) out -= kThroughCounts * seen_through(track, all, all[s]);
+  for (std::size_t s = 1; s < all.size(); ++s)
+    out -= kThroughCounts * freespace_violations(track, all, all[s]);
   return out;
 }
 
@@ -208,7 +211,8 @@ bool StartUp::follow(const UsableScan& scan, Candidate& candidate) const {
   if (!found || !is_plausible(found->knots.back(), track.knots.back())) return false;
   candidate.registration = std::move(*found);
   track.accept(candidate.registration);
-  candidate.score += candidate.registration.agreement - kThroughCounts * seen_through(track, scans_, scan) -
+  candidate.score += candidate.registration.agreement -
+                     kThroughCounts * freespace_violations(track, scans_, scan) -
                      motion_cost(track, scan, settings_.density);
   track.insert(scan, map_radius_m_);
   return true;
