@@ -126,8 +126,8 @@ UsableScan LidarOdometry::State::usable(const LidarScan& scan) const {
   const std::size_t interval = known().knots.size() - 2;
   std::vector<ScanPoint> points = thin(scan, used);
   TimeBins bins(select_keypoints(points, used, halvings), scan.start, known().knots[interval].time);
-  return {std::move(points), std::move(bins), start_up ? std::make_shared<const CoarseFreespace>(scan) : nullptr,
-          scan.start, interval};
+  return {std::move(points), std::move(bins),
+          start_up ? std::make_shared<const CoarseFreespace>(scan) : nullptr, scan.start, interval};
 }
 
 ScanOutcome LidarOdometry::State::start(UsableScan scan, OdometryUpdate& update) {
