@@ -17,7 +17,7 @@ inline constexpr unsigned kLinesApart = 29;
 /// What odometry uses of a scan.
 struct UsableScan {
   std::vector<ScanPoint> points;
-  TimeBins bins;                            ///< of its keypoints
+  TimeBins bins;                                     ///< of its keypoints
   std::shared_ptr<const CoarseFreespace> freespace;  ///< null once the odometry has started
   Time start;
   std::size_t interval = 0;  ///< the knot at its start
