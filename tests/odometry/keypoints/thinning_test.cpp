@@ -38,10 +38,10 @@ double sum_of_shares(const std::vector<float>& squares, double r2) {
 }
 
 TEST(Thinning, ByHand) {
-  EXPECT_DOUBLE_EQ(full_square_of({9, 1, 4}, 2), 5);     // 1/5 + 4/5 + 1
-  EXPECT_DOUBLE_EQ(full_square_of({9, 1, 4}, 2.25), 4);  // 1/4 + 1 + 1
-  EXPECT_DOUBLE_EQ(full_square_of({9, 1, 4}, 0.5), 28);  // 1/28 + 4/28 + 9/28
-  EXPECT_DOUBLE_EQ(full_square_of({4, 4, 4, 4}, 2), 8);
+  EXPECT_DOUBLE_EQ(full_density_square({9, 1, 4}, 2), 5);     // 1/5 + 4/5 + 1
+  EXPECT_DOUBLE_EQ(full_density_square({9, 1, 4}, 2.25), 4);  // 1/4 + 1 + 1
+  EXPECT_DOUBLE_EQ(full_density_square({9, 1, 4}, 0.5), 28);  // 1/28 + 4/28 + 9/28
+  EXPECT_DOUBLE_EQ(full_density_square({4, 4, 4, 4}, 2), 8);
 }
 
 TEST(Thinning, ShareOfEveryReturnSumsToTheTarget) {
@@ -50,7 +50,7 @@ TEST(Thinning, ShareOfEveryReturnSumsToTheTarget) {
     std::vector<float> squares = ranges_of(seed, 200 + 11 * seed);
     for (float& square : squares) square *= square;
     const double target = static_cast<double>(squares.size()) * (0.5 + seed) / 100.5;
-    EXPECT_NEAR(sum_of_shares(squares, full_square_of(squares, target)), target, 1e-6 * target);
+    EXPECT_NEAR(sum_of_shares(squares, full_density_square(squares, target)), target, 1e-6 * target);
   }
 }
 
@@ -80,7 +80,7 @@ TEST(Thinning, KeepsTheOrderOfTheReturns) {
 TEST(Thinning, PassesHaveEachIndexOnceAndAreOfEverywhere) {
   for (const std::size_t size : {3000u, 3017u, 16000u}) {
     SCOPED_TRACE(size);
-    const std::vector<std::uint32_t> order = in_passes(size);
+    const std::vector<std::uint32_t> order = pass_order(size);
     std::vector<std::uint32_t> sorted = order;
     std::sort(sorted.begin(), sorted.end());
     for (std::size_t i = 0; i < size; ++i) ASSERT_EQ(sorted[i], i);
@@ -90,7 +90,7 @@ TEST(Thinning, PassesHaveEachIndexOnceAndAreOfEverywhere) {
       EXPECT_GT(*std::min_element(of_tenth.begin(), of_tenth.end()), 0);
     }
   }
-  EXPECT_TRUE(in_passes(0).empty());
+  EXPECT_TRUE(pass_order(0).empty());
 }
 
 TEST(Thinning, KeepsAllOfFew) { EXPECT_EQ(thin(scan_of(ranges_of(1, 9000)), {}).size(), 9000); }

@@ -21,7 +21,7 @@ TEST(CubeHash, CubesAreNumberedByTheirMiddles) {
     ASSERT_EQ(cube_number(key, 1), y);
     ASSERT_EQ(cube_number(key, 2), z);
     ASSERT_LT(key, std::uint64_t{1} << 63U);
-    ASSERT_EQ(nearest_whole(x + inside(random)), x);
+    ASSERT_EQ(nearest_integer(x + inside(random)), x);
   }
 }
 

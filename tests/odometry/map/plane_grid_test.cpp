@@ -42,7 +42,7 @@ std::vector<Vector3d> points_on(const Patch& patch, int count, double half_m, st
 
 // A plane is fitted anew when its cube has grown by a quarter: so many points that the last is just fitted.
 int next_fit(int count) {
-  int fitted = PlaneGrid::kFewest;
+  int fitted = PlaneGrid::kMinPoints;
   while (fitted < count) fitted = static_cast<int>(std::ceil(1.25 * fitted));
   return fitted;
 }
@@ -124,7 +124,7 @@ TEST(PlaneGrid, ACubeWithTooLittleRoomTakesTheLowestPasses) {
     }
     std::vector<unsigned> taken(points.size(), 0);
     grid.insert(points, 10, 1, taken);
-    int room = PlaneGrid::kFull - before;
+    int room = PlaneGrid::kMaxPoints - before;
     for (unsigned pass = 0; pass < 9; ++pass) {
       for (std::size_t i = 0; i < points.size(); ++i) {
         if (points[i].pass != pass) continue;
@@ -162,7 +162,7 @@ TEST(PlaneGrid, HasNoPlaneOfFewPointsALineOrACloud) {
   PlaneGrid few(1, 0, kSigma), line(1, 0, kSigma), cloud(1, 0, kSigma);
   std::mt19937 generator(8);
   std::uniform_real_distribution<double> uniform(0.1, 0.9);
-  for (int i = 0; i + 1 < PlaneGrid::kFewest; ++i)
+  for (int i = 0; i + 1 < PlaneGrid::kMinPoints; ++i)
     (void)insert(few, {0.15 * i + 0.05, 0.3 * (i % 3) + 0.1, 0.5}, next_line++);
   for (int i = 0; i < 60; ++i) {
     (void)insert(line, {uniform(generator), 0.5, 0.5}, next_line++);
@@ -205,7 +205,7 @@ TEST(PlaneGrid, CubesAtTheOriginAreAsWideAsOthers) {
 
 TEST(PlaneGrid, AFullCubeTakesNoMore) {
   PlaneGrid grid(1, 0, kSigma);
-  for (int i = 0; i < PlaneGrid::kFull; ++i) EXPECT_TRUE(insert(grid, {0.5, 0.5, 0.5}, next_line++));
+  for (int i = 0; i < PlaneGrid::kMaxPoints; ++i) EXPECT_TRUE(insert(grid, {0.5, 0.5, 0.5}, next_line++));
   EXPECT_FALSE(insert(grid, {0.5, 0.5, 0.5}, next_line++));
   grid.remove({{0.5, 0.5, 0.5}});
   EXPECT_TRUE(insert(grid, {0.5, 0.5, 0.5}, next_line++));
@@ -235,7 +235,7 @@ TEST(PlaneGrid, IgnoresPointsThatAreNowhere) {
 }
 
 std::optional<MapPlane> plane_near(const PlaneMap& map, const Vector3d& p_0) {
-  PlaneNear found;
+  CachedPlane found;
   map.find_planes({&p_0, 1}, {&found, 1});
   return found.plane;
 }
@@ -250,27 +250,27 @@ TEST(PlaneMap, WhatHoldsIsWhatWouldBeFoundAnew) {
     for (const Vector3d& p : points_on(patch, 300, 1, generator)) (void)map.insert({{p, next_line++, 10}});
     for (const Vector3d& p : points_on(patch, 30, 1, generator)) queries.push_back(p);
   }
-  std::vector<PlaneNear> kept(queries.size());
+  std::vector<CachedPlane> kept(queries.size());
   map.find_planes(queries, kept);
-  int held = 0, planes = 0;
+  int register_at_speed = 0, planes = 0;
   for (std::size_t i = 0; i < queries.size(); ++i) {
     SCOPED_TRACE(i);
-    const PlaneNear before = kept[i];
+    const CachedPlane before = kept[i];
     const Vector3d moved =
         queries[i] + 0.003 * Vector3d(uniform(generator), uniform(generator), uniform(generator));
     map.find_planes({&moved, 1}, {&kept[i], 1});
     const auto anew = plane_near(map, moved);
     ASSERT_EQ(kept[i].plane.has_value(), anew.has_value());
-    EXPECT_EQ(kept[i].asked_0, before.holds_at(moved) ? queries[i] : moved);
-    held += before.holds_at(moved) ? 1 : 0;
+    EXPECT_EQ(kept[i].query_0, before.valid_at(moved) ? queries[i] : moved);
+    register_at_speed += before.valid_at(moved) ? 1 : 0;
     if (!anew) continue;
     ++planes;
     EXPECT_EQ(kept[i].plane->point_0, anew->point_0);
     EXPECT_EQ(kept[i].plane->normal_0, anew->normal_0);
     EXPECT_NEAR(kept[i].plane->variance, anew->variance, 0.03 * anew->variance);
   }
-  EXPECT_GT(held, 1000);
-  EXPECT_LT(held, 1200) << "some cross into another cube";
+  EXPECT_GT(register_at_speed, 1000);
+  EXPECT_LT(register_at_speed, 1200) << "some cross into another cube";
   EXPECT_GT(planes, 600);
 }
 

@@ -39,8 +39,8 @@ TEST(ScanRegistration, CarriedByThePriorTheCovarianceGrowsByTheMotionOfEveryScan
     ASSERT_TRUE(carried);
     covariance = propagated(covariance);
     EXPECT_LT((carried->last_information.inverse() - covariance).norm(), 1e-6 * covariance.norm()) << k;
-    EXPECT_EQ(carried->known.mean.size(), std::min<std::size_t>(kKnotsKept, knots.size())) << k;
-    prior = carried->known;
+    EXPECT_EQ(carried->posterior.mean.size(), std::min<std::size_t>(kWindowKnots, knots.size())) << k;
+    prior = carried->posterior;
   }
 }
 

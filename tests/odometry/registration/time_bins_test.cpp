@@ -61,7 +61,7 @@ TEST(TimeBins, SixtyFourPointsAtOneStampCountSixtyFourTimes) {
   }
   WindowSystem system(2);
   add_points({sums}, 0, 1, system);
-  EXPECT_EQ(sums.matched, 64);
+  EXPECT_EQ(sums.inliers, 64);
   EXPECT_LT((system.diagonal[0] - H.topLeftCorner<12, 12>()).norm(), 1e-9 * H.norm());
   EXPECT_LT((system.above[0] - H.topRightCorner<12, 12>()).norm(), 1e-9 * H.norm());
   EXPECT_LT((system.diagonal[1] - H.bottomRightCorner<12, 12>()).norm(), 1e-9 * H.norm());
@@ -98,7 +98,7 @@ TEST(TimeBins, WeightsAreThoseOfTheNoiseAndTheCauchyLoss) {
   EXPECT_NEAR(point_residual({0, 0, 0}, SE3(), plane, kWeights).weight, 25, 1e-12);
   const PointResidual off = point_residual({3, -2, 0.4}, SE3(), plane, kWeights);
   EXPECT_NEAR(off.weight, 25 / (1 + 2 * 2 / (2.5 * 2.5)), 1e-12);
-  EXPECT_NEAR(off.agreement, 1 / (1 + 2 * 2 / (2.5 * 2.5)), 1e-12);
+  EXPECT_NEAR(off.robust_weight, 1 / (1 + 2 * 2 / (2.5 * 2.5)), 1e-12);
   EXPECT_EQ(point_residual({0, 0, 0.6}, SE3(), plane, kWeights).weight, 0) << "beyond the gate";
 }
 

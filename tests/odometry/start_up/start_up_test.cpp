@@ -104,7 +104,7 @@ TEST(StartUp, AMotionThatFewPointsOfTwoScansAgreeWithIsNotTheLast) {
   expect_right(SimulatedStart("flyer", 602, 68));
 }
 
-// Where the speed is told, nobody waits longer.
+// Where the speed is told, no more scans are needed.
 TEST(StartUp, FiveScansAreEnoughInATown) {
   const SimulatedStart town("town1", 601, 0);
   EXPECT_EQ(town.started_with, 5);
