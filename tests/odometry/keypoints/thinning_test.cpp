@@ -54,9 +54,9 @@ TEST(Thinning, ShareOfEveryReturnSumsToTheTarget) {
   }
 }
 
-// The definition gives the expected count. Beside the throw for each return (below a sigma of 110), a
-// thousandth of the returns tells the ranges of all, to some 4 %.
-TEST(Thinning, KeepsAboutAsManyAsAreWanted) {
+// The definition gives the expected count. Its error has two parts: the random choice (standard deviation
+// below 110), and the distribution of ranges, estimated from a thousandth of the returns to 4 %.
+TEST(Thinning, KeepsAboutTheNumberWanted) {
   for (const int wanted : {2000, 16000, 40000}) {
     for (unsigned seed = 0; seed < 5; ++seed) {
       SCOPED_TRACE(testing::Message() << "seed " << seed << ", wanted " << wanted);
@@ -76,8 +76,8 @@ TEST(Thinning, KeepsTheOrderOfTheReturns) {
   }));
 }
 
-// Whatever the size, 400 that follow one another have some of every tenth of them.
-TEST(Thinning, PassesHaveEachIndexOnceAndAreOfEverywhere) {
+// For any size, 400 consecutive elements include some of every tenth of the scan.
+TEST(Thinning, PassOrderIsAPermutationThatCoversTheScan) {
   for (const std::size_t size : {3000u, 3017u, 16000u}) {
     SCOPED_TRACE(size);
     const std::vector<std::uint32_t> order = pass_order(size);
@@ -116,8 +116,8 @@ TEST(Keypoints, CubesAreHalvedUntilThereAreEnough) {
 }
 
 // 100,000 returns at 3 m and 10,000 at 6 m, of which 12,000 are wanted: 900,000 / r^2 + 360,000 / r^2 =
-// 12,000, so r^2 is 105, and the shares are 9 / 105 and 36 / 105.
-TEST(Thinning, ThinsWhatIsNearByTheSquare) {
+// 12,000, so that r^2 is 105, and 9 / 105 and 36 / 105 of them are kept.
+TEST(Thinning, ThinsByTheSquareOfTheRange) {
   std::vector<float> ranges(110000, 3);
   for (std::size_t i = 0; i < ranges.size(); i += 11) ranges[i] = 6;
   int near = 0, far = 0;

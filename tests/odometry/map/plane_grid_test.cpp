@@ -40,7 +40,8 @@ std::vector<Vector3d> points_on(const Patch& patch, int count, double half_m, st
   return out;
 }
 
-// A plane is fitted anew when its cube has grown by a quarter: so many points that the last is just fitted.
+// A plane is fitted again when its cube has grown by a quarter: numbers of points at which the last fit has
+// all.
 int next_fit(int count) {
   int fitted = PlaneGrid::kMinPoints;
   while (fitted < count) fitted = static_cast<int>(std::ceil(1.25 * fitted));
@@ -57,7 +58,7 @@ TEST(PlaneGrid, GivesTheLeastSquaresPlaneOfTheCube) {
   for (unsigned seed = 1; seed <= 50; ++seed) {
     SCOPED_TRACE(seed);
     std::mt19937 generator(seed);
-    // Far from the origin, too: 30 km away a float has steps of 2 mm.
+    // Also far from the origin: 30 km away the resolution of a float is 2 mm.
     const Vector3d centre = seed % 2 == 0 ? Vector3d(0.5, 0.5, 0.5) : Vector3d(30000.5, -19999.5, 5.5);
     const Patch patch = random_patch(generator, centre);
     const auto points = points_on(patch, next_fit(6 + static_cast<int>(seed)), 0.2, generator);
@@ -74,7 +75,7 @@ TEST(PlaneGrid, GivesTheLeastSquaresPlaneOfTheCube) {
   }
 }
 
-// Points of a scan come together, in whatever order: cubes side by side, and some that are left out.
+// The points of a scan in random order: in adjacent cubes, and some beyond the maximum range.
 void expect_many_at_once_as_one_by_one(bool shuffled) {
   std::mt19937 generator(5);
   std::vector<MapPoint> points;
@@ -103,16 +104,16 @@ void expect_many_at_once_as_one_by_one(bool shuffled) {
   }
 }
 
-TEST(PlaneGrid, ManyPointsAtOnceAreAsManyOneByOne) {
+TEST(PlaneGrid, InsertingManyPointsEqualsInsertingOneByOne) {
   for (const bool shuffled : {false, true}) {
     SCOPED_TRACE(shuffled);
     expect_many_at_once_as_one_by_one(shuffled);
   }
 }
 
-// Of 480 points, the lowest first, which leave the cube and come back as a laser's firings do beside an edge:
-// it takes those of the lowest passes, and of the last of these the first.
-TEST(PlaneGrid, ACubeWithTooLittleRoomTakesTheLowestPasses) {
+// 480 points in runs that leave the cube and return, as the firings of a laser do beside an edge. The cube
+// accepts those of the lowest passes, and the first ones of the last of these passes.
+TEST(PlaneGrid, ACubeWithoutRoomForAllAcceptsTheLowestPasses) {
   for (const int before : {0, 100}) {
     SCOPED_TRACE(before);
     PlaneGrid grid(1, 0, kSigma);
@@ -137,7 +138,7 @@ TEST(PlaneGrid, ACubeWithTooLittleRoomTakesTheLowestPasses) {
   }
 }
 
-TEST(PlaneGrid, WhatIsTakenOutAgainLeavesNothing) {
+TEST(PlaneGrid, RemovedPointsLeaveNoTrace) {
   std::mt19937 generator(4);
   const Patch patch = random_patch(generator, {2.5, 0.5, 0.5});
   const auto points = points_on(patch, next_fit(30), 0.2, generator);
@@ -171,8 +172,8 @@ TEST(PlaneGrid, HasNoPlaneOfFewPointsALineOrACloud) {
   for (const PlaneGrid* grid : {&few, &line, &cloud}) EXPECT_FALSE(grid->plane_at({0.5, 0.5, 0.5}));
 }
 
-// The floor lies on the face between two cubes: each has the half of its noise, and neither the surface.
-TEST(PlaneGrid, HasNoPlaneThatAFaceCuts) {
+// A floor on the face between two cubes: each has the points of half of its noise, neither has the surface.
+TEST(PlaneGrid, HasNoPlaneThatAFaceOfTheCubeCuts) {
   std::mt19937 generator(9);
   const Patch floor = {{0.5, 0.5, 1}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   PlaneGrid cut(1, 0, kSigma), shifted(1, 0.4, kSigma);
@@ -203,7 +204,7 @@ TEST(PlaneGrid, CubesAtTheOriginAreAsWideAsOthers) {
   EXPECT_EQ(grid.cubes(), 3u);
 }
 
-TEST(PlaneGrid, AFullCubeTakesNoMore) {
+TEST(PlaneGrid, AFullCubeAcceptsNoMore) {
   PlaneGrid grid(1, 0, kSigma);
   for (int i = 0; i < PlaneGrid::kMaxPoints; ++i) EXPECT_TRUE(insert(grid, {0.5, 0.5, 0.5}, next_line++));
   EXPECT_FALSE(insert(grid, {0.5, 0.5, 0.5}, next_line++));
@@ -212,19 +213,19 @@ TEST(PlaneGrid, AFullCubeTakesNoMore) {
   EXPECT_FALSE(insert(grid, {0.5, 0.5, 0.5}, next_line++));
 }
 
-TEST(PlaneGrid, ForgetsWhatIsFar) {
+TEST(PlaneGrid, RemovesCubesThatAreFar) {
   PlaneGrid grid(1, 0, kSigma);
   for (int x = 0; x < 3000; ++x) (void)insert(grid, {x + 0.5, 0.5, 0.5}, next_line++);
   grid.keep_within({1000, 0, 0}, 100);
   EXPECT_EQ(grid.cubes(), 201u);
   (void)insert(grid, {1000.9, 0.5, 0.5}, next_line++);
-  EXPECT_EQ(grid.cubes(), 201u) << "the table still finds them";
+  EXPECT_EQ(grid.cubes(), 201u) << "the table still finds the others";
   for (int x = -3000; x < 0; ++x) (void)insert(grid, {x + 0.5, -0.5, 0.5}, next_line++);
   grid.keep_within({-1000, 0, 0}, 100);
-  EXPECT_EQ(grid.cubes(), 199u) << "on the negative side, their corners 1 m aside";
+  EXPECT_EQ(grid.cubes(), 199u) << "on the negative side, whose corners are 1 m farther";
 }
 
-TEST(PlaneGrid, IgnoresPointsThatAreNowhere) {
+TEST(PlaneGrid, IgnoresPointsWithoutACube) {
   PlaneGrid grid(1, 0, kSigma);
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_FALSE(insert(grid, {nan, 0, 0}, next_line++));
@@ -240,7 +241,7 @@ std::optional<MapPlane> plane_near(const PlaneMap& map, const Vector3d& p_0) {
   return found.plane;
 }
 
-TEST(PlaneMap, WhatHoldsIsWhatWouldBeFoundAnew) {
+TEST(PlaneMap, ACachedPlaneEqualsTheOneFoundAgain) {
   std::mt19937 generator(12);
   std::uniform_real_distribution<double> uniform(-1, 1);
   PlaneMap map(kSigma);
@@ -252,7 +253,7 @@ TEST(PlaneMap, WhatHoldsIsWhatWouldBeFoundAnew) {
   }
   std::vector<CachedPlane> kept(queries.size());
   map.find_planes(queries, kept);
-  int register_at_speed = 0, planes = 0;
+  int still_valid = 0, planes = 0;
   for (std::size_t i = 0; i < queries.size(); ++i) {
     SCOPED_TRACE(i);
     const CachedPlane before = kept[i];
@@ -262,15 +263,15 @@ TEST(PlaneMap, WhatHoldsIsWhatWouldBeFoundAnew) {
     const auto anew = plane_near(map, moved);
     ASSERT_EQ(kept[i].plane.has_value(), anew.has_value());
     EXPECT_EQ(kept[i].query_0, before.valid_at(moved) ? queries[i] : moved);
-    register_at_speed += before.valid_at(moved) ? 1 : 0;
+    still_valid += before.valid_at(moved) ? 1 : 0;
     if (!anew) continue;
     ++planes;
     EXPECT_EQ(kept[i].plane->point_0, anew->point_0);
     EXPECT_EQ(kept[i].plane->normal_0, anew->normal_0);
     EXPECT_NEAR(kept[i].plane->variance, anew->variance, 0.03 * anew->variance);
   }
-  EXPECT_GT(register_at_speed, 1000);
-  EXPECT_LT(register_at_speed, 1200) << "some cross into another cube";
+  EXPECT_GT(still_valid, 1000);
+  EXPECT_LT(still_valid, 1200) << "some points enter another cube";
   EXPECT_GT(planes, 600);
 }
 

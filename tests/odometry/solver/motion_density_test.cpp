@@ -24,7 +24,7 @@ Knots knots_of(const std::vector<Vector6d>& means) {
   return knots;
 }
 
-TEST(MotionDensity, IsTheExpectedOneBeforeAnythingIsKnown) {
+TEST(MotionDensity, IsTheExpectedOneBeforeTheFirstMotion) {
   const Knots knots = knots_of({Vector6d::Constant(3)});
   for (std::size_t n = 0; n <= knots.size(); ++n) {
     SCOPED_TRACE(n);
@@ -34,17 +34,17 @@ TEST(MotionDensity, IsTheExpectedOneBeforeAnythingIsKnown) {
   }
 }
 
-TEST(MotionDensity, OfASteadyMotionIsThatShareOfTheExpectedThatCountsAlways) {
+TEST(MotionDensity, OfASteadyMotionIsTheWeightOfTheExpectedOne) {
   const Knots knots = knots_of(std::vector<Vector6d>(60, Vector6d::LinSpaced(1, 6)));
   const AccelerationDensity density = estimate_density(knots, kExpected);
-  // 21 knots have 20 intervals and 19 changes between them; the expected one counts as two.
+  // 21 knots have 20 intervals and 19 changes between them; the expected one has the weight of two.
   EXPECT_NEAR(density.translation, kExpected.translation * 2 / 21, 1e-9);
   EXPECT_NEAR(density.rotation, kExpected.rotation * 2 / 21, 1e-9);
 }
 
 // An angular acceleration a: the error of the prior, (a dt^2 / 2, a dt), has e^T Q^-1 e = a^2 dt / Qc on its
 // axis, which is to be two. Over three axes that is a third as much each.
-TEST(MotionDensity, OfALastingAngularAccelerationMakesThePriorsErrorWhatItIs) {
+TEST(MotionDensity, OfAConstantAngularAccelerationMatchesThePriorsError) {
   constexpr double kAcceleration = 2;  // [rad/s^2]
   std::vector<Vector6d> means;
   for (int k = 0; k < 60; ++k) means.push_back(kAcceleration * kDt * k * Vector6d::Unit(5));
@@ -52,7 +52,7 @@ TEST(MotionDensity, OfALastingAngularAccelerationMakesThePriorsErrorWhatItIs) {
   EXPECT_NEAR(estimate_density(knots_of(means), {0, expected}).rotation, expected, 1e-6);
 }
 
-// Velocities of white noise on acceleration, averaged over their intervals from many small steps.
+// Velocities under white noise on acceleration, averaged over their intervals from many small steps.
 TEST(MotionDensity, OfWhiteNoiseOnAccelerationIsItsDensity) {
   constexpr double kDensity = 0.5;
   constexpr int kSteps = 200;
@@ -73,7 +73,7 @@ TEST(MotionDensity, OfWhiteNoiseOnAccelerationIsItsDensity) {
     }
     sum += estimate_density(knots_of(means), {kDensity, 0}).translation;
   }
-  // 19 changes of three axes, each with its neighbours: 5 % are four standard deviations of the mean.
+  // 19 changes on three axes, neighbours correlated: 5 % are four standard deviations of the mean.
   EXPECT_NEAR(sum / kRuns, kDensity, 0.05 * kDensity);
 }
 

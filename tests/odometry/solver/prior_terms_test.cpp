@@ -7,7 +7,7 @@
 namespace mapless {
 namespace MAPLESS_FILE {
 
-TEST(PriorTerms, ConstantVelocityCostsNothing) {
+TEST(PriorTerms, ConstantVelocityHasNoCost) {
   Vector6d varpi;
   varpi << -20, 1, 0.5, 0.3, -1, 3;
   const TrajectoryKnot k1 = {Time::from_seconds(1), SE3::exp(varpi), varpi};
@@ -38,8 +38,8 @@ TEST(PriorTerms, InformationIsTheInverseOfTheCovariance) {
 
 // Ends that are both faster by dv than the mean between them cost dv^2 / 2 over the variance T Qc / 12 that
 // white noise has there (method.md section 6), with the smaller density; a change from one steady velocity to
-// another, here by 2 dv over the interval, costs the same whatever is held within it.
-TEST(PriorTerms, WhatHappensWithinAnIntervalIsHeldByItself) {
+// another, here by 2 dv over the interval, has the same cost for any density within.
+TEST(PriorTerms, TheMotionWithinAnIntervalHasItsOwnDensity) {
   const double dt = 0.1, dv = 0.3;
   const AccelerationDensity free = {2, 0.5}, register_at_speed = {2, 0.5, 0.02, 0.01};
   for (int axis = 0; axis < 6; ++axis) {

@@ -40,8 +40,8 @@ class Chain : public testing::TestWithParam<std::size_t> {
     std::vector<TrajectoryKnot> knots;
     WindowPrior posterior;
   };
-  // `knots` follow one another from number `first` on; of those from `newest` on, measurement and motion
-  // count.
+  // `knots` are consecutive from number `first` on; those from `newest` on have a measurement and a motion
+  // prior.
   [[nodiscard]] Solved solved(std::vector<TrajectoryKnot> knots, const WindowPrior& prior, std::size_t first,
                               std::size_t newest, std::size_t kept) const {
     Solved out;
@@ -64,8 +64,8 @@ class Chain : public testing::TestWithParam<std::size_t> {
   std::vector<WindowPrior> measured_;
 };
 
-// One window after the other, the knots before the last few marginalised, must end where everything solved
-// together ends, the last few knots too: what the newest tells of them is not lost.
+// A sliding window that marginalises all but the last few knots must give the same last knots as the full
+// batch.
 TEST_P(Chain, WindowsAgreeWithTheFullBatch) {
   const std::size_t kept = GetParam();
   const Solved batch = solved(truth_, measured_[0], 0, 1, 1);
@@ -77,7 +77,7 @@ TEST_P(Chain, WindowsAgreeWithTheFullBatch) {
     window = solved(knots, window.posterior, k + 1 - knots.size(), k, kept);
   }
   ASSERT_EQ(window.knots.size(), kept + 1);
-  // Less than the curvature of the problem, which a linear prior does not hold.
+  // The bound is the curvature of the problem, which a linear prior does not contain.
   for (std::size_t back = 1; back <= kept + 1; ++back)
     EXPECT_LT(knot_error(batch.knots[7 - back], window.knots[kept + 1 - back]).norm(), 2e-5) << back;
   const Matrix12d& expected = batch.posterior.diagonal.back();
