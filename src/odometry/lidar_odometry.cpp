@@ -215,6 +215,7 @@ ScanOutcome LidarOdometry::State::estimate(const LidarScan& scan, OdometryUpdate
 
 // One scan (Burnett et al. 2022; method.md sections 3 and 6):
 OdometryUpdate LidarOdometry::State::process(const std::shared_ptr<const LidarScan>& scan) {
+  if (!scan) throw InputError({"", "scan", "null", "there is no scan", "give a scan"});
   const Time end = end_of(*scan);
   require_next(*scan, end);
   // 1. A knot at the scan's end, predicted with constant velocity.
@@ -234,8 +235,10 @@ OdometryUpdate LidarOdometry::State::process(const std::shared_ptr<const LidarSc
   return update;
 }
 
-LidarOdometry::LidarOdometry(const OdometryParameters& parameters)
-    : state_(std::make_unique<State>(parameters)) {}
+LidarOdometry::LidarOdometry(const OdometryParameters& parameters) {
+  require_within_bounds(parameters, "LidarOdometry");
+  state_ = std::make_unique<State>(parameters);
+}
 LidarOdometry::~LidarOdometry() = default;
 LidarOdometry::LidarOdometry(LidarOdometry&&) noexcept = default;
 LidarOdometry& LidarOdometry::operator=(LidarOdometry&&) noexcept = default;

@@ -214,6 +214,7 @@ TEST(LidarOdometry, RefusesInvalidScansAndContinues) {
   const auto knots = odometry.knots().size();
   EXPECT_THROW((void)odometry.process(scans[1]), InputError);
   EXPECT_THROW((void)odometry.process(scans[0]), InputError);
+  EXPECT_THROW((void)odometry.process(nullptr), InputError);
   LidarScan compensated = *scans[2];
   compensated.compensated_to = compensated.start;
   EXPECT_THROW((void)odometry.process(std::make_shared<const LidarScan>(compensated)), InputError);

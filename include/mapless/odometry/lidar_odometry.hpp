@@ -31,8 +31,8 @@ class LidarOdometry {
 
   /// Extends the trajectory to the end of `scan`. Until started(), a scan may correct all knots before it;
   /// afterwards the last two. A scan that cannot be registered is not an error: see OdometryUpdate::outcome.
-  /// Throws InputError for a scan that starts before the last one or ends within it, that has no duration, or
-  /// that is already motion-compensated; the odometry is then as before the call.
+  /// Throws InputError for a scan that is null, that starts before the last one or ends within it, that has
+  /// no duration, or that is already motion-compensated; the odometry is then as before the call.
   OdometryUpdate process(const std::shared_ptr<const LidarScan>& scan);
 
   /// Removes the points of dynamic objects from the map, once a detector has found them. `object` has one
