@@ -12,7 +12,7 @@ constexpr double kTypicalRange_m = 10.0;
 // The noise of the normals alone makes a direction look constrained, by about `normal_noise / weight`; a
 // direction must exceed this by the factor. Measured with 3 and 1.5 on flying sensors (OS1-128, seeds 801,
 // 802 and 805): with 3, a weakly constrained direction was left to the prior scan after scan and its speed
-// diverged; with 1.5 none errs by 0.02 m per scan (docs/notebook, odometry).
+// diverged; with 1.5 none errs by 0.02 m per scan (docs/notebook/odometry.md, "What is left to the prior").
 constexpr double kNormalNoiseFactor = 1.5;
 
 // Maps a perturbation of the scan's end, the whole scan moving rigidly with it, to that of a bin's pose.

@@ -36,19 +36,23 @@ bool gauss_newton_step(const WindowPrior& prior, const TimeBins& bins, const Pla
   std::vector<TrajectoryKnot>& knots = registration.knots;
   const std::size_t last = knots.size() - 1;
   const SE3& T_v0 = knots[last].T_v0;
+  // Points: association and point-to-plane residuals by time bin, without unconstrained directions (method.md
+  // 6).
   auto sums = sum_residuals(bins, KnotInterval(knots[last - 1], knots[last]), map, settings.weights, planes);
   const Degeneracy degeneracy = find_degeneracy(sums, T_v0, settings.min_constraint_ratio);
   project_out_unconstrained(degeneracy, T_v0, sums);
 
+  // Normal equations: the prior of the window, the white-noise-on-acceleration prior between the knots that
+  // it does not cover (Anderson and Barfoot, IROS 2015; method.md 3), and the points.
   WindowSystem system(knots.size());
   add_window_prior(prior, knots, 0, system);
-  // The prior already holds the motion between its own knots.
   for (std::size_t k = prior.mean.size() - 1; k < last; ++k)
     add_motion_prior(knots, k, settings.density, system);
   add_points(sums, last - 1, kInformationRatio, system);
   const auto solution = solve(system);
   if (!solution) return false;
 
+  // The step, and the posterior of the open knots with all older ones marginalised.
   for (std::size_t k = 0; k <= last; ++k) knots[k] = perturbed(knots[k], solution->step[k]);
   registration.last_information = solution->information.back();
   registration.posterior = marginal_of_last(kWindowKnots, knots, system, *solution);
