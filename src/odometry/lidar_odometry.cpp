@@ -4,8 +4,7 @@
 
 #include <Eigen/LU>
 
-#include "odometry/solver/knot_chunks.hpp"
-#include "odometry/solver/knot_trajectory.hpp"
+#include "odometry/solver/growing_trajectory.hpp"
 #include "odometry/start_up/start_up.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/odometry/lidar_odometry.hpp>
@@ -72,15 +71,14 @@ void report(const Registration& registration, const TimeBins& bins, OdometryUpda
 
 struct LidarOdometry::State {
   explicit State(const OdometryParameters& p)
-      : parameters(p), settings(settings_of(p)), trajectory(knots), mapped(p.residual_sigma_m) {
+      : parameters(p), settings(settings_of(p)), mapped(p.residual_sigma_m) {
     start_up.emplace(parameters, settings);
   }
 
   OdometryParameters parameters;
   RegistrationSettings settings;
-  std::vector<TrajectoryKnot> knots;  // a copy of those of current(), at a fixed address
-  KnotTrajectory trajectory;
-  KnotChunks final_knots;           // those that no scan corrects any more
+  GrowingTrajectory growing;
+  std::shared_ptr<const Trajectory> trajectory = growing.snapshot({});  // over the knots of current()
   std::optional<StartUp> start_up;  // until the motion of the first scans is decided
   MappedTrajectory mapped;          // from then on
   std::shared_ptr<const LidarScan> last_scan;
@@ -110,6 +108,7 @@ void LidarOdometry::State::require_next(const LidarScan& scan, Time end) const {
     throw InputError({"", "scan", std::to_string(scan.columns) + " columns", "has no duration",
                       "give scans of at least one column"});
   }
+  const std::vector<TrajectoryKnot>& knots = current().knots;
   if (knots.empty() || (scan.start > last_scan->start && end > knots.back().time)) return;
   throw InputError({"", "scan start", std::to_string(scan.start.nanoseconds()) + " ns",
                     "not after the scan before it", "give scans by increasing time"});
@@ -226,12 +225,11 @@ OdometryUpdate LidarOdometry::State::process(const std::shared_ptr<const LidarSc
   OdometryUpdate update;
   update.outcome = estimate(*scan, update);
   last_scan = scan;
-  // 3. The corrected knots, handed out and copied to where trajectory() reads them.
-  const auto changed = static_cast<std::ptrdiff_t>(first_changed);
-  update.knots.assign(current().knots.begin() + changed, current().knots.end());
-  knots.resize(current().knots.size());
-  std::copy(update.knots.begin(), update.knots.end(), knots.begin() + changed);
-  final_knots.update(knots, start_up ? 0 : mapped.window_begin);
+  // 3. The corrected knots, and the trajectory over all knots.
+  const std::vector<TrajectoryKnot>& knots = current().knots;
+  update.knots.assign(knots.begin() + static_cast<std::ptrdiff_t>(first_changed), knots.end());
+  growing.update(knots, start_up ? 0 : mapped.window_begin);
+  trajectory = growing.snapshot(knots);
   return update;
 }
 
@@ -250,10 +248,8 @@ void LidarOdometry::remove_dynamic_points(const LidarScan& scan, const std::vect
   state_->mapped.remove_dynamic_points(scan, object);
 }
 bool LidarOdometry::started() const { return !state_->start_up; }
-const std::vector<TrajectoryKnot>& LidarOdometry::knots() const { return state_->knots; }
-const Trajectory& LidarOdometry::trajectory() const { return state_->trajectory; }
-std::shared_ptr<const Trajectory> LidarOdometry::trajectory_snapshot() const {
-  return state_->final_knots.snapshot(state_->knots);
-}
+const std::vector<TrajectoryKnot>& LidarOdometry::knots() const { return state_->current().knots; }
+const Trajectory& LidarOdometry::trajectory() const { return *state_->trajectory; }
+std::shared_ptr<const Trajectory> LidarOdometry::trajectory_snapshot() const { return state_->trajectory; }
 
 }  // namespace mapless

@@ -43,14 +43,14 @@ class LidarOdometry {
   /// Whether the motion of the first scans is decided, after five to ten usable scans. Until then the knots
   /// are those of the best motion so far.
   [[nodiscard]] bool started() const;
-  /// All knots so far, by increasing time.
+  /// All knots so far, by increasing time. The reference is valid until the next call of process().
   [[nodiscard]] const std::vector<TrajectoryKnot>& knots() const;
-  /// The trajectory so far. It lives as long as this object and grows with every scan, so that no other
-  /// thread may read it while process() runs. Its domain is empty before the first scan.
+  /// The trajectory over knots(). Its domain is empty before the first scan. The reference is valid until the
+  /// next call of process().
   [[nodiscard]] const Trajectory& trajectory() const;
-  /// The trajectory as it is now, for another thread to keep: immutable, with no tie to this object. Costs
-  /// the copy of at most 260 knots (50 kB), and 16 bytes for every further 256. Call it in the thread that
-  /// calls process(). Its domain is empty before the first scan.
+  /// The same trajectory, for another thread to keep: immutable, and without any tie to this object. Every
+  /// call of process() makes a new one, by a copy of at most 260 knots (50 kB) and 16 bytes for every further
+  /// 256 knots.
   [[nodiscard]] std::shared_ptr<const Trajectory> trajectory_snapshot() const;
 
  private:
