@@ -13,7 +13,7 @@ namespace {
 // step then errs by less than 0.01 mm at 200 deg/s and 30 m (10 Hz): (w t)^2 / 2 x range.
 constexpr std::int64_t kStepsPerScan = 256;
 
-// Points per parallel task, 50 us of work. Changes no result.
+// Points per parallel task: some tens of microseconds of work. Changes no result.
 constexpr std::size_t kPointsPerTask = 4096;
 
 struct Step {
