@@ -21,7 +21,7 @@ void OdometryReport::add(const LidarScan& scan, const OdometryUpdate& update) {
   repeated += outcome == ScanOutcome::repeated ? 1 : 0;
   lost += outcome == ScanOutcome::lost || outcome == ScanOutcome::restarted ? 1 : 0;
   restarts += outcome == ScanOutcome::restarted ? 1 : 0;
-  degenerate += registered && update.degeneracy.held_by_prior > 0 ? 1 : 0;
+  degenerate += registered && update.degeneracy.unconstrained > 0 ? 1 : 0;
   not_converged += registered && !update.converged ? 1 : 0;
   ambiguous_start |= update.ambiguous;
   // Half a scan: two sensors' clocks and a scan that starts late stay below it, a missing scan does not.
@@ -67,9 +67,9 @@ std::string trouble_of(const OdometryUpdate& update) {
   }
   if (update.ambiguous) return "another motion explains the first scans as well: the speed is uncertain";
   if (!update.converged) return "the registration did not converge";
-  if (update.degeneracy.held_by_prior == 0) return "";
+  if (update.degeneracy.unconstrained == 0) return "";
   return fmt::format("the points do not constrain {} of 3 directions of motion",
-                     update.degeneracy.held_by_prior);
+                     update.degeneracy.unconstrained);
 }
 
 }  // namespace mapless

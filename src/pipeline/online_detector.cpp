@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <deque>
 #include <future>
 #include <iterator>
@@ -55,7 +54,6 @@ struct OnlineDetector::State {
   }
 
   void require_same_source(bool given);
-  [[nodiscard]] std::shared_ptr<const Trajectory> estimated_motion() const;
   std::vector<LabelledScan> push_given(const std::shared_ptr<const LidarScan>& scan,
                                        const std::shared_ptr<const Trajectory>& given);
   std::vector<LabelledScan> push_estimated(const std::shared_ptr<const LidarScan>& scan);
@@ -88,16 +86,6 @@ void OnlineDetector::State::require_same_source(bool given) {
        "give poses with every scan or with none"});
 }
 
-// A snapshot from the first scan without labels on.
-std::shared_ptr<const Trajectory> OnlineDetector::State::estimated_motion() const {
-  const auto& knots = odometry.knots();
-  auto first = std::upper_bound(knots.begin(), knots.end(), unlabelled.front().start,
-                                [](Time time, const TrajectoryKnot& knot) { return time < knot.time; });
-  if (first != knots.begin()) --first;
-  return std::make_shared<const GaussianProcessTrajectory>(std::vector<TrajectoryKnot>(first, knots.end()),
-                                                           "lidar odometry");
-}
-
 std::vector<LabelledScan> OnlineDetector::State::push_given(const std::shared_ptr<const LidarScan>& scan,
                                                             const std::shared_ptr<const Trajectory>& given) {
   std::shared_ptr<const LidarScan> measured = scan;
@@ -119,7 +107,7 @@ std::vector<LabelledScan> OnlineDetector::State::push_estimated(
   held_back.push_back(scan);
   std::vector<LabelledScan> done = std::exchange(ready, {});
   if (!odometry.started() && held_back.size() < kMostScansHeldBack) return done;
-  estimated = estimated_motion();
+  estimated = odometry.trajectory_snapshot();
   if (options.side_by_side && held_back.size() == 1) {
     registered = std::move(held_back.front());
     held_back.clear();
@@ -152,7 +140,7 @@ OdometryUpdate OnlineDetector::State::register_beside_detection(
 
 void OnlineDetector::State::remove_dynamic_points() {
   for (const DynamicPoints& points : std::exchange(dynamic_points, {}))
-    odometry.leave_out(*points.scan, points.object);
+    odometry.remove_dynamic_points(*points.scan, points.object);
 }
 
 std::vector<LabelledScan> OnlineDetector::State::detect(const Scans& scans, const Trajectory& trajectory) {
@@ -206,7 +194,7 @@ std::vector<LabelledScan> OnlineDetector::catch_up() {
 std::vector<LabelledScan> OnlineDetector::flush() {
   std::vector<LabelledScan> done = catch_up();
   if (state_->unlabelled.empty()) return done;
-  if (!*state_->poses_given) state_->estimated = state_->estimated_motion();
+  if (!*state_->poses_given) state_->estimated = state_->odometry.trajectory_snapshot();
   done = joined(std::move(done), state_->detect_registered(std::exchange(state_->held_back, {})));
   return joined(std::move(done), state_->labelled(state_->detector.flush()));
 }

@@ -10,6 +10,7 @@
 
 namespace mapless::app {
 
+/// A scan with the labels to draw, and the true ones where known.
 struct PicturedScan {
   LidarScan scan;
   std::vector<std::uint32_t> labels;
