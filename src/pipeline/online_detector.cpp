@@ -1,6 +1,7 @@
 #include <deque>
 #include <future>
 #include <iterator>
+#include <optional>
 #include <utility>
 
 #include <tbb/task_arena.h>
@@ -38,7 +39,7 @@ struct OnlineDetector::State {
   struct Unlabelled {
     Time start;
     std::shared_ptr<const Trajectory> given;  // null: estimated
-    std::optional<OdometryUpdate> odometry;
+    std::shared_ptr<const OdometryUpdate> odometry;
   };
   // What the map of the odometry is to be told of a labelled scan.
   struct DynamicPoints {
@@ -93,7 +94,7 @@ std::vector<LabelledScan> OnlineDetector::State::push_given(const std::shared_pt
     measured = std::make_shared<const LidarScan>(restore_measured_rays(*scan, *given));
   std::vector<Detection> detections = detector.process(measured, *given);
   poses_given = true;
-  unlabelled.push_back({scan->start, given, std::nullopt});
+  unlabelled.push_back({scan->start, given, nullptr});
   return labelled(std::move(detections));
 }
 
@@ -103,7 +104,7 @@ std::vector<LabelledScan> OnlineDetector::State::push_estimated(
   poses_given = false;
   report.add(*scan, update);
   remove_dynamic_points();
-  unlabelled.push_back({scan->start, nullptr, std::move(update)});
+  unlabelled.push_back({scan->start, nullptr, std::make_shared<const OdometryUpdate>(std::move(update))});
   held_back.push_back(scan);
   std::vector<LabelledScan> done = std::exchange(ready, {});
   if (!odometry.started() && held_back.size() < kMostScansHeldBack) return done;

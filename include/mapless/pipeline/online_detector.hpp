@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include <mapless/core/se3.hpp>
@@ -33,8 +32,8 @@ struct LabelledScan {
   Detection detection;
   /// T_v0(t) over the whole scan: the one given, or what odometry had estimated when the labels were made.
   std::shared_ptr<const Trajectory> trajectory;
-  /// Outcome of odometry for this scan; absent where poses were given. trouble_of() puts it into words.
-  std::optional<OdometryUpdate> odometry;
+  /// What odometry found with this scan; null where poses were given. trouble_of() puts it into words.
+  std::shared_ptr<const OdometryUpdate> odometry;
 
   [[nodiscard]] const LidarScan& scan() const { return *detection.scan; }
   /// Sensor to world at the scan's start.
