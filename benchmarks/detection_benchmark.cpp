@@ -9,7 +9,7 @@
 #include "detection/published/freespace_check.hpp"
 #include "detection/published/pointcloud_comparison.hpp"
 #include "detection/published/region_growth.hpp"
-#include "detection/segmentation/vote_growth.hpp"
+#include "detection/segmentation/evidence_growth.hpp"
 #include "support/local_points.hpp"
 #include "support/prepared.hpp"
 #include "support/run_detector.hpp"
@@ -199,7 +199,7 @@ void vote_filter(benchmark::State& state) {
       [&] { return filter_votes(Street::instance().query.scan(), s.points, s.votes, s.parameters); });
 }
 
-void vote_growth(benchmark::State& state) {
+void evidence_growth(benchmark::State& state) {
   const VotingStreet& s = VotingStreet::instance();
   run(state, returns(),
       [&] { return grow_votes(Street::instance().query.scan(), s.points, s.votes, s.seeds, s.parameters); });
@@ -245,7 +245,7 @@ MAPLESS_BENCHMARK(ray_image);
 BENCHMARK(probe)->Arg(1)->ArgName("threads")->UseRealTime()->Unit(benchmark::kMillisecond);
 MAPLESS_BENCHMARK(votes);
 MAPLESS_BENCHMARK(vote_filter);
-MAPLESS_BENCHMARK(vote_growth);
+MAPLESS_BENCHMARK(evidence_growth);
 MAPLESS_BENCHMARK(detector)->Iterations(3);
 MAPLESS_BENCHMARK(published_detector)->Iterations(3);
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include <mapless/detection/detector.hpp>
+#include <mapless/detection/detection.hpp>
 #include <mapless/detection/tracked_object.hpp>
 #include <mapless/io/object_table.hpp>
 
