@@ -1,41 +1,42 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
-#include "io/formats/pcd/pcd_points.hpp"
+#include "lidar/scan_builder/raw_points.hpp"
 #include <mapless/lidar/model_estimation.hpp>
 
 namespace mapless::inline v1 {
 
-/// What tells the ring of a point.
-enum class PcdRingSource {
-  field,  ///< a field of the file
+/// Where the ring of a point comes from.
+enum class RingSource {
+  field,  ///< PointFields::ring
   rows,   ///< the rows of an organised cloud
   order,  ///< the order of the points: ring after ring, as KITTI stores them
 };
 
-/// The sensor of a PCD folder that does not come with one.
-struct PcdSensor {
+/// A sensor estimated from its points.
+struct RecoveredSensor {
   LidarModel model;
   BareCloudLayout layout;
   ModelEstimate estimate;
-  PcdRingSource rings_from = PcdRingSource::order;
+  RingSource rings_from = RingSource::order;
   std::size_t rows = 1;                    ///< of the clouds
-  std::vector<std::int64_t> ring_numbers;  ///< of the file, in the order of layout.row_of_ring
+  std::vector<std::int64_t> ring_numbers;  ///< of the points, in the order of layout.row_of_ring
   std::vector<std::string> notes;          ///< how it was found, one line each
 };
 
-/// Estimates the sensor from a few scans: rings by `field`, else `rows`, else `order`; spin from the times of
-/// the points, else from the starts of the scans, clockwise. Throws InputError that asks for the sensor where
-/// the rings found are not those of a spinning lidar.
-[[nodiscard]] PcdSensor estimate_pcd_sensor(const std::vector<std::filesystem::path>& files,
-                                            const std::vector<Time>& starts, const std::string& folder);
+/// Estimates the sensor from a few scans, at least one: rings by `field`, else `rows`, else `order`; spin
+/// from the times of the points, else clockwise at the rate of `starts`, those of all scans of the recording.
+/// Throws InputError naming `source` where the rings are not those of a spinning lidar.
+[[nodiscard]] RecoveredSensor recover_sensor(std::vector<RawPoints> scans, std::span<const Time> starts,
+                                             const std::string& source);
 
 /// Row of every point of a scan. Throws InputError naming `source` where the scan has other rings.
-[[nodiscard]] std::vector<std::int32_t> lasers_by_rings(const PcdPoints& points, const PcdSensor& sensor,
+[[nodiscard]] std::vector<std::int32_t> lasers_by_rings(const RawPoints& points,
+                                                        const RecoveredSensor& sensor,
                                                         const std::string& source);
 
 }  // namespace mapless
