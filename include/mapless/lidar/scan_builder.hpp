@@ -11,7 +11,6 @@
 #include <mapless/core/time.hpp>
 #include <mapless/lidar/lidar_model.hpp>
 #include <mapless/lidar/lidar_scan.hpp>
-#include <mapless/lidar/model_estimation.hpp>
 
 namespace mapless::inline v1 {
 
@@ -94,7 +93,7 @@ class ScanBuilder {
   /// For a known sensor. Throws InputError where the model cannot be one (validate).
   explicit ScanBuilder(const LidarModel& model);
 
-  /// For an unknown sensor: estimates its lasers from scans of it (model_estimation.hpp), about eight from
+  /// For an unknown sensor: estimates its lasers from scans of it , about eight from
   /// all over a recording. Rings from the field `ring`, else from the rows of an organised cloud, else from
   /// the order (ring after ring, as KITTI stores them). Spin from the times; without times, clockwise at the
   /// rate of the stamps. `stamps` has one element per scan of the recording, in time order, and may hold more

@@ -9,8 +9,8 @@
 
 #include <fmt/format.h>
 
+#include "lidar/ring_recovery.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/lidar/ring_recovery.hpp>
 
 namespace mapless::inline v1 {
 namespace {

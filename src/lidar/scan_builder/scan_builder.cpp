@@ -6,10 +6,10 @@
 #include <fmt/format.h>
 
 #include "lidar/nearest_beam.hpp"
+#include "lidar/ring_recovery.hpp"
 #include "lidar/scan_builder/raw_points.hpp"
 #include "lidar/scan_builder/sensor_recovery.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/lidar/ring_recovery.hpp>
 #include <mapless/lidar/scan_builder.hpp>
 
 namespace mapless::inline v1 {

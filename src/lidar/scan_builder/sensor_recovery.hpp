@@ -5,8 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "lidar/model_estimation.hpp"
+#include "lidar/ring_recovery.hpp"
 #include "lidar/scan_builder/raw_points.hpp"
-#include <mapless/lidar/model_estimation.hpp>
 
 namespace mapless::inline v1 {
 
