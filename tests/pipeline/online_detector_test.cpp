@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>
 
-#include "support/run_detector.hpp"
+#include "support/detection/run_detector.hpp"
 #include "support/toy_scene.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/geometry/compensated_scan.hpp>
