@@ -36,6 +36,11 @@ class BoundedQueue {
     return thing;
   }
 
+  [[nodiscard]] bool empty() const {
+    const std::lock_guard lock(mutex_);
+    return things_.empty();
+  }
+
   /// Nothing more is taken; what waits still comes out.
   void close() {
     const std::lock_guard lock(mutex_);
@@ -52,7 +57,7 @@ class BoundedQueue {
 
  private:
   std::size_t capacity_;
-  std::mutex mutex_;  // of the rest
+  mutable std::mutex mutex_;  // of the rest
   std::condition_variable changed_;
   std::deque<T> things_;
   bool closed_ = false;

@@ -54,6 +54,8 @@ std::optional<std::size_t> RealTimePace::next(const std::function<bool()>& stop)
   return next_++;
 }
 
+bool RealTimePace::next_is_due() const { return next_ < ends_.size() && due(next_) <= clock_.now(); }
+
 void RealTimePace::answered(std::size_t index) {
   report_.latency_ms.push_back(milliseconds(clock_.now() - due(index)));
 }

@@ -43,6 +43,8 @@ class RealTimePace {
   /// Index of the next scan to work on, slept for where none waits. Nothing after the last scan, or once
   /// `stop` says so. The first call starts the recording.
   [[nodiscard]] std::optional<std::size_t> next(const std::function<bool()>& stop);
+  /// True where the next scan has arrived already. After the first `next`.
+  [[nodiscard]] bool next_is_due() const;
   /// The labels of this scan are there.
   void answered(std::size_t index);
 

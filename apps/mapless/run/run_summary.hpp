@@ -11,11 +11,11 @@
 
 #include "reports/json_text.hpp"
 #include "run/input_output_report.hpp"
-#include "run/motion_source.hpp"
 #include "run/real_time_pace.hpp"
 #include <mapless/detection/detector.hpp>
 #include <mapless/io/dataset.hpp>
 #include <mapless/io/trajectory_source.hpp>
+#include <mapless/pipeline/odometry_report.hpp>
 
 namespace mapless::app {
 

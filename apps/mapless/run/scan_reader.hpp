@@ -34,6 +34,8 @@ class ScanReader {
   /// Scan k, which comes after the one taken before; those between them are passed over, and what reading
   /// them threw with them. Throws what reading k threw.
   [[nodiscard]] InputScan take(std::size_t k);
+  /// True where `take` of the next scan returns at once.
+  [[nodiscard]] bool is_ready() const { return !queue_.empty(); }
   /// Reads no more. Returns once the scan in hand is read.
   void stop();
   /// How long reading took; once stopped.

@@ -10,7 +10,7 @@
 #include "options/parameter_options.hpp"
 #include "options/recording_options.hpp"
 #include "run/detection_run.hpp"
-#include "run/motion_source.hpp"
+#include "run/given_motion.hpp"
 #include "run/run_summary.hpp"
 #include "terminal/interrupt.hpp"
 #include "terminal/stderr.hpp"
@@ -51,15 +51,15 @@ std::size_t selected_count(const DetectOptions& options, const Dataset& dataset)
   return count;
 }
 
-void announce(const Dataset& dataset, const MotionSource& motion) {
+void announce(const Dataset& dataset, const TrajectorySource& motion) {
   say("mapless: format {}, sensor {}, {} scans\n", dataset.format(), dataset.model()->name, dataset.size());
   for (const std::string& note : dataset.notes()) say("mapless: {}\n", note);
-  if (motion.estimated()) {
+  if (!motion.trajectory) {
     say("mapless: trajectory: estimated by lidar odometry\n");
     return;
   }
   std::string line;
-  for (const auto& [name, value] : motion.source().conventions) {
+  for (const auto& [name, value] : motion.conventions) {
     line += fmt::format("{}{} {}", line.empty() ? "" : ", ", name, value);
   }
   say("mapless: trajectory: {}\n", line);
@@ -108,21 +108,21 @@ int detect(const DetectOptions& options) {
   if (options.threads) threads.emplace(tbb::global_control::max_allowed_parallelism, *options.threads);
   const ResultFolder result(options.output);
   result.require_free(options.overwrite);
-  const DetectorParameters parameters = options.parameters.chosen();
+  const OnlineDetectorOptions detector{options.parameters.chosen(), options.parameters.odometry(),
+                                       options.threads != 1};
 
   const auto dataset = options.recording.open();
   const std::size_t count = selected_count(options, *dataset);
   require_time_order(*dataset, options.first, count);
-  MotionSource motion =
-      options.odometry
-          ? MotionSource::odometry(*dataset, options.first, options.parameters.odometry())
-          : MotionSource(*dataset, options.trajectory, options.first, options.parameters.odometry());
+  const TrajectorySource motion = options.odometry
+                                      ? motion_by_odometry(*dataset, options.first)
+                                      : given_motion(*dataset, options.trajectory, options.first);
   announce(*dataset, motion);
-  if (!motion.estimated()) require_coverage(*dataset, motion.trajectory(), options.first, count);
+  if (motion.trajectory) require_coverage(*dataset, *motion.trajectory, options.first, count);
 
   const InterruptGuard interrupt;
-  RunSummary summary(*dataset, options.recording.path, motion.source(), options.parameters.profile,
-                     options.first, count);
+  RunSummary summary(*dataset, options.recording.path, motion, options.parameters.profile, options.first,
+                     count);
   // Not before there is a scan to write: a run that fails earlier leaves nothing behind, and an earlier
   // result as it is.
   const auto make_folder = [&] {
@@ -131,10 +131,10 @@ int detect(const DetectOptions& options) {
   };
   std::optional<RealTimePace> pace;
   if (options.real_time) pace = pace_of(*dataset, options.first, count);
-  DetectionRun run(*dataset, motion, result, parameters, summary, {options.first, count},
-                   options.threads != 1, std::move(pace), make_folder);
+  DetectionRun run(*dataset, motion.trajectory, result, detector, summary, {options.first, count},
+                   std::move(pace), make_folder);
   const bool complete = run_to_the_end(run, summary);
-  if (const std::string trouble = motion.trouble(); !trouble.empty()) say("mapless: {}\n", trouble);
+  if (const std::string trouble = run.odometry_trouble(); !trouble.empty()) say("mapless: {}\n", trouble);
   if (const std::string trouble = summary.input_output_trouble(); !trouble.empty())
     say("mapless: {}\n", trouble);
   return report(options, summary, complete);

@@ -18,7 +18,7 @@
 #include "options/parameter_options.hpp"
 #include "options/recording_options.hpp"
 #include "reports/json_text.hpp"
-#include "run/motion_source.hpp"
+#include "run/given_motion.hpp"
 #include "run/scan_poses.hpp"
 #include "terminal/interrupt.hpp"
 #include "terminal/progress.hpp"
@@ -28,6 +28,8 @@
 #include <mapless/evaluation/quantile.hpp>
 #include <mapless/io/result_folder.hpp>
 #include <mapless/io/trajectory_file.hpp>
+#include <mapless/odometry/lidar_odometry.hpp>
+#include <mapless/pipeline/odometry_report.hpp>
 
 namespace mapless::app {
 namespace {
@@ -98,17 +100,18 @@ Time instant_of(const LidarScan& scan, const std::string& instant) {
   return scan.start + Duration::from_nanoseconds((scan.end() - scan.start).nanoseconds() / 2);
 }
 
-/// What one run found.
+/// The motion over a recording.
 struct Estimate {
-  std::vector<TimedPose> at_instants;  ///< one a scan
-  std::vector<TimedPose> rows;         ///< as many as asked for
+  std::vector<TimedPose> at_instants;  ///< one per scan
+  std::vector<TimedPose> rows;         ///< OdometryOptions::poses_per_scan per scan
   std::vector<double> scan_ms;         ///< odometry alone, without reading
-  std::vector<double> scan_cpu_ms;     ///< the same in time of the process's threads
+  std::vector<double> scan_cpu_ms;     ///< the same in processor time of all threads of the process
+  OdometryReport report;
 };
 
-// The motion as it is known in the end; nothing where interrupted.
-std::optional<Estimate> estimate(const Dataset& dataset, const OdometryOptions& options,
-                                 MotionSource& motion) {
+// The trajectory as it is after the last scan; nothing where interrupted.
+std::optional<Estimate> estimate(const Dataset& dataset, const OdometryOptions& options) {
+  LidarOdometry lidar_odometry(options.parameters.odometry());
   Progress progress("scans");
   Estimate out;
   std::vector<std::pair<Time, Duration>> scans;  // instant and length
@@ -118,14 +121,15 @@ std::optional<Estimate> estimate(const Dataset& dataset, const OdometryOptions& 
     scans.emplace_back(instant_of(*scan, options.instant), scan->end() - scan->start);
     const auto begin = std::chrono::steady_clock::now();
     const std::clock_t cpu_begin = std::clock();
-    (void)motion.add(scan);
+    const OdometryUpdate update = lidar_odometry.process(scan);
     out.scan_ms.push_back(
         std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count());
     out.scan_cpu_ms.push_back(1e3 * static_cast<double>(std::clock() - cpu_begin) / CLOCKS_PER_SEC);
+    out.report.add(*scan, update);
     progress.update(k + 1, dataset.size());
   }
   progress.clear();
-  const Trajectory& trajectory = motion.trajectory();
+  const Trajectory& trajectory = lidar_odometry.trajectory();
   for (const auto& [instant, length] : scans) {
     out.at_instants.push_back({instant, trajectory.at(instant).T_v0});
     append_poses(out.rows, scan_poses(trajectory, instant, instant + length, options.poses_per_scan));
@@ -156,15 +160,15 @@ int odometry(const OdometryOptions& options) {
   const OutputFiles files(options.output);
   files.require_free(options.overwrite);
   const auto dataset = options.recording.open();
-  MotionSource motion = MotionSource::odometry(*dataset, 0, options.parameters.odometry());
+  (void)motion_by_odometry(*dataset, 0);  // refuses a compensated recording
   const InterruptGuard interrupt;
-  const std::optional<Estimate> done = estimate(*dataset, options, motion);
+  const std::optional<Estimate> done = estimate(*dataset, options);
   if (!done) {
     say("mapless: interrupted; nothing is written\n");
     return InterruptGuard::exit_code();
   }
   const Estimate& found = *done;
-  const std::string trouble = motion.trouble();
+  const std::string trouble = found.report.trouble();
   if (!trouble.empty()) say("mapless: {}\n", trouble);
   files.write(found.at_instants, found.rows);
   if (options.json) {

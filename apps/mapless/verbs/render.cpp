@@ -29,8 +29,8 @@ struct RenderOptions {
 };
 
 // Labels of a result, or the recording's own truth where there is none.
-LabelledScan read_labelled(const Dataset& dataset, const std::string& result, std::size_t k) {
-  LabelledScan out{dataset.read(k), {}, dataset.read_labels(k)};
+PicturedScan read_labelled(const Dataset& dataset, const std::string& result, std::size_t k) {
+  PicturedScan out{dataset.read(k), {}, dataset.read_labels(k)};
   if (!result.empty()) {
     out.labels = read_label_file(ResultFolder(result).label_file(k), out.scan.input_size);
     return out;
@@ -54,7 +54,7 @@ Time middle_of(const LidarScan& scan) {
 }
 
 // The points of the other scan at their own instants, as seen from T_m0; labels of both after each other.
-void append(LabelledScan& all, const LabelledScan& other, const Trajectory& trajectory, const SE3& T_m0) {
+void append(PicturedScan& all, const PicturedScan& other, const Trajectory& trajectory, const SE3& T_m0) {
   const std::size_t before = all.labels.size();
   for (LidarReturn r : other.scan.returns) {
     const SE3 T_mv = T_m0 * pose_at(trajectory, other.scan, r).inverse();
@@ -66,19 +66,19 @@ void append(LabelledScan& all, const LabelledScan& other, const Trajectory& traj
   if (all.truth && other.truth) all.truth->insert(all.truth->end(), other.truth->begin(), other.truth->end());
 }
 
-LabelledScan scans_around(const Dataset& dataset, const RenderOptions& options, const LidarScan& middle) {
+PicturedScan scans_around(const Dataset& dataset, const RenderOptions& options, const LidarScan& middle) {
   const auto trajectory = dataset.trajectory();
   if (!trajectory) {
     throw ParameterError({"--around", "", std::to_string(options.around),
                           "the recording has no trajectory to lay its scans together by", "leave it out"});
   }
   const SE3 T_m0 = trajectory->at(middle_of(middle)).T_v0;
-  LabelledScan all{middle, {}, std::nullopt};
+  PicturedScan all{middle, {}, std::nullopt};
   all.scan.returns.clear();
   for (int step = -options.around; step <= options.around; step += options.every) {
     const auto k = static_cast<std::int64_t>(options.scan) + step;
     if (k < 0 || k >= static_cast<std::int64_t>(dataset.size())) continue;
-    const LabelledScan one = read_labelled(dataset, options.result, static_cast<std::size_t>(k));
+    const PicturedScan one = read_labelled(dataset, options.result, static_cast<std::size_t>(k));
     if (all.labels.empty() && one.truth) all.truth.emplace();
     append(all, one, *trajectory, T_m0);
   }
