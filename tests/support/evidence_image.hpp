@@ -15,7 +15,8 @@ inline LocalPoints points_of(const LidarScan& scan) {
   return points;
 }
 
-/// Five lasers, 24 columns, everything 5 m off and linked to all of its window unless a test says otherwise.
+/// A scan of five lasers and 24 columns at 5 m, each return linked to all others of its window unless a test
+/// changes that.
 class EvidenceImage : public testing::Test {
  protected:
   EvidenceImage() {
@@ -41,9 +42,9 @@ class EvidenceImage : public testing::Test {
       seeds.push_back(v.total() > 0 ? BoxVerdict::kept : BoxVerdict::not_asked);
     return grow_evidence(scan_, points_, votes_, seeds, parameters_);
   }
-  /// Growth alone reaches it: seen through once, and a surface seen as often.
+  /// Reached by growth alone: seen through by one scan, a surface in another.
   void see_through(int laser, int column) { votes_[at(laser, column)] = {1, -1, true, true, true}; }
-  /// Whoever saw through it did so a while ago.
+  /// Seen through, but not recently.
   void make_old(int laser, int column) { votes_[at(laser, column)].recently = false; }
 
   LidarScan scan_ = small_scan({0, 0, 0, 0, 0}, 5);
