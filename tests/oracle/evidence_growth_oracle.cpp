@@ -37,16 +37,16 @@ bool EvidenceGrowthOracle::linked(std::size_t i, std::size_t j, int rows, int co
   return distance <= std::min(link_m(a), link_m(b));
 }
 
-std::vector<BoxVerdict> EvidenceGrowthOracle::filter(const std::vector<PointVotes>& votes) const {
-  std::vector<BoxVerdict> verdicts;
+std::vector<FilterVerdict> EvidenceGrowthOracle::filter(const std::vector<PointVotes>& votes) const {
+  std::vector<FilterVerdict> verdicts;
   for (std::size_t i = 0; i < votes.size(); ++i) {
     int score = votes[i].total();
     for (std::size_t j = 0; j < votes.size(); ++j)
       if (j != i && linked(i, j, 1, 2)) score += votes[j].total();
     if (votes[i].total() <= 0) {
-      verdicts.push_back(BoxVerdict::not_asked);
+      verdicts.push_back(FilterVerdict::not_evaluated);
     } else {
-      verdicts.push_back(score >= parameters_.seed_score ? BoxVerdict::kept : BoxVerdict::removed);
+      verdicts.push_back(score >= parameters_.seed_score ? FilterVerdict::kept : FilterVerdict::removed);
     }
   }
   return verdicts;
@@ -138,13 +138,13 @@ EvidenceGrowthOracle::Ends EvidenceGrowthOracle::ends_of(const std::vector<char>
 }
 
 EvidenceGrowthResult EvidenceGrowthOracle::grow(const std::vector<PointVotes>& votes,
-                                                const std::vector<BoxVerdict>& seeds) const {
+                                                const std::vector<FilterVerdict>& seeds) const {
   const std::size_t size = votes.size();
   EvidenceGrowthResult result;
   result.verdict.assign(size, GrowthVerdict::not_reached);
   result.object.assign(size, 0);
   std::vector<char> seed(size), usable(size), dynamic(size);
-  for (std::size_t i = 0; i < size; ++i) seed[i] = seeds[i] == BoxVerdict::kept ? 1 : 0;
+  for (std::size_t i = 0; i < size; ++i) seed[i] = seeds[i] == FilterVerdict::kept ? 1 : 0;
   const std::vector<std::size_t> clusters = sets(seed);
   std::map<std::size_t, int> seeds_in;
   for (std::size_t i = 0; i < size; ++i) seeds_in[clusters[i]] += seed[i];

@@ -15,9 +15,9 @@ class EvidenceGrowthOracle {
   EvidenceGrowthOracle(const LidarScan& scan, const LocalPoints& points, const VotingParameters& parameters)
       : scan_(scan), points_(points.points), parameters_(parameters) {}
 
-  [[nodiscard]] std::vector<BoxVerdict> filter(const std::vector<PointVotes>& votes) const;
+  [[nodiscard]] std::vector<FilterVerdict> filter(const std::vector<PointVotes>& votes) const;
   [[nodiscard]] EvidenceGrowthResult grow(const std::vector<PointVotes>& votes,
-                                          const std::vector<BoxVerdict>& seeds) const;
+                                          const std::vector<FilterVerdict>& seeds) const;
 
  private:
   void fill(const std::vector<PointVotes>& votes, int min_votes, std::vector<char>& dynamic,

@@ -33,13 +33,13 @@ class EvidenceImage : public testing::Test {
     v.seen_through = v.recently = votes > 0;
     v.surface_seen = votes < 0;
   }
-  [[nodiscard]] std::vector<BoxVerdict> filter() const {
+  [[nodiscard]] std::vector<FilterVerdict> filter() const {
     return filter_evidence(scan_, points_, votes_, parameters_);
   }
   [[nodiscard]] EvidenceGrowthResult grow() const {
-    std::vector<BoxVerdict> seeds;
+    std::vector<FilterVerdict> seeds;
     for (const PointVotes& v : votes_)
-      seeds.push_back(v.total() > 0 ? BoxVerdict::kept : BoxVerdict::not_asked);
+      seeds.push_back(v.total() > 0 ? FilterVerdict::kept : FilterVerdict::not_evaluated);
     return grow_evidence(scan_, points_, votes_, seeds, parameters_);
   }
   /// Reached by growth alone: seen through by one scan, a surface in another.

@@ -42,7 +42,7 @@ class EvidenceGrowth {
     result_.object.assign(votes.size(), 0);
   }
 
-  EvidenceGrowthResult grow(const std::vector<BoxVerdict>& seeds) {
+  EvidenceGrowthResult grow(const std::vector<FilterVerdict>& seeds) {
     collect_candidates(seeds);
     keep_large_clusters(seeds);
     if (parameters_.grow) spread();
@@ -67,11 +67,11 @@ class EvidenceGrowth {
   }
 
   // Points that can be more than filled in, a few of the scan.
-  void collect_candidates(const std::vector<BoxVerdict>& seeds) {
+  void collect_candidates(const std::vector<FilterVerdict>& seeds) {
     candidates_.reserve(kReservedCandidates);
     for (std::int32_t i = 0; i < static_cast<std::int32_t>(votes_.size()); ++i) {
       const auto n = static_cast<std::size_t>(i);
-      if (votes_[n].total() > 0 || votes_[n].seen_through || seeds[n] == BoxVerdict::kept)
+      if (votes_[n].total() > 0 || votes_[n].seen_through || seeds[n] == FilterVerdict::kept)
         candidates_.push_back(i);
     }
     for (auto* list : {&front_, &dynamic_, &objects_}) list->reserve(candidates_.size());
@@ -89,9 +89,9 @@ class EvidenceGrowth {
     }
   }
 
-  void keep_large_clusters(const std::vector<BoxVerdict>& seeds) {
+  void keep_large_clusters(const std::vector<FilterVerdict>& seeds) {
     const auto is_kept = [&](std::int32_t i) {
-      return seeds[static_cast<std::size_t>(i)] == BoxVerdict::kept;
+      return seeds[static_cast<std::size_t>(i)] == FilterVerdict::kept;
     };
     for (const std::int32_t i : candidates_) {
       if (is_kept(i)) marks_.mark(i);
@@ -231,25 +231,26 @@ class EvidenceGrowth {
 
 }  // namespace
 
-std::vector<BoxVerdict> filter_evidence(const LidarScan& scan, const LocalPoints& points,
-                                        const std::vector<PointVotes>& votes,
-                                        const VotingParameters& parameters) {
+std::vector<FilterVerdict> filter_evidence(const LidarScan& scan, const LocalPoints& points,
+                                           const std::vector<PointVotes>& votes,
+                                           const VotingParameters& parameters) {
   const LinkedNeighbours neighbours(scan, points, parameters);
-  std::vector<BoxVerdict> verdicts(votes.size(), BoxVerdict::not_asked);
+  std::vector<FilterVerdict> verdicts(votes.size(), FilterVerdict::not_evaluated);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, votes.size(), kPointsPerTask), [&](const auto& chunk) {
     for (std::size_t i = chunk.begin(); i != chunk.end(); ++i) {
       int score = votes[i].total();
       if (score <= 0) continue;
       neighbours.for_each(static_cast<std::int32_t>(i), kSupportRows, kSupportColumns,
                           [&](std::int32_t j) { score += votes[static_cast<std::size_t>(j)].total(); });
-      verdicts[i] = score >= parameters.seed_score ? BoxVerdict::kept : BoxVerdict::removed;
+      verdicts[i] = score >= parameters.seed_score ? FilterVerdict::kept : FilterVerdict::removed;
     }
   });
   return verdicts;
 }
 
 EvidenceGrowthResult grow_evidence(const LidarScan& scan, const LocalPoints& points,
-                                   const std::vector<PointVotes>& votes, const std::vector<BoxVerdict>& seeds,
+                                   const std::vector<PointVotes>& votes,
+                                   const std::vector<FilterVerdict>& seeds,
                                    const VotingParameters& parameters) {
   const LinkedNeighbours neighbours(scan, points, parameters);
   return EvidenceGrowth(scan, neighbours, points, votes, parameters).grow(seeds);

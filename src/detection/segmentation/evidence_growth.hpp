@@ -24,9 +24,9 @@ struct EvidenceGrowthResult {
 /// Seeds, in place of the box filter: points whose votes, summed with those of their linked neighbours in the
 /// 3 x 5 window of the aligned scan image, are at least seed_score. Border effects are small and fail. Points
 /// whose own votes are not above 0 are not asked.
-[[nodiscard]] std::vector<BoxVerdict> filter_evidence(const LidarScan& scan, const LocalPoints& points,
-                                                      const std::vector<PointVotes>& votes,
-                                                      const VotingParameters& parameters);
+[[nodiscard]] std::vector<FilterVerdict> filter_evidence(const LidarScan& scan, const LocalPoints& points,
+                                                         const std::vector<PointVotes>& votes,
+                                                         const VotingParameters& parameters);
 
 /// Objects, in place of region growth:
 /// 1. Clusters of fewer than min_seeds linked `seeds` are dropped.
@@ -42,7 +42,7 @@ struct EvidenceGrowthResult {
 /// Without `grow`, only steps 1 and 5.
 [[nodiscard]] EvidenceGrowthResult grow_evidence(const LidarScan& scan, const LocalPoints& points,
                                                  const std::vector<PointVotes>& votes,
-                                                 const std::vector<BoxVerdict>& seeds,
+                                                 const std::vector<FilterVerdict>& seeds,
                                                  const VotingParameters& parameters);
 
 }  // namespace mapless

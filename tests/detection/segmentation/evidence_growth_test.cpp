@@ -26,49 +26,49 @@ TEST_F(EvidenceImage, ASeedNeedsTheVotesOfItsNeighbours) {
   set(1, 4, 2);
   set(3, 7, 2);
   set(2, 3, 2);
-  EXPECT_EQ(filter()[at(2, 5)], BoxVerdict::kept);
-  EXPECT_EQ(filter()[at(1, 4)], BoxVerdict::removed);  // (3, 7) is two lasers and three columns off
+  EXPECT_EQ(filter()[at(2, 5)], FilterVerdict::kept);
+  EXPECT_EQ(filter()[at(1, 4)], FilterVerdict::removed);  // (3, 7) is two lasers and three columns off
   set(2, 3, 1);
-  EXPECT_EQ(filter()[at(2, 5)], BoxVerdict::removed);
+  EXPECT_EQ(filter()[at(2, 5)], FilterVerdict::removed);
   votes_[at(2, 3)].later = 1;
-  EXPECT_EQ(filter()[at(2, 5)], BoxVerdict::kept);
+  EXPECT_EQ(filter()[at(2, 5)], FilterVerdict::kept);
 }
 
 TEST_F(EvidenceImage, NegativeVotesOfNeighboursCount) {
   for (int c = 3; c <= 7; ++c) set(2, c, 6);
-  EXPECT_EQ(filter()[at(2, 5)], BoxVerdict::kept);
+  EXPECT_EQ(filter()[at(2, 5)], FilterVerdict::kept);
   for (int c = 3; c <= 7; ++c) {
     set(1, c, -3);
     set(3, c, -2);
   }
-  EXPECT_EQ(filter()[at(2, 5)], BoxVerdict::removed);  // 30 - 25
+  EXPECT_EQ(filter()[at(2, 5)], FilterVerdict::removed);  // 30 - 25
 }
 
 TEST_F(EvidenceImage, ASinglePointIsRemoved) {
   set(2, 5, 6);
-  EXPECT_EQ(filter()[at(2, 5)], BoxVerdict::removed);
+  EXPECT_EQ(filter()[at(2, 5)], FilterVerdict::removed);
   set(2, 6, 6);
-  EXPECT_EQ(filter()[at(2, 5)], BoxVerdict::kept);
+  EXPECT_EQ(filter()[at(2, 5)], FilterVerdict::kept);
   parameters_.link_m = 0.1;  // 15 degrees at 5 m are 1.3 m
   parameters_.link_per_m = parameters_.link_spacings = 0;
-  EXPECT_EQ(filter()[at(2, 5)], BoxVerdict::removed);
+  EXPECT_EQ(filter()[at(2, 5)], FilterVerdict::removed);
 }
 
 TEST_F(EvidenceImage, IsNotEvaluatedWithoutPositiveVotes) {
   set(2, 5, -1);
   set(2, 6, 0);
   for (int c = 7; c < 10; ++c) set(2, c, 6);
-  EXPECT_EQ(filter()[at(2, 5)], BoxVerdict::not_asked);
-  EXPECT_EQ(filter()[at(2, 6)], BoxVerdict::not_asked);
+  EXPECT_EQ(filter()[at(2, 5)], FilterVerdict::not_evaluated);
+  EXPECT_EQ(filter()[at(2, 6)], FilterVerdict::not_evaluated);
 }
 
 TEST_F(EvidenceImage, WrapsAtTheSeamAndEndsAboveAndBelow) {
   set(0, 0, 4);
   set(0, kColumns - 2, 4);
-  EXPECT_EQ(filter()[at(0, 0)], BoxVerdict::kept);
+  EXPECT_EQ(filter()[at(0, 0)], FilterVerdict::kept);
   set(0, kColumns - 2, 0);
   set(4, 0, 4);
-  EXPECT_EQ(filter()[at(0, 0)], BoxVerdict::removed);
+  EXPECT_EQ(filter()[at(0, 0)], FilterVerdict::removed);
 }
 
 TEST_F(EvidenceImage, NumbersObjectsByTheirFirstPointAndDropsSmallClusters) {
@@ -102,10 +102,10 @@ TEST_F(EvidenceImage, GrowsOverPointsThatAnyScanSawThrough) {
 
 // A point whose occluder has left is reached only if its votes sum above 0.
 TEST_F(EvidenceImage, GrowsOverPointsWithADepartedOccluderByTheirVotes) {
-  std::vector<BoxVerdict> seeds(votes_.size(), BoxVerdict::not_asked);
+  std::vector<FilterVerdict> seeds(votes_.size(), FilterVerdict::not_evaluated);
   for (int c : {4, 5, 6}) {
     set(2, c, 3);
-    seeds[at(2, c)] = BoxVerdict::kept;
+    seeds[at(2, c)] = FilterVerdict::kept;
   }
   votes_[at(2, 9)].vacated = votes_[at(2, 10)].vacated = true;
   votes_[at(2, 9)].earlier = 2;
@@ -343,7 +343,7 @@ TEST(EvidenceGrowth, AgreesWithExhaustiveSearch) {
       ASSERT_EQ(result.evidence[n].body, expected.evidence[n].body);
       bodies.insert(result.evidence[n].body);
     }
-    kept += static_cast<int>(std::count(seeds.begin(), seeds.end(), BoxVerdict::kept));
+    kept += static_cast<int>(std::count(seeds.begin(), seeds.end(), FilterVerdict::kept));
     grown += static_cast<int>(std::count(result.verdict.begin(), result.verdict.end(), GrowthVerdict::grown));
     objects += result.objects;
   }
