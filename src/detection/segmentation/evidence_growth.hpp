@@ -9,6 +9,12 @@
 
 namespace mapless::inline v1 {
 
+// Segmentation: from points to objects, method "voting", in place of paper steps 4 and 5. In: one scan with
+// the evidence of each of its points, unchanged. Out: seeds, then whole objects, numbered, with the evidence
+// of each. Nothing is kept between scans, and no object is dropped here: which of them move, tracking
+// decides. From outside only this header and the types of object_evidence.hpp are used; disjoint_sets.hpp
+// serves the published method, too.
+
 struct EvidenceGrowthResult {
   std::vector<GrowthVerdict> verdict;  ///< one per return
   /// One per return. 0: static; else 1, 2, ... 65535 (shared beyond), by lowest return index.
@@ -17,13 +23,9 @@ struct EvidenceGrowthResult {
   std::vector<ObjectEvidence> evidence;  ///< by object number - 1
 };
 
-/// Segmentation of method "voting", in place of paper steps 4 and 5. In: one scan with the evidence of each
-/// of its points, unchanged. Out: seeds, then whole objects, numbered, with the evidence of each. Both
-/// functions are free of state; a tracker decides afterwards which objects move.
-
 /// Seeds, in place of the box filter: points whose votes, summed with those of their linked neighbours in the
 /// 3 x 5 window of the aligned scan image, are at least seed_score. Border effects are small and fail. Points
-/// whose own votes are not above 0 are not asked.
+/// whose own votes are not above 0 are not evaluated.
 [[nodiscard]] std::vector<FilterVerdict> filter_evidence(const LidarScan& scan, const LocalPoints& points,
                                                          const std::vector<PointVotes>& votes,
                                                          const VotingParameters& parameters);
@@ -31,14 +33,11 @@ struct EvidenceGrowthResult {
 /// Objects, in place of region growth:
 /// 1. Clusters of fewer than min_seeds linked `seeds` are dropped.
 /// 2. The others grow over linked points whose votes are above 0, or that some scan saw through and whose
-/// votes are at
-///    least -12 (kFirmlyStatic).
-/// 3. Two rounds fill holes: points with at least five labelled linked neighbours in the 3 x 5 window and
-/// votes of at least
-///    -12. Six more rounds fill points with votes of at least -4 (kTangentialVotes).
-/// 4. Linked points are one object. Surfaces that slide along themselves are added to it
-/// (TangentialSurfaces).
-/// 5. Objects are numbered by their lowest return, and their evidence is summed (ObjectEvidenceCollector).
+///    votes are at least -12 (kFirmlyStatic).
+/// 3. Two rounds fill holes: points with at least -12 votes and five or more labelled linked neighbours in
+///    the 3 x 5 window. Six more rounds fill points with at least -4 votes (kTangentialVotes).
+/// 4. Linked points are one object. Surfaces that slide along themselves join it (TangentialSurfaces).
+/// 5. Objects are numbered by their lowest return; their evidence is summed (ObjectEvidenceCollector).
 /// Without `grow`, only steps 1 and 5.
 [[nodiscard]] EvidenceGrowthResult grow_evidence(const LidarScan& scan, const LocalPoints& points,
                                                  const std::vector<PointVotes>& votes,

@@ -11,10 +11,8 @@ namespace mapless::inline v1 {
 /// Shape of an object as the rays of the reference scans observed its place. Limits: object_evidence.cpp.
 enum class Body : std::uint8_t {
   unclear,
-  rigid,  ///< of several rows, and part of its points was never seen through: it occluded its own earlier
-          ///< place
-  porous  ///< nearly all points were seen through by one scan and on a surface in another: leaves, rails,
-          ///< edges
+  rigid,  ///< several rows, and part of its points was never seen through: it occluded its former place
+  porous  ///< nearly all points seen through by one scan and on a surface in another: leaves, rails, edges
 };
 
 /// Evidence of the rays about one object, of method "voting".
@@ -27,13 +25,12 @@ struct ObjectEvidence {
 /// Sums the evidence of the points of each object of one scan.
 ///
 /// - Votes of a point count half if some scan saw a surface there: a porous object was there, a moving one
-/// was not.
+///   was not.
 /// - The points of one row count at most `max_of_row` votes together: their errors are correlated, as one
-/// laser's beam
-///   grazes an edge.
+///   laser's beam grazes an edge.
 /// - An object that moves on by a part of its length uncovers that part of its points. The displacement is
-/// the share of
-///   points seen through recently, times twice the distance of the farthest point from the centroid.
+///   the share of points seen through recently, times twice the distance of the farthest point from the
+///   centroid.
 class ObjectEvidenceCollector {
  public:
   /// Keeps references.

@@ -10,6 +10,12 @@
 
 namespace mapless::inline v1 {
 
+// Tracking: from objects of single scans to moving objects over time. In: the objects that a pipeline
+// proposes in each scan, by increasing time, with their evidence and the sensor's motion. Out: the same
+// detection with moving objects alone, each with an id, velocity and box. Tracks, their filters and their
+// classification are private to this folder: only MovingObjects is used from outside, and nothing of it feeds
+// back into evidence or segmentation.
+
 /// Tracks the proposed objects and, with method "voting", leaves those that move now in the detection. Rays
 /// show that an object was elsewhere some scans ago; whether it still moves, the registration of its whole
 /// surface shows better, down to centimetres. Static objects are tracked as long as they are proposed.
