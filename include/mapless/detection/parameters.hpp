@@ -148,7 +148,7 @@ struct VotingParameters {
   int seed_score = 32;
   int min_seeds = 2;
   bool grow = true;
-  double min_advance_m = 0.03;
+  double min_displacement_m = 0.03;
   double min_speed_mps = 0.2;
   int min_evidence = 100;
 
@@ -201,10 +201,11 @@ struct VotingParameters {
                 "seeds grow over linked points with votes above 0, or with votes of at least -12 that some "
                 "scan saw through, and holes are filled",
                 "paper step 5"),
-        declare(&P::min_advance_m, "min_advance_m", "m", 0.0, 10.0,
-                "the share of an object's points seen through a moment ago, times its size, is about how far "
-                "it went: with less it does not begin to move",
-                "method.md 7"),
+        declare(
+            &P::min_displacement_m, "min_displacement_m", "m", 0.0, 10.0,
+            "a track begins to move only if rays show at least this displacement over the last scans: the "
+            "share of the object's points seen through recently, times its size",
+            "method.md 7"),
         declare(&P::min_speed_mps, "min_speed_mps", "m/s", 0.0, 100.0,
                 "a track is static below this speed, in two consecutive scans, or in one without an observed "
                 "displacement",

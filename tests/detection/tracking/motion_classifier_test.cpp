@@ -16,7 +16,7 @@ constexpr Time kStart = Time::from_seconds(100);
 
 VotingParameters parameters() {
   VotingParameters p;
-  p.min_advance_m = 0.25;
+  p.min_displacement_m = 0.25;
   p.min_speed_mps = 0.5;
   p.min_evidence = kVotes;
   return p;

@@ -8,7 +8,7 @@
 namespace mapless {
 namespace MAPLESS_FILE {
 
-constexpr double kDisplacement_m = 1;  // far more than min_advance_m
+constexpr double kDisplacement_m = 1;  // far more than min_displacement_m
 constexpr int kVotes = 1000;           // far more than min_evidence
 
 test::ToyScene room_with_box(double speed_mps) {
