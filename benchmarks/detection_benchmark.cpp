@@ -10,9 +10,10 @@
 #include "detection/published/pointcloud_comparison.hpp"
 #include "detection/published/region_growth.hpp"
 #include "detection/segmentation/evidence_growth.hpp"
+#include "geometry/nearest_neighbours.hpp"
+#include "support/detection/prepared.hpp"
+#include "support/detection/run_detector.hpp"
 #include "support/local_points.hpp"
-#include "support/prepared.hpp"
-#include "support/run_detector.hpp"
 #include <mapless/detection/detector.hpp>
 
 namespace mapless {

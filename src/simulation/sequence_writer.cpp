@@ -8,12 +8,12 @@
 #include <fmt/format.h>
 
 #include "io/files/text.hpp"
+#include "io/formats/mdlidar/mdlidar_writer.hpp"
+#include "io/formats/native/native_writer.hpp"
 #include "simulation/traffic/object_states.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/io/atomic_file.hpp>
 #include <mapless/io/labels.hpp>
-#include <mapless/io/mdlidar_writer.hpp>
-#include <mapless/io/native_writer.hpp>
 #include <mapless/io/object_truth.hpp>
 #include <mapless/io/trajectory_file.hpp>
 #include <mapless/simulation/sequence_writer.hpp>

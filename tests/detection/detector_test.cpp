@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "support/run_detector.hpp"
+#include "support/detection/run_detector.hpp"
 #include "support/toy_scene.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/detection/detector.hpp>

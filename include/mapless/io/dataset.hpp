@@ -8,8 +8,8 @@
 #include <vector>
 
 #include <mapless/io/trajectory_file.hpp>
+#include <mapless/lidar/lidar_model.hpp>
 #include <mapless/lidar/lidar_scan.hpp>
-#include <mapless/lidar/model_estimation.hpp>
 #include <mapless/trajectory/trajectory.hpp>
 
 namespace mapless::inline v1 {

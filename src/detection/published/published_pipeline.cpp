@@ -8,6 +8,7 @@
 #include "detection/published/prepared_scan.hpp"
 #include "detection/published/region_growth.hpp"
 #include "detection/published/stage_record.hpp"
+#include "geometry/nearest_neighbours.hpp"
 #include <mapless/core/timed.hpp>
 
 namespace mapless::inline v1 {

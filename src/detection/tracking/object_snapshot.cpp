@@ -11,7 +11,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "detection/dynamic_returns.hpp"
-#include <mapless/lidar/aligned_image.hpp>
+#include "lidar/aligned_image.hpp"
 
 namespace mapless::inline v1 {
 namespace {

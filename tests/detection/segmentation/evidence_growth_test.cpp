@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "oracle/evidence_growth_oracle.hpp"
-#include "support/evidence_image.hpp"
+#include "support/detection/evidence_image.hpp"
 #include "support/small_scan.hpp"
 
 namespace mapless {

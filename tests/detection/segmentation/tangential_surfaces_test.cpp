@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "support/evidence_image.hpp"
+#include "support/detection/evidence_image.hpp"
 
 namespace mapless {
 namespace MAPLESS_FILE {

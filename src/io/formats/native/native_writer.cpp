@@ -1,3 +1,5 @@
+#include "io/formats/native/native_writer.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -13,7 +15,6 @@
 #include <mapless/io/atomic_file.hpp>
 #include <mapless/io/labels.hpp>
 #include <mapless/io/model_file.hpp>
-#include <mapless/io/native_writer.hpp>
 #include <mapless/io/trajectory_file.hpp>
 
 namespace mapless::inline v1 {
