@@ -24,7 +24,7 @@ constexpr int kFillNeighbours = 5, kFillRounds = 2, kTangentialRounds = 6;
 constexpr int kFirmlyStatic = -3 * kSeenThroughVotes;
 
 constexpr std::size_t kReservedCandidates = 8192;  // room for a typical scan, allocated at once
-constexpr std::size_t kPointsPerTask = 4096;       // some 50 us of work for one thread
+constexpr std::size_t kPointsPerTask = 4096;  // chosen: many tasks a scan, each of several rows of points
 
 class EvidenceGrowth {
   using Of = LinkedNeighbours::Of;

@@ -3,8 +3,8 @@
 namespace mapless::inline v1 {
 namespace {
 
-// Largest ratio of candidates to labelled points of an object. Chosen: of a bus that fills the fan, both ends
-// are an eighth.
+// Largest ratio of candidates to labelled points of an object. Chosen: it bounds the harm of a wrong
+// acceptance.
 constexpr std::size_t kMaxPerLabelled = 8;
 
 // Least ratio of free ends to continuations into static points. Measured: commit "Take a side that slides for

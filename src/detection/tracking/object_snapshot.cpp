@@ -25,8 +25,8 @@ constexpr std::size_t kMaxNeighbours =
 // apart.
 constexpr double kSamePass_s = 0.02;
 
-// A silhouette edge: the next ray ends this much farther, a person's depth. Nearer, it may be the same
-// object.
+// A silhouette edge: the next ray ends this much farther. Chosen: about a person's depth; a ray that ends
+// nearer may have met the same object.
 constexpr double kEdgeDepth_m = 0.5;
 // A ray without return passes an object nearer than this share of the maximum range; beyond, the object
 // itself may be out of reach.

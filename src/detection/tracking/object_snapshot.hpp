@@ -62,8 +62,8 @@ struct ObjectSnapshot {
   [[nodiscard]] Eigen::AlignedBox3d box(const Eigen::Vector3d& velocity_0) const;
 };
 
-/// For the time that registration takes. Chosen: a car at 10 m has about 1000 points, which are thinned
-/// evenly.
+/// Chosen for the time that registration takes: a car at 10 m has some 2500 points on an HDL-64E (0.18 by
+/// 0.42 degrees), which are thinned evenly.
 inline constexpr std::size_t kMaxSurfaceSamples = 160;
 inline constexpr std::size_t kMaxEdgeSamples = 96;
 

@@ -39,7 +39,8 @@ constexpr std::size_t kMaxSnapshots = VelocityFilter::kMaxRemembered;  // earlie
 constexpr double kMaxInterval_s = 0.45, kMinInterval_s = 0.01;
 
 // Further starts are tried for a track of at most kYoungSnapshots snapshots, and where the predicted velocity
-// leaves this misfit. Chosen: a good registration leaves 0.1, kExplained in object_registration.cpp.
+// leaves this misfit. Chosen: more than twice kExplained (object_registration.cpp), which an unaffected one
+// leaves.
 constexpr std::size_t kYoungSnapshots = 2;
 constexpr double kMaxMisfit = 0.3;
 // Starts this near to each other [m between the scans] lead to the same end: the scale at which descent
