@@ -9,13 +9,13 @@
 
 namespace mapless::app {
 
-/// Hands things from one thread to another, in order. At most `capacity` of them wait in it.
+/// Queue from one thread to another, of at most `capacity` elements.
 template <class T>
 class BoundedQueue {
  public:
   explicit BoundedQueue(std::size_t capacity) : capacity_(capacity) {}
 
-  /// Waits while the queue is full. False where it is closed: the thing is not taken.
+  /// Waits while the queue is full. False if it is closed: the element is not taken.
   bool push(T thing) {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [&] { return closed_ || things_.size() < capacity_; });
@@ -25,7 +25,7 @@ class BoundedQueue {
     return true;
   }
 
-  /// Waits while the queue is empty and open. Nothing where it is closed and empty.
+  /// Waits while the queue is empty and open. Nothing if it is closed and empty.
   std::optional<T> pop() {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [&] { return closed_ || !things_.empty(); });
@@ -41,13 +41,13 @@ class BoundedQueue {
     return things_.empty();
   }
 
-  /// Nothing more is taken; what waits still comes out.
+  /// No more elements are taken; those in the queue still come out.
   void close() {
     const std::lock_guard lock(mutex_);
     closed_ = true;
     changed_.notify_all();
   }
-  /// Nothing more is taken, nor comes out.
+  /// No more elements are taken; those in the queue are dropped.
   void abandon() {
     const std::lock_guard lock(mutex_);
     closed_ = true;

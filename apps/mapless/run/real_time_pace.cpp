@@ -14,7 +14,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr auto kLongestSleep = Duration::from_nanoseconds(50'000'000);  // then it looks whether to stop
+// An interrupt is noticed within this time.
+constexpr auto kLongestSleep = Duration::from_nanoseconds(50'000'000);
 
 using SteadyTime = std::chrono::time_point<std::chrono::steady_clock, std::chrono::nanoseconds>;
 

@@ -52,18 +52,18 @@ class OutputFiles {
   explicit OutputFiles(fs::path folder)
       : folder_(std::move(folder)), kitti_(folder_ / "poses_kitti.txt"), tum_(folder_ / "trajectory.txt") {}
 
-  // Before hours of work, not after them.
+  // Checked before the run, which may take hours.
   void require_free(bool overwrite) const {
     require_writable();
     if (overwrite) return require_own();
     for (const fs::path& file : {kitti_, tum_}) {
-      if (fs::exists(file)) refuse(file, "is there already", "choose another folder, or --overwrite");
+      if (fs::exists(file)) refuse(file, "exists already", "choose another folder, or give --overwrite");
     }
   }
   void write(const std::vector<TimedPose>& at_instants, const std::vector<TimedPose>& rows) const {
     std::error_code error;
     fs::create_directories(folder_, error);
-    if (error) refuse(folder_, "cannot be made: " + error.message(), "choose a folder you may write to");
+    if (error) refuse(folder_, "cannot be created: " + error.message(), "choose a folder you may write to");
     write_kitti_poses(kitti_, at_instants);
     write_tum_trajectory(tum_, rows);
   }
@@ -74,14 +74,14 @@ class OutputFiles {
     throw OutputError({path.string(), "", "", problem, remedy});
   }
 
-  // A trajectory.txt alone is a recording's own, and with a summary it is of a detection.
+  // A trajectory.txt without poses_kitti.txt belongs to a recording, one with a summary to a detection.
   void require_own() const {
     const bool alone = fs::exists(tum_) && !fs::exists(kitti_);
     if (!alone && !fs::exists(ResultFolder(folder_).summary())) return;
-    refuse(tum_, "is not of an earlier mapless odometry: it is not overwritten", "choose another folder");
+    refuse(tum_, "was not written by mapless odometry, and is not overwritten", "choose another folder");
   }
 
-  // Of a folder that is still to be made, the nearest one there is.
+  // For a folder that does not exist yet: its nearest parent that does.
   void require_writable() const {
     fs::path nearest = fs::absolute(folder_);
     while (!fs::exists(nearest) && nearest.has_relative_path()) nearest = nearest.parent_path();
@@ -184,26 +184,27 @@ int odometry(const OdometryOptions& options) {
 }  // namespace
 
 void add_odometry(CLI::App& app, int& exit_code) {
-  auto* verb = app.add_subcommand("odometry", "Estimate the motion of the sensor from the lidar alone");
+  auto* verb = app.add_subcommand("odometry", "Estimate the trajectory of the sensor from the lidar alone");
   const auto options = std::make_shared<OdometryOptions>();
   add_recording_options(*verb, options->recording);
   add_parameter_options(*verb, options->parameters);
-  verb->add_option("-o,--output", options->output,
-                   "folder for poses_kitti.txt and trajectory.txt (TUM), both world from sensor")
+  verb->add_option(
+          "-o,--output", options->output,
+          "folder for poses_kitti.txt (KITTI rows) and trajectory.txt (TUM rows), both world from sensor")
       ->required();
-  verb->add_option("--pose-instant", options->instant, "the instant of its scan each pose is of")
+  verb->add_option("--pose-instant", options->instant, "the instant within each scan whose pose is written")
       ->check(CLI::IsMember({"start", "middle", "end"}))
       ->capture_default_str();
   verb->add_option(
           "--poses-per-scan", options->poses_per_scan,
-          "rows of trajectory.txt per scan, from that instant on; several keep the motion within the "
-          "scan. poses_kitti.txt always has one")
+          "number of poses per scan in trajectory.txt, evenly spaced from --pose-instant on; more than one "
+          "keeps the motion within the scan. poses_kitti.txt always has one per scan")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   verb->add_option("--threads", options->threads,
-                   "threads used (all cores where not given); the result is the same")
+                   "number of threads (default: all cores). The result does not depend on it")
       ->check(CLI::Range(1, 1024));
-  verb->add_flag("--overwrite", options->overwrite, "replace the poses of an earlier run in that folder");
+  verb->add_flag("--overwrite", options->overwrite, "replace the poses of an earlier run in the folder");
   verb->add_flag("--json", options->json, "print a summary with the time per scan as JSON");
   verb->callback([options, &exit_code] { exit_code = odometry(*options); });
 }

@@ -8,7 +8,7 @@
 #include <Eigen/Core>
 
 #include <mapless/core/time.hpp>
-#include <mapless/lidar/scan_builder.hpp>
+#include <mapless/lidar/point_fields.hpp>
 
 namespace mapless::inline v1 {
 

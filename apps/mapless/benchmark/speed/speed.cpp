@@ -47,7 +47,8 @@ class SensorRun {
                             "is too short to measure", "ask for 5 seconds or more"});
     }
     const auto add = [&](int threads, bool side_by_side) {
-      pipelines_.push_back(std::make_unique<SpeedPipeline>(threads, side_by_side, options));
+      pipelines_.push_back(
+          std::make_unique<SpeedPipeline>(threads, side_by_side, options.detector, options.odometry));
     };
     add(1, false);
     add(2, true);

@@ -8,16 +8,13 @@ namespace {
 
 double process_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
-OnlineDetectorOptions online_options(int threads, bool side_by_side, const SpeedOptions& options) {
-  return {options.detector, options.odometry, side_by_side, side_by_side ? threads - 1 : 0};
-}
-
 }  // namespace
 
-SpeedPipeline::SpeedPipeline(int threads, bool side_by_side, const SpeedOptions& options)
+SpeedPipeline::SpeedPipeline(int threads, bool side_by_side, const DetectorParameters& detector,
+                             const OdometryParameters& odometry)
     : threads_(threads),
       side_by_side_(side_by_side),
-      online_(online_options(threads, side_by_side, options)),
+      online_({detector, odometry, side_by_side, side_by_side ? threads - 1 : 0}),
       arena_(side_by_side ? 1 : threads) {}
 
 void SpeedPipeline::add(const std::shared_ptr<const LidarScan>& scan, bool count) {

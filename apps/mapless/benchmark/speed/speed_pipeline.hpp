@@ -5,7 +5,6 @@
 
 #include <tbb/task_arena.h>
 
-#include "benchmark/speed/speed.hpp"
 #include "run/busy_time.hpp"
 #include <mapless/pipeline/online_detector.hpp>
 
@@ -15,7 +14,8 @@ namespace mapless::app {
 class SpeedPipeline {
  public:
   /// `threads` in all. With `side_by_side`, one of them does the odometry and the others the detection.
-  SpeedPipeline(int threads, bool side_by_side, const SpeedOptions& options);
+  SpeedPipeline(int threads, bool side_by_side, const DetectorParameters& detector,
+                const OdometryParameters& odometry);
 
   /// Processes the next scan; keeps its time if `count`.
   void add(const std::shared_ptr<const LidarScan>& scan, bool count);
