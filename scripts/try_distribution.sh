@@ -16,6 +16,8 @@ fail() {
   exit 1
 }
 [ "$(id -u)" -eq 0 ] || fail "debootstrap and chroot need root"
+# What is mounted in the tree is seen by this script alone, and gone with it, however it ends.
+[ -n "${MAPLESS_OWN_MOUNTS:-}" ] || exec env MAPLESS_OWN_MOUNTS=1 unshare --mount "$PWD/scripts/try_distribution.sh" "$@"
 command -v debootstrap >/dev/null || fail "debootstrap is missing: apt-get install debootstrap"
 
 case $suite in
@@ -26,10 +28,12 @@ jammy | noble) mirror=${MIRROR:-http://archive.ubuntu.com/ubuntu} components=mai
 esac
 
 if [ ! -e "$tree/.complete" ]; then
+  wget -q -T 20 -t 1 -O /dev/null "$mirror/dists/$suite/Release" ||
+    fail "$mirror has no $suite, or cannot be reached from here; another mirror: MIRROR=http://..."
   mkdir -p "$tree"
   debootstrap --variant=minbase --components="$components" --include=ca-certificates "$suite" "$tree" "$mirror" >"$tree.log" 2>&1 ||
-    { tail -n 3 "$tree.log"; fail "no tree of $suite from $mirror: is this mirror reached from here, and is its key in \
-/usr/share/keyrings (debian-archive-keyring, ubuntu-keyring)? Another one: MIRROR=http://..."; }
+    { tail -n 3 "$tree.log"; fail "no tree of $suite from $mirror; is its key in /usr/share/keyrings \
+(packages debian-archive-keyring, ubuntu-keyring)?"; }
   touch "$tree/.complete"
 fi
 
@@ -61,6 +65,5 @@ rm -rf /mapless/recording /mapless/result
 END
 chmod +x "$tree/mapless/try.sh"
 
-mount --bind /proc "$tree/proc" 2>/dev/null || mount -t proc proc "$tree/proc"
-trap 'umount "$tree/proc"' EXIT
+mount -t proc proc "$tree/proc"
 chroot "$tree" /usr/bin/env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root JOBS="$jobs" /mapless/try.sh
