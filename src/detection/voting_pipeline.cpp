@@ -12,9 +12,9 @@
 namespace mapless::inline v1 {
 namespace {
 
-ComparisonVerdict candidate(const PointEvidence& e) {
-  if (e.seen_through || e.occluder_left) return ComparisonVerdict::dynamic;
-  return e.surface_seen ? ComparisonVerdict::matched : ComparisonVerdict::not_compared;
+CandidateVerdict candidate(const PointEvidence& e) {
+  if (e.seen_through || e.occluder_left) return CandidateVerdict::dynamic;
+  return e.surface_seen ? CandidateVerdict::matched : CandidateVerdict::not_compared;
 }
 
 FreespaceVerdict sign_of(int votes) {
@@ -23,7 +23,7 @@ FreespaceVerdict sign_of(int votes) {
 }
 
 std::vector<StageTrace> trace_of(const std::vector<PointEvidence>& evidence,
-                                 const std::vector<BoxVerdict>& seeds,
+                                 const std::vector<FilterVerdict>& seeds,
                                  const std::vector<GrowthVerdict>& growth) {
   std::vector<StageTrace> trace(evidence.size());
   for (std::size_t i = 0; i < trace.size(); ++i) {

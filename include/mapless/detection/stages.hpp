@@ -9,37 +9,36 @@
 
 namespace mapless::inline v1 {
 
-/// Whether a point differs from the reference scans at all. Method "published": answer of the pointcloud
-/// comparison. Method "voting": `dynamic` where some reference scan saw through the point or its occluder
-/// left, `matched` where otherwise some saw a surface.
-enum class ComparisonVerdict : std::uint8_t { not_compared, matched, dynamic };
+/// Whether a point may be dynamic at all. Published method: its distance from the reference scan. Voting:
+/// dynamic if any scan is evidence for it, matched if scans only observed a surface there.
+enum class CandidateVerdict : std::uint8_t { not_compared, matched, dynamic };
 
-/// Answer of the filter of border effects: the box filter of the paper, or the support of the linked
-/// neighbours.
-enum class BoxVerdict : std::uint8_t { not_asked, kept, removed };
+/// The box filter of the published method, or the seeds of voting (votes of a point and its neighbours).
+enum class FilterVerdict : std::uint8_t { not_evaluated, kept, removed };
 
-/// Answer of clustering and region growth.
+/// Clustering and region growth.
 enum class GrowthVerdict : std::uint8_t {
   not_reached,
   seed,
   grown,
-  too_small,    ///< too few seeds
+  too_small,    ///< its cluster has too few seeds
   static_track  ///< its track is classified as static (method "voting")
 };
 
-/// Every stage's verdict on one point. Method "voting" fills `past` with the sign of the votes of the earlier
-/// scans and `future` with that of all scans: `inside` for positive sums, `border` for negative ones.
+/// The verdict of every stage on one point. Method "voting" fills `past` and `future` with the sign of a sum
+/// of votes: inside above 0, border below, unobserved at 0.
 struct StageTrace {
-  ComparisonVerdict candidate = ComparisonVerdict::not_compared;
-  FreespaceVerdict past = FreespaceVerdict::not_asked;
-  FreespaceVerdict future = FreespaceVerdict::not_asked;
-  BoxVerdict filtered = BoxVerdict::not_asked;
-  GrowthVerdict growth = GrowthVerdict::not_reached;
+  CandidateVerdict candidate = CandidateVerdict::not_compared;  ///< paper step 2
+  FreespaceVerdict past = FreespaceVerdict::not_evaluated;      ///< step 3, backward: earlier scans
+  FreespaceVerdict future =
+      FreespaceVerdict::not_evaluated;  ///< step 3, forward: a later scan; voting: all scans
+  FilterVerdict filtered = FilterVerdict::not_evaluated;  ///< step 4
+  GrowthVerdict growth = GrowthVerdict::not_reached;      ///< step 5
 
   bool operator==(const StageTrace&) const = default;
 };
 
-/// Stages in the order of the pipeline; the bits of a .stages file.
+/// The stages of the pipeline in order, see StageTrace.
 enum class Stage : std::uint8_t { candidate, past, future, filtered, growth };
 inline constexpr int kStageCount = 5;
 using StageNames = std::array<std::string_view, kStageCount>;
@@ -52,18 +51,18 @@ inline constexpr StageNames kPublishedStageNames = {"pointcloud comparison", "fr
   return method == DetectionMethod::voting ? kVotingStageNames : kPublishedStageNames;
 }
 
-/// Whether the point counts as dynamic once `stage` is done.
+/// Whether the point is dynamic after `stage`.
 [[nodiscard]] constexpr bool dynamic_after(const StageTrace& t, Stage stage) {
   switch (stage) {
     case Stage::candidate:
-      return t.candidate == ComparisonVerdict::dynamic;
+      return t.candidate == CandidateVerdict::dynamic;
     case Stage::past:
       return t.past == FreespaceVerdict::inside;
-    case Stage::future:  // replaces the answer of `past` for the points it was queried about
+    case Stage::future:  // where it was evaluated it replaces the verdict of the past scans
       return t.future == FreespaceVerdict::inside ||
-             (t.future == FreespaceVerdict::not_asked && t.past == FreespaceVerdict::inside);
+             (t.future == FreespaceVerdict::not_evaluated && t.past == FreespaceVerdict::inside);
     case Stage::filtered:
-      return t.filtered == BoxVerdict::kept;
+      return t.filtered == FilterVerdict::kept;
     case Stage::growth:
       return t.growth == GrowthVerdict::seed || t.growth == GrowthVerdict::grown;
   }

@@ -7,7 +7,7 @@ namespace mapless::inline v1 {
 
 /// Where a point lies with respect to the rays of a scan (paper step 3). Every freespace check answers so.
 enum class FreespaceVerdict : std::uint8_t {
-  not_asked,
+  not_evaluated,
   inside,     ///< in freespace: the ray passes beyond the point
   border,     ///< on a surface: the ray ends at the point
   outside,    ///< hidden: the ray ends short of the point

@@ -34,7 +34,7 @@ Duration distance(const PreparedScan& earlier, const PreparedScan& later) {
 }
 
 bool was_outside(const StageTrace& t) { return t.past == FreespaceVerdict::outside; }
-bool looks_dynamic(const StageTrace& t) { return t.candidate == ComparisonVerdict::dynamic; }
+bool looks_dynamic(const StageTrace& t) { return t.candidate == CandidateVerdict::dynamic; }
 
 class PublishedPipeline final : public DetectionPipeline {
  public:
