@@ -109,13 +109,13 @@ FreespaceVerdict FreespaceProbeOracle::verdict(const Vector3d& q_0, int first, i
   return classify(around, nearest);
 }
 
-double FreespaceProbeOracle::margin_m(const Vector3d& q_0, FreespaceVerdict verdict) const {
+double FreespaceProbeOracle::margin_m(const Vector3d& q_0, FreespaceVerdict other) const {
   for (double step = 0.0005; step < 0.3; step *= 2) {
     for (int direction = 0; direction < 27; ++direction) {
       const int x = direction % 3 - 1, y = direction / 3 % 3 - 1, z = direction / 9 - 1;
       const Vector3d d(x, y, z);
       if (d.isZero(0)) continue;
-      if (verdict(q_0 + step * d.normalized()) == verdict) return step;
+      if (verdict(q_0 + step * d.normalized()) == other) return step;
     }
   }
   return std::numeric_limits<double>::infinity();

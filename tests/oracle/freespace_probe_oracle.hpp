@@ -25,9 +25,9 @@ class FreespaceProbeOracle {
   /// The same with the firings of columns [first, end) alone to choose from. Where a turning sensor
   /// observed a direction twice, at its start and its end, both answers are right.
   [[nodiscard]] FreespaceVerdict verdict(const Eigen::Vector3d& q_0, int first, int end) const;
-  /// How near q is to a point of which `verdict` is the answer [m], tried in 26 directions and steps of a
+  /// How near q is to a point of which `other` is the answer [m], tried in 26 directions and steps of a
   /// factor of two from 0.5 mm to 0.25 m; infinite where none is.
-  [[nodiscard]] double margin_m(const Eigen::Vector3d& q_0, FreespaceVerdict verdict) const;
+  [[nodiscard]] double margin_m(const Eigen::Vector3d& q_0, FreespaceVerdict other) const;
   /// Least angle between the direction of q and the hub's x axis at the scan's start and its end [rad].
   [[nodiscard]] double angle_from_seam(const Eigen::Vector3d& q_0) const;
   /// Where a ray starts and points, in the world.

@@ -283,7 +283,7 @@ TEST(FreespaceProbe, AScanWithoutReturnsObservesNothing) {
     std::uniform_real_distribution<double> both(-1, 1);
     for (int i = 0; i < 500; ++i) {
       const Vector3d q(30 * both(random), 30 * both(random), 3 * both(random));
-      EXPECT_EQ(ask(probe, Vector3d::Zero(), q, 0), FreespaceVerdict::unobserved);
+      EXPECT_EQ(verdict_of(probe, Vector3d::Zero(), q, 0), FreespaceVerdict::unobserved);
     }
   }
 }
