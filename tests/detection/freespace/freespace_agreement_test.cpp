@@ -1,6 +1,7 @@
-// "Did the rays of that scan pass through this place?" has three implementations: FreespaceProbe (single
-// precision, fast), check_freespace (the published method, double precision) and CoarseFreespace (odometry's
-// start-up, by direction). Where the answer does not depend on their tolerances they must all give it.
+// "Did the rays of that scan pass through this place?" has four implementations: FreespaceProbe (single
+// precision, fast), check_freespace (the published method, double precision), SightLines (tracking, from a
+// scan as it is) and CoarseFreespace (odometry's start-up, by direction). Where the answer does not depend on
+// their tolerances they must all give it.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -13,6 +14,7 @@
 #include <tbb/parallel_for.h>
 
 #include "detection/freespace/freespace_probe.hpp"
+#include "detection/freespace/object_sight.hpp"
 #include "detection/published/freespace_check.hpp"
 #include "odometry/map/coarse_freespace.hpp"
 #include "oracle/ray_search_oracle.hpp"
@@ -78,11 +80,11 @@ class Scene {
     return all_beyond ? FreespaceVerdict::inside : FreespaceVerdict::outside;
   }
 
-  /// In the sensor frame at the instant of the nearest ray.
-  [[nodiscard]] Vector3d in_sensor(const Vector3d& q_0) const {
-    const test::OracleRay ray = oracle_.nearest(q_0);
-    return scene_.trajectory->at(scan->column_time(ray.column)).T_v0 * q_0;
+  /// The instant of the nearest ray, and the motion then.
+  [[nodiscard]] Time observed_at(const Vector3d& q_0) const {
+    return scan->column_time(oracle_.nearest(q_0).column);
   }
+  [[nodiscard]] TrajectoryState state_at(Time time) const { return scene_.trajectory->at(time); }
 
  private:
   // More than the tolerance of each implementation; CoarseFreespace has 0.5 m + 0.05 m per metre.
@@ -118,24 +120,28 @@ TEST_P(FreespaceImplementations, AgreeWhereTheAnswerIsClear) {
   const Scene scene(GetParam());
   const std::vector<Vector3d> queries = scene.queries(400);
   std::vector<std::optional<FreespaceVerdict>> expected(queries.size());
-  std::vector<Vector3d> in_sensor(queries.size());
+  std::vector<Time> observed_at(queries.size());
   tbb::parallel_for(std::size_t{0}, queries.size(), [&](std::size_t i) {
     expected[i] = scene.clear_verdict(queries[i]);
-    in_sensor[i] = scene.in_sensor(queries[i]);
+    observed_at[i] = scene.observed_at(queries[i]);
   });
   const RayImage image(scene.compensated);
   const FreespaceProbe probe(image, image.origin_0(), {});
   const CoarseFreespace coarse(*scene.scan);
   const std::vector<FreespaceVerdict> by_paper = published(queries, scene.compensated);
-  int inside = 0, outside = 0, observed = 0;
+  int inside = 0, outside = 0, observed = 0, seen_through = 0;
   for (std::size_t i = 0; i < queries.size(); ++i) {
     if (!expected[i]) continue;
     SCOPED_TRACE(testing::Message() << "query " << queries[i].transpose());
     ++(expected[i] == FreespaceVerdict::inside ? inside : outside);
+    const TrajectoryState state = scene.state_at(observed_at[i]);
+    const bool through = SightLines(scene.scan, state, observed_at[i]).through(queries[i]);
+    seen_through += through ? 1 : 0;
+    EXPECT_FALSE(through && expected[i] == FreespaceVerdict::outside);
     float column = 0;
     for (const FreespaceVerdict verdict :
          {probe.verdict((queries[i] - image.origin_0()).cast<float>(), column), by_paper[i],
-          coarse.verdict(in_sensor[i])}) {
+          coarse.verdict(state.T_v0 * queries[i])}) {
       if (verdict == FreespaceVerdict::unobserved) continue;
       ++observed;
       EXPECT_EQ(verdict, *expected[i]);
@@ -143,6 +149,7 @@ TEST_P(FreespaceImplementations, AgreeWhereTheAnswerIsClear) {
   }
   EXPECT_GT(inside, 30);
   EXPECT_GT(outside, 30);
+  EXPECT_GT(seen_through, inside / 2);
   EXPECT_GT(observed, 2 * (inside + outside)) << "hardly tests all of them";
 }
 
