@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "io/files/text.hpp"
-#include "simulation/traffic/object_states.hpp"
+#include "simulation/object_states.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/io/atomic_file.hpp>
 #include <mapless/io/labels.hpp>

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "io/files/text.hpp"
-#include "io/formats/rotation_check.hpp"
+#include "io/tables/rotation_check.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/io/atomic_file.hpp>
 #include <mapless/io/trajectory_file.hpp>

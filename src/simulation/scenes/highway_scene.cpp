@@ -4,7 +4,7 @@
 #include <Eigen/Geometry>
 
 #include "simulation/scenes/rings.hpp"
-#include "simulation/scenes/scenes.hpp"
+#include "simulation/scenes/named_scenes.hpp"
 
 namespace mapless::inline v1 {
 namespace {

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "simulation/random.hpp"
-#include "simulation/traffic/bodies.hpp"
+#include "simulation/traffic/vehicles.hpp"
 
 namespace mapless::inline v1 {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "simulation/scenes/scenes.hpp"
+#include "simulation/scenes/named_scenes.hpp"
 
 namespace mapless::inline v1 {
 

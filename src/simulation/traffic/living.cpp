@@ -5,7 +5,7 @@
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
-#include "simulation/traffic/bodies.hpp"
+#include "simulation/traffic/vehicles.hpp"
 
 namespace mapless::inline v1 {
 namespace {

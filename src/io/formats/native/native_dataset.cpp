@@ -7,7 +7,7 @@
 
 #include "io/formats/kitti/kitti_files.hpp"
 #include "io/formats/pcd/pcd.hpp"
-#include "io/formats/scan_times.hpp"
+#include "io/tables/scan_times.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/io/labels.hpp>
 #include <mapless/io/model_file.hpp>

@@ -9,7 +9,7 @@
 #include "io/files/text.hpp"
 #include "io/formats/pcd/pcd_points.hpp"
 #include "io/formats/pcd/pcd_sensor.hpp"
-#include "io/formats/scan_times.hpp"
+#include "io/tables/scan_times.hpp"
 #include "lidar/nearest_beam.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/io/labels.hpp>

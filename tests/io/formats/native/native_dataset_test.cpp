@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "io/formats/pcd/pcd.hpp"
-#include "io/formats/scan_times.hpp"
+#include "io/tables/scan_times.hpp"
 #include "support/temporary_folder.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/io/atomic_file.hpp>

@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "simulation/scenes/scenes.hpp"
+#include "simulation/scenes/named_scenes.hpp"
 #include <mapless/core/errors.hpp>
 
 namespace mapless::inline v1 {

@@ -1,4 +1,4 @@
-#include "io/formats/scan_times.hpp"
+#include "io/tables/scan_times.hpp"
 
 #include <optional>
 #include <string>

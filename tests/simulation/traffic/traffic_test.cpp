@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "simulation/traffic/bodies.hpp"
+#include "simulation/traffic/vehicles.hpp"
 #include <mapless/simulation/scene.hpp>
 
 namespace mapless {

@@ -1,4 +1,4 @@
-#include "io/formats/rotation_check.hpp"
+#include "io/tables/rotation_check.hpp"
 
 #include <Eigen/LU>
 #include <fmt/format.h>

@@ -1,4 +1,4 @@
-#include "simulation/traffic/bodies.hpp"
+#include "simulation/traffic/vehicles.hpp"
 
 namespace mapless::inline v1 {
 

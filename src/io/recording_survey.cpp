@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "core/median.hpp"
-#include "io/formats/point_oddities.hpp"
+#include "io/point_oddities.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/io/atomic_file.hpp>
 #include <mapless/io/labels.hpp>

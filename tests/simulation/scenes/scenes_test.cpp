@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "simulation/scenes/town.hpp"
-#include "simulation/traffic/bodies.hpp"
+#include "simulation/traffic/vehicles.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/simulation/scene.hpp>
 

@@ -1,4 +1,4 @@
-#include "io/formats/point_oddities.hpp"
+#include "io/point_oddities.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "simulation/traffic/object_states.hpp"
+#include "simulation/object_states.hpp"
 
 namespace mapless::inline v1 {
 namespace {

@@ -1,0 +1,86 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "support/bare_cloud.hpp"
+#include "support/temporary_folder.hpp"
+#include <mapless/core/errors.hpp>
+#include <mapless/io/dataset.hpp>
+
+namespace mapless {
+namespace MAPLESS_FILE {
+
+using test::TemporaryFolder;
+using test::write_text;
+using ::testing::HasSubstr;
+
+std::string refusal(const std::filesystem::path& path, const std::string& format = "") {
+  DatasetOptions options;
+  options.format = format;
+  try {
+    (void)open_dataset(path, options);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  ADD_FAILURE() << "accepted";
+  return "";
+}
+
+TEST(OpenDataset, KnowsTheFormatsOfTheCommandLine) {
+  EXPECT_THAT(dataset_formats(),
+              ::testing::UnorderedElementsAre("native", "kitti-raw", "kitti", "mdlidar", "pcd"));
+}
+
+TEST(OpenDataset, AFolderWithoutARecording) {
+  const TemporaryFolder folder;
+  const std::string text = refusal(folder.path());
+  EXPECT_THAT(text, HasSubstr(folder.path().string()));
+  for (const std::string& format : dataset_formats()) EXPECT_THAT(text, HasSubstr(format));
+  EXPECT_THAT(text, HasSubstr("--format"));
+}
+
+TEST(OpenDataset, AFolderOfMixedFormats) {
+  const TemporaryFolder folder;
+  write_text(folder / "velodyne_points/data/0000000000.bin", "");
+  write_text(folder / "velodyne/000000.bin", "");
+  const std::string text = refusal(folder.path());
+  EXPECT_THAT(text, HasSubstr("kitti-raw, kitti"));
+  EXPECT_THAT(text, HasSubstr("--format"));
+  // Named, it is read as what it is said to be.
+  EXPECT_THAT(refusal(folder.path(), "kitti-raw"), HasSubstr("timestamps_start.txt"));
+  EXPECT_THAT(refusal(folder.path(), "kitti"), HasSubstr("times.txt"));
+}
+
+TEST(OpenDataset, UnknownFormatAndMissingFolder) {
+  const TemporaryFolder folder;
+  const std::string text = refusal(folder.path(), "las");
+  EXPECT_THAT(text, HasSubstr("las"));
+  EXPECT_THAT(text, HasSubstr("mdlidar"));
+  EXPECT_THAT(refusal(folder / "none"), HasSubstr("no such folder"));
+  write_text(folder / "file", "");
+  EXPECT_THAT(refusal(folder / "file"), HasSubstr("not a folder"));
+}
+
+TEST(OpenDataset, ANamedFormatThatIsNotThere) {
+  const TemporaryFolder folder;
+  for (const std::string& format : dataset_formats()) {
+    SCOPED_TRACE(format);
+    EXPECT_THAT(refusal(folder.path(), format), HasSubstr(folder.path().string()));
+  }
+}
+
+// What lies beside the recording and cannot be looked into, as lost+found at the root of a disk, does not
+// matter.
+TEST(OpenDataset, WhatIsBesideARecordingMayBeClosed) {
+  const TemporaryFolder folder;
+  std::filesystem::create_symlink("loop", folder / "loop");
+  EXPECT_THAT(refusal(folder.path()), HasSubstr("no recording here"));
+}
+
+// As a folder one may not look into is; but root may look everywhere.
+TEST(OpenDataset, APathTheSystemRefusesIsNamed) {
+  const std::string path(300, 'x');
+  EXPECT_THAT(refusal(path), ::testing::AllOf(HasSubstr(path), HasSubstr("too long")));
+}
+
+}  // namespace MAPLESS_FILE
+}  // namespace mapless
