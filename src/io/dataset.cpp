@@ -2,7 +2,7 @@
 
 #include "io/files/text.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/io/time_order.hpp>
+#include <mapless/io/dataset.hpp>
 
 namespace mapless::inline v1 {
 

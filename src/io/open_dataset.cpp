@@ -1,12 +1,10 @@
-#include <functional>
-
 #include "io/formats/kitti/kitti_odometry_dataset.hpp"
 #include "io/formats/kitti/kitti_raw_dataset.hpp"
 #include "io/formats/mdlidar/mdlidar_dataset.hpp"
 #include "io/formats/native/native_dataset.hpp"
 #include "io/formats/pcd/pcd_folder_dataset.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/io/dataset.hpp>
+#include <mapless/io/open_dataset.hpp>
 
 namespace mapless::inline v1 {
 namespace {

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "io/formats/kitti/kitti_calibration.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/io/atomic_file.hpp>
 #include <mapless/io/trajectory_source.hpp>

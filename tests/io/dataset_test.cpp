@@ -3,7 +3,7 @@
 
 #include "support/memory_dataset.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/io/time_order.hpp>
+#include <mapless/io/dataset.hpp>
 
 namespace mapless {
 namespace MAPLESS_FILE {

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "support/shared_data.hpp"
-#include <mapless/io/dataset.hpp>
+#include <mapless/io/open_dataset.hpp>
 #include <mapless/io/trajectory_source.hpp>
 #include <mapless/odometry/lidar_odometry.hpp>
 

@@ -48,12 +48,9 @@ struct DatasetOptions {
   PoseDirection pose_direction = PoseDirection::world_from_sensor;
 };
 
-/// Opens a recording. Throws InputError naming the folder and what was looked for where no format, or more
-/// than one, fits.
-[[nodiscard]] std::unique_ptr<Dataset> open_dataset(const std::filesystem::path& path,
-                                                    const DatasetOptions& options = {});
-
-/// The formats open_dataset knows.
-[[nodiscard]] const std::vector<std::string>& dataset_formats();
+/// Throws InputError that names the first of the scans [first, first + count) that does not start after the
+/// scan before it. The detector refuses such a scan too, but only once it reaches it, and cannot name the
+/// file.
+void require_time_order(const Dataset& dataset, std::size_t first, std::size_t count);
 
 }  // namespace mapless

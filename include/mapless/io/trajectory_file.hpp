@@ -39,10 +39,6 @@ struct TrajectoryFileOptions {
 [[nodiscard]] SampledTrajectory parse_trajectory(std::string_view text, const std::filesystem::path& file,
                                                  const TrajectoryFileOptions& options);
 
-/// Tr (camera from velodyne) of KITTI odometry's calib.txt, or R and T of KITTI raw's calib_velo_to_cam.txt
-/// followed by R_rect_00 of calib_cam_to_cam.txt beside it where present. Throws InputError.
-[[nodiscard]] SE3 read_kitti_calibration(const std::filesystem::path& file);
-
 /// Rows of T_0v (world from sensor), 12 numbers each, and TUM rows, at the given times.
 void write_kitti_poses(const std::filesystem::path& file, const std::vector<TimedPose>& poses);
 void write_tum_trajectory(const std::filesystem::path& file, const std::vector<TimedPose>& poses);

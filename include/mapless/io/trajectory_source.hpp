@@ -25,7 +25,7 @@ struct TrajectoryRequest {
   std::filesystem::path file;  ///< empty: the recording's own
   PoseDirection direction = PoseDirection::world_from_sensor;
   PoseFrame frame = PoseFrame::sensor;
-  std::filesystem::path calibration;  ///< for PoseFrame::camera (read_kitti_calibration)
+  std::filesystem::path calibration;  ///< for PoseFrame::camera: KITTI's calib.txt or calib_velo_to_cam.txt
   PoseInstant instant = PoseInstant::middle;
   /// How far beyond its first and last pose the trajectory of a file may be asked, at constant velocity. Not
   /// given: 0 for a file with times; as far as the recording reaches beyond the first and last row where

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include <mapless/io/atomic_file.hpp>
+
 namespace mapless::inline v1 {
 namespace {
 
@@ -113,6 +115,17 @@ std::vector<std::string_view> split_words(std::string_view line) {
     begin = line.find_first_not_of(kBlanks, end);
   }
   return words;
+}
+
+std::vector<std::string> read_lines(const std::filesystem::path& file) {
+  const std::string text = read_whole_file(file);
+  std::vector<std::string> lines;
+  for (std::string_view line : split_lines(text)) {
+    while (line.ends_with(' ')) line.remove_suffix(1);
+    lines.emplace_back(line);
+  }
+  while (!lines.empty() && lines.back().empty()) lines.pop_back();
+  return lines;
 }
 
 }  // namespace mapless

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -22,6 +23,8 @@ namespace mapless::inline v1 {
 
 /// The lines of a text, without their ends (\n or \r\n); none after the last end.
 [[nodiscard]] std::vector<std::string_view> split_lines(std::string_view text);
+/// Lines of a text file without their ends; empty lines at the end are dropped. Throws InputError.
+[[nodiscard]] std::vector<std::string> read_lines(const std::filesystem::path& file);
 /// The words of a line: what stands between blanks and tabs.
 [[nodiscard]] std::vector<std::string_view> split_words(std::string_view line);
 

@@ -10,6 +10,7 @@
 #include "support/toy_sequence.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/io/atomic_file.hpp>
+#include <mapless/io/open_dataset.hpp>
 
 namespace mapless::app {
 namespace MAPLESS_FILE {

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "core/median.hpp"
+#include "io/files/numbered_files.hpp"
 #include "io/formats/kitti/kitti_files.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/io/labels.hpp>

@@ -1,3 +1,5 @@
+#include "io/formats/kitti/kitti_calibration.hpp"
+
 #include <cmath>
 #include <optional>
 #include <string_view>
@@ -8,7 +10,6 @@
 #include "io/tables/rotation_check.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/io/atomic_file.hpp>
-#include <mapless/io/trajectory_file.hpp>
 
 namespace mapless::inline v1 {
 namespace {

@@ -7,9 +7,10 @@
 
 #include <fmt/format.h>
 
+#include "io/files/numbered_files.hpp"
 #include "io/files/text.hpp"
 #include "io/formats/kitti/bare_cloud_dataset.hpp"
-#include "io/formats/kitti/kitti_files.hpp"
+#include "io/formats/kitti/kitti_calibration.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/io/trajectory_file.hpp>
 

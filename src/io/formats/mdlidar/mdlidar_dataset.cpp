@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
-#include "io/formats/kitti/kitti_files.hpp"
+#include "io/files/numbered_files.hpp"
 #include "io/formats/mdlidar/mdlidar_files.hpp"
 #include "mdlidar.pb.h"
 #include <mapless/core/errors.hpp>

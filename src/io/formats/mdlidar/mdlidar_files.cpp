@@ -9,7 +9,7 @@
 #include <google/protobuf/io/coded_stream.h>
 #include <google/protobuf/wire_format_lite.h>
 
-#include "io/formats/kitti/kitti_files.hpp"
+#include "io/files/text.hpp"
 #include "mdlidar.pb.h"
 #include <mapless/core/errors.hpp>
 #include <mapless/io/atomic_file.hpp>

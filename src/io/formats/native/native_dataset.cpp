@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "io/formats/kitti/kitti_files.hpp"
+#include "io/files/numbered_files.hpp"
 #include "io/formats/pcd/pcd.hpp"
 #include "io/tables/scan_times.hpp"
 #include <mapless/core/errors.hpp>

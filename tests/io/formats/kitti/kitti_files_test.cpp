@@ -38,27 +38,6 @@ TEST(ParseDateTime, RefusesAnythingElse) {
   }
 }
 
-TEST(NumberedFiles, ByNumberWithoutOthers) {
-  const TemporaryFolder folder;
-  for (const char* name :
-       {"0000000012.bin", "000002.bin", "a.bin", "3.txt", "-1.bin", "1x.bin", "000000.bin"}) {
-    write_text(folder / name, "");
-  }
-  const auto files = numbered_files(folder.path(), ".bin");
-  ASSERT_EQ(files.size(), 3U);
-  EXPECT_EQ(files.at(0), folder / "000000.bin");
-  EXPECT_EQ(files.at(12), folder / "0000000012.bin");
-  EXPECT_EQ(missing_numbers(files), "1, 3 to 11");
-}
-
-TEST(NumberedFiles, RefusesANumberTwiceAndAFolderThatIsNotThere) {
-  const TemporaryFolder folder;
-  write_text(folder / "1.bin", "");
-  write_text(folder / "01.bin", "");
-  EXPECT_THROW((void)numbered_files(folder.path(), ".bin"), InputError);
-  EXPECT_THROW((void)numbered_files(folder / "none", ".bin"), InputError);
-}
-
 TEST(ReadKittiCloud, RefusesTruncatedAndEmptyFiles) {
   const TemporaryFolder folder;
   write_text(folder / "empty.bin", "");
@@ -74,12 +53,6 @@ TEST(ReadKittiCloud, RefusesTruncatedAndEmptyFiles) {
       EXPECT_FALSE(error.detail().remedy.empty());
     }
   }
-}
-
-TEST(ReadLines, WithoutTheirEndsAndEmptyLinesAtTheEnd) {
-  const TemporaryFolder folder;
-  write_text(folder / "t.txt", "a\r\n\nb\n\n\n");
-  EXPECT_EQ(read_lines(folder / "t.txt"), (std::vector<std::string>{"a", "", "b"}));
 }
 
 }  // namespace MAPLESS_FILE
