@@ -1,4 +1,6 @@
-#include "simulation/traffic/vehicles.hpp"
+#include "simulation/scene_builder.hpp"
+
+#include <utility>
 
 namespace mapless::inline v1 {
 

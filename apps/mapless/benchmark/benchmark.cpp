@@ -27,7 +27,7 @@
 #include "verbs/verbs.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/io/atomic_file.hpp>
-#include <mapless/simulation/scene.hpp>
+#include <mapless/simulation/scenes.hpp>
 
 namespace mapless::app {
 namespace {

@@ -13,7 +13,7 @@
 #include "terminal/interrupt.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/io/atomic_file.hpp>
-#include <mapless/simulation/scene.hpp>
+#include <mapless/simulation/scenes.hpp>
 #include <mapless/simulation/sequence_writer.hpp>
 #include <mapless/simulation/simulated_sensor.hpp>
 

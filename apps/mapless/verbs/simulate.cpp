@@ -18,7 +18,7 @@
 #include <mapless/core/timed.hpp>
 #include <mapless/io/atomic_file.hpp>
 #include <mapless/io/model_file.hpp>
-#include <mapless/simulation/scene.hpp>
+#include <mapless/simulation/scenes.hpp>
 #include <mapless/simulation/sequence_writer.hpp>
 #include <mapless/simulation/simulated_sensor.hpp>
 

@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include <mapless/simulation/world.hpp>
@@ -30,9 +29,5 @@ struct Scene {
   /// Poses in the world frame, T_vw.
   [[nodiscard]] std::vector<TimedPose> poses_in_world() const;
 };
-
-/// Throws ParameterError listing the names for a scene that is not known, and for a duration out of range.
-[[nodiscard]] Scene make_scene(std::string_view name, const SceneOptions& options);
-[[nodiscard]] const std::vector<std::string>& scene_names();
 
 }  // namespace mapless

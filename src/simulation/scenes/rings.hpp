@@ -19,7 +19,4 @@ inline constexpr double kTurn = 2 * std::numbers::pi;
 [[nodiscard]] std::shared_ptr<const Path> wavy_ring(const Eigen::Vector2d& centre, double radius, double wave,
                                                     double phase, double length, bool clockwise);
 
-/// A sensor `height_m` over the track on somebody's back: every step is felt.
-[[nodiscard]] SE3 carried(const Track& track, double height_m, double t_s);
-
 }  // namespace mapless

@@ -1,7 +1,8 @@
 #pragma once
 
 #include "simulation/random.hpp"
-#include "simulation/traffic/vehicles.hpp"
+#include "simulation/scene_builder.hpp"
+#include "simulation/traffic/path.hpp"
 
 namespace mapless::inline v1 {
 

@@ -1,6 +1,8 @@
 #pragma once
 
-#include "simulation/scenes/named_scenes.hpp"
+#include "simulation/scenes/scenery.hpp"
+#include "simulation/traffic/road_user.hpp"
+#include <mapless/simulation/scene.hpp>
 
 namespace mapless::inline v1 {
 

@@ -1,6 +1,10 @@
 #include <cmath>
 
+#include "simulation/scenes/named_scenes.hpp"
+#include "simulation/scenes/sensor_poses.hpp"
 #include "simulation/scenes/town.hpp"
+#include "simulation/traffic/bodies.hpp"
+#include "simulation/traffic/traffic.hpp"
 
 namespace mapless::inline v1 {
 namespace {

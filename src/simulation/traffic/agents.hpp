@@ -6,7 +6,7 @@
 
 #include <Eigen/Core>
 
-#include "simulation/traffic/traffic.hpp"
+#include "simulation/traffic/road_user.hpp"
 
 namespace mapless::inline v1 {
 

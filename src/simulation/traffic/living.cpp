@@ -1,11 +1,11 @@
+#include "simulation/traffic/living.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
-
-#include "simulation/traffic/vehicles.hpp"
 
 namespace mapless::inline v1 {
 namespace {

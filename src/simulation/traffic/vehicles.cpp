@@ -1,10 +1,10 @@
+#include "simulation/traffic/vehicles.hpp"
+
 #include <array>
 #include <cmath>
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
-
-#include "simulation/traffic/vehicles.hpp"
 
 namespace mapless::inline v1 {
 namespace {

@@ -6,9 +6,9 @@
 #include <gtest/gtest.h>
 
 #include "simulation/scenes/town.hpp"
-#include "simulation/traffic/vehicles.hpp"
+#include "simulation/traffic/living.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/simulation/scene.hpp>
+#include <mapless/simulation/scenes.hpp>
 
 namespace mapless {
 namespace MAPLESS_FILE {
