@@ -4,6 +4,7 @@
 
 #include <Eigen/LU>
 
+#include "odometry/solver/knot_chunks.hpp"
 #include "odometry/solver/knot_trajectory.hpp"
 #include "odometry/start_up/start_up.hpp"
 #include <mapless/core/errors.hpp>
@@ -40,17 +41,17 @@ RegistrationSettings settings_of(const OdometryParameters& p) {
   return {{p.acceleration_density_translation, p.acceleration_density_rotation},
           {p.gate_m, p.robust_sigmas},
           p.residual_sigma_m,
-          p.min_direction_share,
+          p.min_constraint_ratio,
           p.max_iterations};
 }
 
-double matched_share(const Registration& registration, const TimeBins& bins) {
+double inlier_ratio(const Registration& registration, const TimeBins& bins) {
   return static_cast<double>(registration.matched) / static_cast<double>(bins.points().size());
 }
 
 void tell(const Registration& registration, const TimeBins& bins, OdometryUpdate& update) {
   update.iterations = registration.iterations;
-  update.matched_share = matched_share(registration, bins);
+  update.inlier_ratio = inlier_ratio(registration, bins);
   update.degeneracy = registration.degeneracy;
 }
 
@@ -66,6 +67,7 @@ struct LidarOdometry::State {
   RegistrationSettings settings;
   std::vector<TrajectoryKnot> knots;  // the track's, where nobody moves them
   KnotTrajectory trajectory;
+  KnotChunks final_knots;           // those that no scan corrects any more
   std::optional<StartUp> start_up;  // until the motion is known
   MappedTrajectory track;           // from then on
   std::shared_ptr<const LidarScan> last_scan;
@@ -142,7 +144,7 @@ ScanOutcome LidarOdometry::State::start(UsableScan scan, OdometryUpdate& update)
   update.converged = found->converged;
   update.ambiguous = ambiguous;
   if (start_up->decided()) {
-    last_share = usual_share = update.matched_share;
+    last_share = usual_share = update.inlier_ratio;
     track = start_up->best();
     start_up.reset();
   }
@@ -153,7 +155,7 @@ ScanOutcome LidarOdometry::State::start(UsableScan scan, OdometryUpdate& update)
 std::optional<Registration> LidarOdometry::State::registered(const UsableScan& scan) const {
   auto found =
       register_scan(track.window(), track.prior, scan.bins, track.map, track.with_own_density(settings));
-  if (found && found->converged && matched_share(*found, scan.bins) >= kOfLast * last_share) return found;
+  if (found && found->converged && inlier_ratio(*found, scan.bins) >= kOfLast * last_share) return found;
   auto again = register_widely(track.window(), track.prior, scan.bins, track.map, settings);
   return again && (!found || again->agreement > found->agreement) ? again : found;
 }
@@ -162,14 +164,14 @@ std::optional<Registration> LidarOdometry::State::registered(const UsableScan& s
 ScanOutcome LidarOdometry::State::follow(const UsableScan& scan, OdometryUpdate& update) {
   const auto found = registered(scan);
   if (found) tell(*found, scan.bins, update);
-  if (found && update.matched_share >= parameters.min_matched_share &&
+  if (found && update.inlier_ratio >= parameters.min_inlier_ratio &&
       is_plausible(found->knots.back(), track.knots.back())) {
-    update.converged = found->converged && update.matched_share >= kFarBelowUsual * usual_share;
-    last_share = update.matched_share;
-    const double holding = found->degeneracy.share[0] * found->matched;
+    update.converged = found->converged && update.inlier_ratio >= kFarBelowUsual * usual_share;
+    last_share = update.inlier_ratio;
+    const double holding = found->degeneracy.constraint_ratio[0] * found->matched;
     // Three times as many matched are three times as much, of the same hold.
     weakly_held = holding < (weakly_held ? kMoreWhereWeak : 1) * kFewHolding;
-    usual_share += kUsualForgets * (update.matched_share - usual_share);
+    usual_share += kUsualForgets * (update.inlier_ratio - usual_share);
     update.covariance = found->last_information.inverse();
     lost_in_a_row = 0;
     track.accept(*found);
@@ -209,6 +211,7 @@ OdometryUpdate LidarOdometry::State::process(const std::shared_ptr<const LidarSc
   update.knots.assign(known().knots.begin() + changed, known().knots.end());
   knots.resize(known().knots.size());
   std::copy(update.knots.begin(), update.knots.end(), knots.begin() + changed);
+  final_knots.update(knots, start_up ? 0 : track.window_begin);
   return update;
 }
 
@@ -221,11 +224,14 @@ LidarOdometry& LidarOdometry::operator=(LidarOdometry&&) noexcept = default;
 OdometryUpdate LidarOdometry::process(const std::shared_ptr<const LidarScan>& scan) {
   return state_->process(scan);
 }
-void LidarOdometry::leave_out(const LidarScan& scan, const std::vector<std::uint16_t>& object) {
-  state_->track.leave_out(scan, object);
+void LidarOdometry::remove_dynamic_points(const LidarScan& scan, const std::vector<std::uint16_t>& object) {
+  state_->track.remove_dynamic_points(scan, object);
 }
 bool LidarOdometry::started() const { return !state_->start_up; }
 const std::vector<TrajectoryKnot>& LidarOdometry::knots() const { return state_->knots; }
 const Trajectory& LidarOdometry::trajectory() const { return state_->trajectory; }
+std::shared_ptr<const Trajectory> LidarOdometry::trajectory_snapshot() const {
+  return state_->final_knots.snapshot(state_->knots);
+}
 
 }  // namespace mapless

@@ -72,7 +72,7 @@ TEST(HardPlaces, AnOpenFieldIsReportedAndHeldByThePrior) {
     if (k < 38) continue;
     SCOPED_TRACE(k);
     EXPECT_EQ(update.outcome, ScanOutcome::registered);
-    EXPECT_EQ(update.degeneracy.held_by_prior, 2) << "along the ground";
+    EXPECT_EQ(update.degeneracy.unconstrained, 2) << "along the ground";
     EXPECT_LT(std::abs(update.degeneracy.directions_v.leftCols<2>().row(2).norm()), 0.1);
     const auto& knot = update.knots.back();
     EXPECT_NEAR(knot.varpi.head<3>().norm(), 10, 1.5) << "the speed it had";

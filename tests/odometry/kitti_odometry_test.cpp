@@ -31,7 +31,7 @@ TEST(KittiOdometry, EveryStepAgreesWithTheReferencePoses) {
   for (std::size_t k = 0; k < drive->size(); ++k) {
     const auto update = odometry.process(std::make_shared<const LidarScan>(drive->read(k)));
     EXPECT_EQ(update.outcome, k == 0 ? ScanOutcome::first : ScanOutcome::registered) << "scan " << k;
-    EXPECT_EQ(update.degeneracy.held_by_prior, 0) << "scan " << k;
+    EXPECT_EQ(update.degeneracy.unconstrained, 0) << "scan " << k;
   }
   for (std::size_t k = 1; k < drive->size(); ++k) {
     const Time from = middle_of(*drive, k - 1), to = middle_of(*drive, k);

@@ -266,26 +266,45 @@ TEST(LidarOdometry, FollowsSensorsOfAnyRateAndAnyNumberOfLasers) {
   }
 }
 
-// Told that every return was of something that moves, nothing is left in the map for the next scan to find.
-TEST(LidarOdometry, ForgetsWhatItIsToldMoves) {
+TEST(LidarOdometry, ATrajectorySnapshotStaysAsItIs) {
+  const ToyScene scene = room(2, 10 * kDegree);
+  const Scans scans = cast(scene, 0, 9);
+  LidarOdometry odometry;
+  EXPECT_GT(odometry.trajectory_snapshot()->begin(), odometry.trajectory_snapshot()->end());
+  for (std::size_t k = 0; k < 7; ++k) (void)odometry.process(scans[k]);
+  ASSERT_TRUE(odometry.started());
+  const std::vector<TrajectoryKnot> knots = odometry.knots();
+  const auto snapshot = odometry.trajectory_snapshot();
+  for (std::size_t k = 7; k < scans.size(); ++k) (void)odometry.process(scans[k]);
+  ASSERT_NE(odometry.knots()[knots.size() - 1].varpi, knots.back().varpi) << "later scans correct a knot";
+  EXPECT_EQ(snapshot->end(), knots.back().time);
+  for (const TrajectoryKnot& knot : knots) {
+    const TrajectoryState expected = GaussianProcessTrajectory(knots, "test").at(knot.time);
+    EXPECT_EQ(snapshot->at(knot.time).T_v0.matrix(), expected.T_v0.matrix());
+    EXPECT_EQ(snapshot->at(knot.time).varpi, expected.varpi);
+  }
+}
+
+// With all returns removed as dynamic, the map has nothing left for the next scan to register to.
+TEST(LidarOdometry, RemovesDynamicPointsFromTheMap) {
   const ToyScene scene = room(0, 0);
   const Scans scans = cast(scene, 0, 7);
-  LidarOdometry told, untold;
+  LidarOdometry emptied, undisturbed;
   for (std::size_t k = 0; k < scans.size(); ++k) {
-    (void)untold.process(scans[k]);
-    const bool started = told.started();
-    const OdometryUpdate update = told.process(scans[k]);
+    (void)undisturbed.process(scans[k]);
+    const bool started = emptied.started();
+    const OdometryUpdate update = emptied.process(scans[k]);
     EXPECT_EQ(update.outcome == ScanOutcome::lost, started) << k;
-    EXPECT_TRUE(!started || update.matched_share < 0.01) << k;
-    if (!told.started()) continue;
+    EXPECT_TRUE(!started || update.inlier_ratio < 0.01) << k;
+    if (!emptied.started()) continue;
     for (std::size_t i = 0; i <= k; ++i)
-      told.leave_out(*scans[i], std::vector<std::uint16_t>(scans[i]->returns.size(), 1));
+      emptied.remove_dynamic_points(*scans[i], std::vector<std::uint16_t>(scans[i]->returns.size(), 1));
   }
-  ASSERT_TRUE(told.started());
-  const auto before = untold.knots().back();
-  untold.leave_out(*scans[3], std::vector<std::uint16_t>(scans[3]->returns.size(), 0));
-  untold.leave_out(*scans[3], {1, 1, 1});
-  EXPECT_EQ(untold.knots().back().T_v0.matrix(), before.T_v0.matrix());
+  ASSERT_TRUE(emptied.started());
+  const auto before = undisturbed.knots().back();
+  undisturbed.remove_dynamic_points(*scans[3], std::vector<std::uint16_t>(scans[3]->returns.size(), 0));
+  undisturbed.remove_dynamic_points(*scans[3], {1, 1, 1});
+  EXPECT_EQ(undisturbed.knots().back().T_v0.matrix(), before.T_v0.matrix());
 }
 
 // A tunnel of the same section everywhere: its points tell nothing of the way along it.
@@ -312,7 +331,7 @@ TEST(LidarOdometry, AFeaturelessTunnelIsReportedAndHeldByThePrior) {
   for (std::size_t k = 35; k < scans.size(); ++k) {
     SCOPED_TRACE(k);
     const Degeneracy& degeneracy = drive.updates[k].degeneracy;
-    EXPECT_EQ(degeneracy.held_by_prior, 1);
+    EXPECT_EQ(degeneracy.unconstrained, 1);
     EXPECT_GT(std::abs(degeneracy.directions_v.col(0).x()), 0.99);
     const auto& knot = drive.updates[k].knots.back();
     EXPECT_NEAR(-knot.varpi[0], 10, 1.5) << "the speed it had";

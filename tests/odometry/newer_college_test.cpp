@@ -93,7 +93,7 @@ Eigen::Matrix3Xd seen_before(const NewerCollegeScan& data, const Vector6d& varpi
 struct Found {
   Vector6d varpi = Vector6d::Zero();  ///< mean over the scan
   Eigen::Matrix3Xd points;
-  double matched_share = 0;
+  double inlier_ratio = 0;
 };
 
 /// The raw scan compensated by odometry, after five scans with motion `varpi`.
@@ -109,7 +109,7 @@ Found compensated_after(const NewerCollegeScan& data, const Vector6d& varpi) {
   const Trajectory& trajectory = odometry.trajectory();
   const CompensatedScan compensated = compensate(scan, trajectory);
   Found found;
-  found.matched_share = update.outcome == ScanOutcome::registered ? update.matched_share : 0;
+  found.inlier_ratio = update.outcome == ScanOutcome::registered ? update.inlier_ratio : 0;
   found.points.resize(3, data.raw.cols());
   for (Eigen::Index i = 0; i < data.raw.cols(); ++i)
     found.points.col(i) = compensated.points_0[static_cast<std::size_t>(i)];
@@ -127,9 +127,9 @@ Found compensated(const NewerCollegeScan& data) {
     found.varpi[5] = yaw_rate;
     for (int pass = 0; pass < kPasses; ++pass) {
       found = compensated_after(data, found.varpi);
-      if (found.matched_share > best.matched_share) best = found;
+      if (found.inlier_ratio > best.inlier_ratio) best = found;
     }
-    if (best.matched_share > kSurelyMatched) break;
+    if (best.inlier_ratio > kSurelyMatched) break;
   }
   return best;
 }

@@ -71,7 +71,7 @@ void MotionSource::count(const LidarScan& scan, const OdometryUpdate& update) {
   report_.repeated += outcome == ScanOutcome::repeated ? 1 : 0;
   report_.lost += outcome == ScanOutcome::lost || outcome == ScanOutcome::restarted ? 1 : 0;
   report_.restarts += outcome == ScanOutcome::restarted ? 1 : 0;
-  report_.degenerate += registered && update.degeneracy.held_by_prior > 0 ? 1 : 0;
+  report_.degenerate += registered && update.degeneracy.unconstrained > 0 ? 1 : 0;
   report_.not_converged += registered && !update.converged ? 1 : 0;
   report_.ambiguous_start |= update.ambiguous;
   const double length_s = (scan.end() - scan.start).seconds();
@@ -90,7 +90,7 @@ std::vector<std::shared_ptr<const LidarScan>> MotionSource::add(std::shared_ptr<
 std::vector<std::shared_ptr<const LidarScan>> MotionSource::flush() { return std::exchange(waiting_, {}); }
 
 void MotionSource::leave_out(const Detection& detection) {
-  if (odometry_) odometry_->leave_out(*detection.scan, detection.object);
+  if (odometry_) odometry_->remove_dynamic_points(*detection.scan, detection.object);
 }
 
 std::string MotionSource::trouble() const {

@@ -4,51 +4,12 @@
 #include <memory>
 #include <vector>
 
-#include <Eigen/Core>
-
 #include <mapless/lidar/lidar_scan.hpp>
+#include <mapless/odometry/odometry_update.hpp>
 #include <mapless/odometry/parameters.hpp>
 #include <mapless/trajectory/trajectory.hpp>
 
 namespace mapless::inline v1 {
-
-using Vector12d = Eigen::Matrix<double, 12, 1>;
-using Matrix12d = Eigen::Matrix<double, 12, 12>;
-
-/// How the end of a scan was found.
-enum class ScanOutcome {
-  first,       ///< nothing to compare with yet: the sensor is taken to stand still until the next scan comes
-  registered,  ///< from its points
-  few_points,  ///< too few usable returns: carried by the prior
-  repeated,    ///< the same returns as the scan before, delivered again: carried by the prior
-  lost,        ///< too few points found their place in the map, or no solution: carried by the prior
-  restarted,   ///< lost several times in a row: the map begins anew with this scan
-};
-
-/// How well the matched points hold each direction of translation: the mean square of (plane normal .
-/// direction), rotation allowed for, between 0 (not at all) and about 1.
-struct Degeneracy {
-  Eigen::Vector3d share = Eigen::Vector3d::Zero();             ///< increasing
-  Eigen::Matrix3d directions_v = Eigen::Matrix3d::Identity();  ///< columns, sensor frame at the scan's end
-  int held_by_prior = 0;  ///< how many of them, from the first: their points are not believed
-};
-
-/// What one scan told about the motion.
-struct OdometryUpdate {
-  /// Knots that this scan set or changed, by time; the last is at the scan's end. Those of the two scans
-  /// before are among them: how fast the sensor was at the end of a scan is told by the scans after it.
-  std::vector<TrajectoryKnot> knots;
-  /// Of the last knot: left perturbation of T_v0 (translation, rotation), then varpi.
-  Matrix12d covariance = Matrix12d::Zero();
-  ScanOutcome outcome = ScanOutcome::first;
-  int iterations = 0;
-  double matched_share = 0;  ///< of the keypoints
-  Degeneracy degeneracy;
-  bool converged = false;
-  /// The motion of the first scans is decided with this one, but another one explains them about as well: the
-  /// speed may be wrong, and with it all that follows.
-  bool ambiguous = false;
-};
 
 /// Continuous-time odometry from the lidar alone: a Gaussian process with white noise on acceleration, one
 /// knot at the end of every scan, point-to-plane registration to a rolling voxel map with every point at its
@@ -69,19 +30,23 @@ class LidarOdometry {
   /// else; the odometry is then as before the call.
   OdometryUpdate process(const std::shared_ptr<const LidarScan>& scan);
 
-  /// Takes what the map has of moving things out of it again, as a detector finds them: `object` has one
-  /// element per return of `scan`, not 0 for a return of something that moves (Detection::object). Nothing
-  /// happens for a scan that is not among the last ten, or whose returns are not so many.
-  void leave_out(const LidarScan& scan, const std::vector<std::uint16_t>& object);
+  /// Removes the points of dynamic objects from the map, once a detector has found them. `object` has one
+  /// element per return of `scan` (Detection::object): 0 is static, anything else dynamic. Nothing happens if
+  /// `scan` is not among the last ten, or if `object` has another length than its returns.
+  void remove_dynamic_points(const LidarScan& scan, const std::vector<std::uint16_t>& object);
 
   /// False until the motion during the first scans is decided (see process). The knots are then the best
   /// known so far.
   [[nodiscard]] bool started() const;
   /// All knots so far, by time.
   [[nodiscard]] const std::vector<TrajectoryKnot>& knots() const;
-  /// The trajectory so far. Lives as long as this object and grows with it; not to be asked while a scan is
-  /// processed. Empty domain before the first scan.
+  /// The trajectory so far. It lives as long as this object and grows with every scan, so that no other
+  /// thread may read it while process() runs. Its domain is empty before the first scan.
   [[nodiscard]] const Trajectory& trajectory() const;
+  /// The trajectory as it is now, for another thread to keep: immutable, with no tie to this object. Costs
+  /// the copy of at most 260 knots (50 kB), and 16 bytes for every further 256. Call it in the thread that
+  /// calls process(). Its domain is empty before the first scan.
+  [[nodiscard]] std::shared_ptr<const Trajectory> trajectory_snapshot() const;
 
  private:
   struct State;

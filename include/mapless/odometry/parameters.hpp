@@ -19,8 +19,8 @@ struct OdometryParameters {
   double acceleration_density_translation = 0.03;
   double acceleration_density_rotation = 0.01;
   int max_iterations = 15;
-  double min_matched_share = 0.2;
-  double min_direction_share = 0.0001;
+  double min_inlier_ratio = 0.2;
+  double min_constraint_ratio = 0.0001;
 
   static constexpr auto declarations() {
     using P = OdometryParameters;
@@ -57,11 +57,11 @@ struct OdometryParameters {
                 "the same on angular acceleration", "method.md 6"),
         declare(&P::max_iterations, "max_iterations", "", 1, 100, "Gauss-Newton steps a scan, at most",
                 "method.md 3"),
-        declare(&P::min_matched_share, "min_matched_share", "", 0.0, 1.0,
+        declare(&P::min_inlier_ratio, "min_inlier_ratio", "", 0.0, 1.0,
                 "with a smaller share of matched points a scan counts as lost: the prior alone carries it",
                 "method.md 6"),
         declare(
-            &P::min_direction_share, "min_direction_share", "", 0.0, 1.0,
+            &P::min_constraint_ratio, "min_constraint_ratio", "", 0.0, 1.0,
             "mean square of (plane normal . direction) over the matched points, under which the points do "
             "not hold a direction and the prior does",
             "method.md 6"),

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "odometry/solver/time_bins.hpp"
+#include "odometry/registration/time_bins.hpp"
 #include <mapless/lidar/lidar_scan.hpp>
 
 namespace mapless::inline v1 {

@@ -43,26 +43,26 @@ Eigen::Matrix3d following_rotation(const Matrix6d& A) {
 Degeneracy find_degeneracy(const std::vector<BinSums>& sums, const SE3& T_v0, double min_share) {
   Degeneracy out;
   const auto [A, weight, spurious] = whole_scan(sums, T_v0);
-  out.held_by_prior = 3;
+  out.unconstrained = 3;
   if (!(weight > 0)) return out;
   const Eigen::Matrix3d S = A.topLeftCorner<3, 3>() + A.topRightCorner<3, 3>() * following_rotation(A);
   if (!S.allFinite()) return out;
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(0.5 * (S + S.transpose()));
-  out.share = (solver.eigenvalues() / weight).cwiseMax(0);
+  out.constraint_ratio = (solver.eigenvalues() / weight).cwiseMax(0);
   out.directions_v = solver.eigenvectors();
-  out.held_by_prior =
-      static_cast<int>((out.share.array() < min_share + kSpuriousShares * spurious / weight).count());
+  out.unconstrained = static_cast<int>(
+      (out.constraint_ratio.array() < min_share + kSpuriousShares * spurious / weight).count());
   return out;
 }
 
 void leave_to_prior(const Degeneracy& degeneracy, const SE3& T_v0, std::vector<BinSums>& sums) {
-  if (degeneracy.held_by_prior == 0) return;
+  if (degeneracy.unconstrained == 0) return;
   const Matrix6d A = whole_scan(sums, T_v0).information;
   const Eigen::Matrix3d rotation = following_rotation(A);
   if (!rotation.allFinite()) return;
   Eigen::Matrix<double, 6, 3> all;
   all << degeneracy.directions_v, rotation * degeneracy.directions_v;
-  const Eigen::MatrixXd held = all.leftCols(degeneracy.held_by_prior);
+  const Eigen::MatrixXd held = all.leftCols(degeneracy.unconstrained);
   Vector6d scale;
   scale << 1, 1, 1, Eigen::Vector3d::Constant(kTypicalRange * kTypicalRange);
   const Eigen::MatrixXd scaled = scale.asDiagonal() * held;

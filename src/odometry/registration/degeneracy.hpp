@@ -1,6 +1,6 @@
 #pragma once
 
-#include "odometry/solver/time_bins.hpp"
+#include "odometry/registration/time_bins.hpp"
 
 namespace mapless::inline v1 {
 

@@ -120,7 +120,8 @@ void MappedTrajectory::forget_edge(const Eigen::Vector3d& centre_0, double map_r
   }
 }
 
-void MappedTrajectory::leave_out(const LidarScan& scan, const std::vector<std::uint16_t>& object) {
+void MappedTrajectory::remove_dynamic_points(const LidarScan& scan,
+                                             const std::vector<std::uint16_t>& object) {
   const auto kept = std::find_if(inserted_.begin(), inserted_.end(),
                                  [&](const InsertedScan& one) { return one.start == scan.start; });
   if (kept == inserted_.end() || object.size() != scan.returns.size()) return;

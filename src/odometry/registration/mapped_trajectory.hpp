@@ -71,7 +71,7 @@ struct MappedTrajectory {
   void begin_anew_at(std::size_t interval);
 
   void insert(const UsableScan& scan, double map_radius_m);
-  void leave_out(const LidarScan& scan, const std::vector<std::uint16_t>& object);
+  void remove_dynamic_points(const LidarScan& scan, const std::vector<std::uint16_t>& object);
   void clear_map();
 
  private:

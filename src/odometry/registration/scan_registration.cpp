@@ -34,7 +34,7 @@ bool improve(const WindowPrior& prior, const TimeBins& bins, const PlaneMap& map
   const std::size_t last = knots.size() - 1;
   const SE3& T_v0 = knots[last].T_v0;
   auto sums = sum_residuals(bins, KnotInterval(knots[last - 1], knots[last]), map, settings.weights, planes);
-  const Degeneracy degeneracy = find_degeneracy(sums, T_v0, settings.min_direction_share);
+  const Degeneracy degeneracy = find_degeneracy(sums, T_v0, settings.min_constraint_ratio);
   leave_to_prior(degeneracy, T_v0, sums);
 
   WindowSystem system(knots.size());

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "odometry/solver/prior_terms.hpp"
-#include "odometry/solver/time_bins.hpp"
+#include "odometry/registration/time_bins.hpp"
 #include "odometry/solver/window_prior.hpp"
 
 namespace mapless::inline v1 {
@@ -22,7 +22,7 @@ struct RegistrationSettings {
   AccelerationDensity density;
   PointWeights weights;
   double sigma_m;  ///< noise expected of a point
-  double min_direction_share;
+  double min_constraint_ratio;
   int max_iterations;
 };
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "odometry/solver/blocks.hpp"
+#include "odometry/solver/knot_perturbation.hpp"
 
 namespace mapless::inline v1 {
 

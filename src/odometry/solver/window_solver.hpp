@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "odometry/solver/blocks.hpp"
+#include "odometry/solver/knot_perturbation.hpp"
 
 namespace mapless::inline v1 {
 

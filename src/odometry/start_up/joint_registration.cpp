@@ -60,7 +60,7 @@ void for_each_map_of_others(const WorldPoints& points_0, double sigma_m, double 
 void add_scan(std::size_t interval, std::vector<BinSums>& sums, const RegistrationSettings& settings,
               Registration& registration, WindowSystem& system) {
   const SE3& T_v0 = registration.knots[interval + 1].T_v0;
-  registration.degeneracy = find_degeneracy(sums, T_v0, settings.min_direction_share);
+  registration.degeneracy = find_degeneracy(sums, T_v0, settings.min_constraint_ratio);
   leave_to_prior(registration.degeneracy, T_v0, sums);
   registration.matched = 0;
   registration.agreement = 0;

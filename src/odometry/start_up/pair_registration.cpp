@@ -206,7 +206,7 @@ std::optional<Registration> PairOfScans::held(const Vector6d& varpi, const Eigen
 void PairOfScans::add_along_weak(std::vector<Registration>& all) const {
   const Registration best = all.front();
   const Degeneracy& degeneracy = best.degeneracy;
-  for (Eigen::Index i = 0; i < 3 && degeneracy.share[i] * best.matched < kWeaklyHeld; ++i) {
+  for (Eigen::Index i = 0; i < 3 && degeneracy.constraint_ratio[i] * best.matched < kWeaklyHeld; ++i) {
     const Eigen::Vector3d direction = degeneracy.directions_v.col(i);
     const double speed_along = direction.dot(best.knots.back().varpi.head<3>());
     std::vector<Vector6d> velocities;

@@ -15,7 +15,7 @@ GaussianProcessTrajectory newest_motion(const LidarOdometry& odometry) {
 }
 
 void leave_out(LidarOdometry& odometry, const std::vector<Detection>& found) {
-  for (const Detection& detection : found) odometry.leave_out(*detection.scan, detection.object);
+  for (const Detection& detection : found) odometry.remove_dynamic_points(*detection.scan, detection.object);
 }
 
 }  // namespace

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <mapless/core/se3.hpp>
-#include <mapless/odometry/lidar_odometry.hpp>
+#include <mapless/odometry/odometry_update.hpp>
 
 namespace mapless::inline v1 {
 

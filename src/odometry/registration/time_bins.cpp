@@ -1,4 +1,4 @@
-#include "odometry/solver/time_bins.hpp"
+#include "odometry/registration/time_bins.hpp"
 
 #include <algorithm>
 #include <cmath>

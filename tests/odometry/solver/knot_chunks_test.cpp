@@ -1,0 +1,85 @@
+#include "odometry/solver/knot_chunks.hpp"
+
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include <mapless/core/errors.hpp>
+
+namespace mapless {
+namespace MAPLESS_FILE {
+
+// A knot every 0.1 s: 10 m/s along x, and a turn that differs from knot to knot.
+std::vector<TrajectoryKnot> knots_of_drive(std::size_t count) {
+  std::vector<TrajectoryKnot> out;
+  SE3 T_v0;
+  for (std::size_t k = 0; k < count; ++k) {
+    Vector6d varpi;
+    varpi << -10, 0, 0, 0, 0, 0.1 * static_cast<double>(k % 7);
+    out.push_back({Time::from_nanoseconds(static_cast<std::int64_t>(k) * 100'000'000), T_v0, varpi});
+    T_v0 = SE3::exp(0.1 * varpi) * T_v0;
+  }
+  return out;
+}
+
+void expect_equal(const TrajectoryState& a, const TrajectoryState& b) {
+  EXPECT_EQ(a.T_v0.matrix(), b.T_v0.matrix());
+  EXPECT_EQ(a.varpi, b.varpi);
+}
+
+// Drives shorter than a chunk, up to a knot of either side of one and of two of them.
+TEST(KnotChunks, ASnapshotEqualsTheTrajectoryOverTheSameKnots) {
+  const std::size_t chunk = KnotChunks::kKnots;
+  for (const std::size_t count : {std::size_t{2}, chunk - 1, chunk, chunk + 1, 2 * chunk, 2 * chunk + 9}) {
+    SCOPED_TRACE(count);
+    const std::vector<TrajectoryKnot> knots = knots_of_drive(count);
+    KnotChunks chunks;
+    for (std::size_t n = 0; n <= count; ++n) chunks.update(std::span(knots).first(n), n < 3 ? 0 : n - 3);
+    const auto snapshot = chunks.snapshot(knots);
+    const GaussianProcessTrajectory whole(knots, "test");
+    ASSERT_EQ(snapshot->begin(), whole.begin());
+    ASSERT_EQ(snapshot->end(), whole.end());
+    // 50 ms steps: on the knots and between them, also on the knots that two chunks share.
+    const Duration period = Duration::from_nanoseconds(50'000'000);
+    std::vector<TrajectoryState> states(2 * count - 1), expected(2 * count - 1);
+    snapshot->sample(whole.begin(), period, states);
+    whole.sample(whole.begin(), period, expected);
+    for (std::size_t i = 0; i < states.size(); ++i) {
+      const Time t = whole.begin() + Duration::from_nanoseconds(static_cast<std::int64_t>(i) * 50'000'000);
+      expect_equal(states[i], expected[i]);
+      expect_equal(snapshot->at(t), expected[i]);
+    }
+    EXPECT_THROW((void)snapshot->at(whole.end() + Duration::from_nanoseconds(1)), TrajectoryDomainError);
+  }
+}
+
+TEST(KnotChunks, OfLessThanTwoKnotsTheDomainIsEmpty) {
+  for (const std::size_t count : {std::size_t{0}, std::size_t{1}}) {
+    const auto snapshot = KnotChunks().snapshot(knots_of_drive(count));
+    EXPECT_GT(snapshot->begin(), snapshot->end());
+    EXPECT_THROW((void)snapshot->at(Time()), TrajectoryDomainError);
+  }
+}
+
+// The last three knots are corrected by every scan, as the odometry does, while another thread reads
+// snapshots.
+TEST(KnotChunks, ThreadsReadSnapshotsWhileTheTrajectoryGrows) {
+  const std::vector<TrajectoryKnot> drive = knots_of_drive(KnotChunks::kKnots + 40);
+  std::vector<TrajectoryKnot> knots;
+  KnotChunks chunks;
+  std::vector<std::thread> readers;
+  for (std::size_t n = 0; n < drive.size(); ++n) {
+    knots.push_back(drive[n]);
+    for (std::size_t k = n < 3 ? 0 : n - 3; k < n; ++k) knots[k].varpi[0] -= 1;
+    chunks.update(knots, n < 3 ? 0 : n - 3);
+    if (n < 2 || n % 16 != 0) continue;
+    readers.emplace_back([snapshot = chunks.snapshot(knots), expected = knots] {
+      const GaussianProcessTrajectory whole(expected, "test");
+      for (const TrajectoryKnot& knot : expected) expect_equal(snapshot->at(knot.time), whole.at(knot.time));
+    });
+  }
+  for (std::thread& reader : readers) reader.join();
+}
+
+}  // namespace MAPLESS_FILE
+}  // namespace mapless
