@@ -106,6 +106,43 @@ TEST(SampledTrajectory, PositionsThatCannotBeMetresAreRefused) {
   }
 }
 
+TEST(SampledTrajectory, RefusesPosesThatAreNoRotationAndANegativeExtrapolation) {
+  const SE3 stretched(2 * Eigen::Matrix3d::Identity(), Eigen::Vector3d::Zero());
+  const SE3 mirrored(Eigen::Vector3d(1, 1, -1).asDiagonal(), Eigen::Vector3d::Zero());
+  for (const SE3& T : {stretched, mirrored}) {
+    try {
+      (void)SampledTrajectory({{ms(0), SE3()}, {ms(1), T}}, Duration(), "poses.txt");
+      FAIL();
+    } catch (const InputError& error) {
+      EXPECT_EQ(error.detail().field, "rotation of pose 1");
+    }
+  }
+  EXPECT_THROW(
+      SampledTrajectory({{ms(0), SE3()}, {ms(1), SE3()}}, Duration::from_nanoseconds(-1), "poses.txt"),
+      ParameterError);
+}
+
+TEST(Trajectory, RefusesToSampleBackwardsInTime) {
+  const SampledTrajectory sampled({{ms(0), SE3()}, {ms(100), SE3()}}, Duration(), "test");
+  const GaussianProcessTrajectory process(
+      {{ms(0), SE3(), Vector6d::Zero()}, {ms(100), SE3(), Vector6d::Zero()}}, "test");
+  const StationaryTrajectory stationary;
+  std::vector<TrajectoryState> states(2);
+  for (const Trajectory* trajectory :
+       std::initializer_list<const Trajectory*>{&sampled, &process, &stationary}) {
+    EXPECT_NO_THROW(trajectory->sample(ms(50), Duration(), states));
+    EXPECT_THROW(trajectory->sample(ms(50), Duration::from_nanoseconds(-1), states), ParameterError);
+  }
+}
+
+TEST(GaussianProcessTrajectory, RefusesVelocitiesThatAreNotFiniteAndSegmentsWithoutLength) {
+  const TrajectoryKnot first{ms(0), SE3(), Vector6d::Zero()};
+  TrajectoryKnot bad{ms(100), SE3(), Vector6d::Zero()};
+  bad.varpi[3] = std::nan("");
+  EXPECT_THROW(GaussianProcessTrajectory({first, bad}, "knots"), InputError);
+  EXPECT_THROW(KnotSegment(first, first), ParameterError);
+}
+
 TEST(SampledTrajectory, OutsideItsDomainIsAnErrorThatNamesTheTimes) {
   const SampledTrajectory trajectory({{ms(1000), SE3()}, {ms(2000), SE3()}}, Duration::from_seconds(0.5),
                                      "poses.txt");

@@ -5,17 +5,17 @@
 
 namespace mapless::inline v1 {
 
-/// What went wrong with one thing from outside. Every part may be empty except `problem`.
+/// What is wrong with one piece of outside input. Every member may be empty except `problem`.
 struct ErrorDetail {
-  std::string where;    ///< file (with line or scan where known), option or parameter
-  std::string field;    ///< the field in it: "pose row 17", "POINTS", "quaternion"
-  std::string value;    ///< the value found
-  std::string problem;  ///< what is wrong with it, with the bound it broke
+  std::string where;  ///< file (with line or scan where known), option, parameter or function
+  std::string field;  ///< the field of the file, or the argument of the function: "pose row 17", "quaternion"
+  std::string value;  ///< the value found
+  std::string problem;  ///< what is wrong with the value, with the violated bound
   std::string remedy;   ///< what the user can do
 };
 
-/// Base of all errors that outside input can cause. what() is one line:
-/// "where: field = value: problem; remedy".
+/// Base of every error that outside input can cause. what() is one line without control characters:
+/// "where: field = value: problem; remedy". Parts longer than 200 bytes are shortened there.
 class Error : public std::runtime_error {
  public:
   explicit Error(ErrorDetail detail);
@@ -25,22 +25,22 @@ class Error : public std::runtime_error {
   ErrorDetail detail_;
 };
 
-/// A file or scan that cannot be used: truncated, not finite, inconsistent, absent.
+/// A file, scan or trajectory that cannot be used: truncated, not finite, inconsistent, absent.
 class InputError : public Error {
   using Error::Error;
 };
 
-/// A parameter or option that is unknown, of the wrong type, or out of bounds.
+/// A parameter, argument or option that is unknown, of the wrong type, or out of bounds.
 class ParameterError : public Error {
   using Error::Error;
 };
 
-/// A trajectory asked outside the time it covers.
+/// A trajectory evaluated at an instant that it does not cover.
 class TrajectoryDomainError : public Error {
   using Error::Error;
 };
 
-/// A result that could not be written: no permission, disk full, already there.
+/// A result that could not be written: no permission, disk full, file exists.
 class OutputError : public Error {
   using Error::Error;
 };

@@ -5,7 +5,7 @@
 
 namespace mapless::inline v1 {
 
-/// Adds its own life to `seconds`, by a steady clock.
+/// Adds the time from its construction to its destruction to `seconds` (steady clock).
 class WallTime {
  public:
   explicit WallTime(double& seconds) : seconds_(seconds) {}
@@ -20,7 +20,7 @@ class WallTime {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-/// Runs `step` and adds how long it took to `seconds`.
+/// Runs `step`, adds its duration to `seconds` and returns its result.
 template <class Step>
 decltype(auto) timed(double& seconds, Step&& step) {
   const WallTime wall(seconds);

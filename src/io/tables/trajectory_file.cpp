@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "io/files/text.hpp"
-#include "io/tables/rotation_check.hpp"
+#include "core/rotation_check.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/io/atomic_file.hpp>
 #include <mapless/io/trajectory_file.hpp>
@@ -97,7 +97,7 @@ SE3 kitti_pose(const Row& row) {
     T(static_cast<Eigen::Index>(i / 4), static_cast<Eigen::Index>(i % 4)) = row.number(i);
   }
   const Eigen::Matrix3d R = T.leftCols<3>();
-  if (const auto problem = why_no_rotation(R)) {
+  if (const auto problem = rotation_problem(R)) {
     row.refuse(", matrix", row.text(0, kKittiNumbers), *problem, "write 3 x 4 matrices [R t], row after row");
   }
   return SE3(R, T.col(3)).normalized();

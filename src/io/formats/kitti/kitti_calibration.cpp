@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "io/files/text.hpp"
-#include "io/tables/rotation_check.hpp"
+#include "core/rotation_check.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/io/atomic_file.hpp>
 
@@ -47,7 +47,7 @@ class KittiCalibration {
   }
 
   [[nodiscard]] Eigen::Matrix3d checked(std::string_view key, const Eigen::Matrix3d& R) const {
-    if (const auto problem = why_no_rotation(R)) refuse(key, "", *problem);
+    if (const auto problem = rotation_problem(R)) refuse(key, "", *problem);
     return SE3(R, Eigen::Vector3d::Zero()).normalized().rotation();
   }
 
