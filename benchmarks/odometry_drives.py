@@ -2,7 +2,7 @@
 """Simulates a drive of every scene with several sensors and says how well `mapless odometry` follows it.
 
 usage: odometry_drives.py [--mapless build/mapless] [--work FOLDER] [--duration-s 60] [--seed 300] [--keep]
-                          [--scenes town1 ...] [--sensors HDL-64E-S2 ...] [--write docs/odometry.md]
+                          [--scenes town1 ...] [--sensors HDL-64E-S2 ...] [--write docs/notebook/odometry.md]
 
 A drive takes 0.2 to 1.8 GB in --work and is deleted once it is judged, unless --keep. Needs NumPy and SciPy. With
 --write, the table replaces the one between the two marks in that file. "start" is the largest distance from the truth

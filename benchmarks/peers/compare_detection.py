@@ -29,7 +29,10 @@ from shared import SCENES, dated_table, poses, run, simulate, write_between_mark
 SENSOR = "HDL-64E-S2"
 VOXEL_M, INFLATED_HITS_M, INFLATED_UNKNOWN_VOXELS = 0.1, 0.2, 1
 STATIC, DYNAMIC = 9, 251
-COLUMNS = ["recording", "detector", "IoU", "precision", "recall", "ms a scan"]
+DETECTORS = ["mapless", "DUFOMap", "DUFOMap, raw"]
+FIGURES = ["IoU", "precision", "recall", "ms a scan"]
+# One row a recording; of each detector its figures, one after the other.
+COLUMNS = ["recording"] + [f"{name}: {', '.join(FIGURES)}" for name in DETECTORS]
 
 
 def run_mapless(options, folder):
@@ -38,7 +41,7 @@ def run_mapless(options, folder):
     run([options.mapless, "detect", folder, "-o", output, "--overwrite", "--threads", 1])
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     seconds = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-    return ["mapless", output, 1e3 * seconds / len(np.loadtxt(folder / "times.txt"))]
+    return [DETECTORS[0], output, 1e3 * seconds / len(np.loadtxt(folder / "times.txt"))]
 
 
 def placed_scans(folder, deskewed):
@@ -67,7 +70,7 @@ def write_labels(output, number, dynamic, hits):
 def run_dufomap(options, folder, deskewed):
     from dufomap import dufomap
 
-    name = "DUFOMap" if deskewed else "DUFOMap, raw scans"
+    name = DETECTORS[1] if deskewed else DETECTORS[2]
     output = options.work / ("dufomap_deskewed" if deskewed else "dufomap_raw")
     (output / "labels").mkdir(parents=True, exist_ok=True)
     for old in (output / "labels").glob("*.label"):
@@ -88,29 +91,33 @@ def run_dufomap(options, folder, deskewed):
 
 
 def compare(options, scene):
+    """Of each detector, in the order of DETECTORS, its FIGURES for one recording."""
     folder = options.work / f"{scene}_{SENSOR}_{options.seed}_{options.duration_s:g}s"
     how = ["--sensor", SENSOR, "--duration-s", options.duration_s, "--seed", options.seed]
     simulate(options.mapless, scene, folder, *how, "--threads", 1)
-    for detector in (
+    figures = {}
+    for name, output, ms in (
         run_mapless(options, folder),
         run_dufomap(options, folder, deskewed=True),
         run_dufomap(options, folder, deskewed=False),
     ):
-        name, output, ms = detector
         found = json.loads(run([options.mapless, "evaluate", folder, output, "--json", "-"]))["final"]
-        yield name, [scene, found["iou"], found["precision"], found["recall"], ms]
+        figures[name] = [found["iou"], found["precision"], found["recall"], ms]
+    return [figures[name] for name in DETECTORS]
 
 
-def cells(name, values):
-    scene, *rates, ms = values
-    return [scene, name] + ["-" if rate is None else f"{rate:.3f}" for rate in rates] + [f"{ms:.0f}"]
+def cell(figures):
+    *rates, ms = figures
+    return ", ".join(["-" if rate is None else f"{rate:.3f}" for rate in rates] + [f"{ms:.0f}"])
+
+
+def table_row(recording, detectors):
+    return [recording] + [cell(figures) for figures in detectors]
 
 
 def means(found):
     """Over the recordings; rates that a recording does not have do not count."""
-    for name in dict.fromkeys(name for name, _ in found):
-        columns = zip(*(values[1:] for other, values in found if other == name))
-        yield cells(name, ["mean"] + [statistics.mean(v for v in column if v is not None) for column in columns])
+    return [[statistics.mean(v for v in column if v is not None) for column in zip(*of_one)] for of_one in zip(*found)]
 
 
 def main():
@@ -123,16 +130,15 @@ def main():
     parser.add_argument("--write", type=pathlib.Path, help="put the table into this document")
     options = parser.parse_args()
     options.work.mkdir(parents=True, exist_ok=True)
-    found, rows = [], []
+    found = []
     print(" | ".join(COLUMNS))
     for scene in options.scenes:
-        for name, values in compare(options, scene):
-            found.append((name, values))
-            rows.append(cells(name, values))
-            print(" | ".join(rows[-1]), flush=True)
+        found.append(compare(options, scene))
+        print(" | ".join(table_row(scene, found[-1])), flush=True)
+    rows = [table_row(scene, detectors) for scene, detectors in zip(options.scenes, found)]
     command = f"benchmarks/peers/compare_detection.py --duration-s {options.duration_s:g} --seed {options.seed}"
     command += "" if options.scenes == SCENES else " --scenes " + " ".join(options.scenes)
-    text = dated_table(command, COLUMNS, rows + list(means(found)))
+    text = dated_table(command, COLUMNS, rows + [table_row("mean", means(found))])
     print(text)
     if options.write:
         write_between_marks(options.write, "compare_detection.py", text)

@@ -89,6 +89,24 @@ class Documents(Tree):
         self.assertEqual(len(unknown), 1)
         self.assertIn("absent", unknown[0])
 
+    def length_faults(self, text):
+        self.write("docs/page.md", text)
+        return list(check_documents.check_length(self.root, self.root / "docs/page.md"))
+
+    def test_page_of_131_lines_fails(self):
+        self.assertEqual(self.length_faults("a\n" * 130), [])
+        self.assertEqual(len(self.length_faults("a\n" * 131)), 1)
+
+    def test_wide_lines_of_a_page_count_as_often_as_they_wrap(self):
+        self.assertEqual(self.length_faults("a" * 110 * 130), [])
+        self.assertEqual(len(self.length_faults("a" * (110 * 130 + 1))), 1)
+
+    def test_notebook_may_name_sources_that_have_gone(self):
+        self.write("docs/notebook/old.md", "`src/core/gone.cpp` [x](nowhere.png)\n")
+        faults = list(check_documents.check_paths(self.root, self.root / "docs/notebook/old.md"))
+        self.assertEqual(len(faults), 1)
+        self.assertIn("nowhere.png", faults[0])
+
 
 if __name__ == "__main__":
     unittest.main()

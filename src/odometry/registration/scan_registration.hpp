@@ -3,8 +3,8 @@
 #include <optional>
 #include <vector>
 
-#include "odometry/solver/prior_terms.hpp"
 #include "odometry/registration/time_bins.hpp"
+#include "odometry/solver/prior_terms.hpp"
 #include "odometry/solver/window_prior.hpp"
 
 namespace mapless::inline v1 {

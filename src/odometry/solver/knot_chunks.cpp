@@ -1,18 +1,13 @@
 #include "odometry/solver/knot_chunks.hpp"
 
 #include <algorithm>
-#include <string>
 
+#include "odometry/solver/knot_trajectory.hpp"
 #include "trajectory/domain.hpp"
 #include "trajectory/knot_states.hpp"
 
 namespace mapless::inline v1 {
 namespace {
-
-const std::string& source() {
-  static const std::string name = "lidar odometry";
-  return name;
-}
 
 KnotChunks::Chunk chunk_of(std::span<const TrajectoryKnot> knots) {
   return std::make_shared<const std::vector<TrajectoryKnot>>(knots.begin(), knots.end());
@@ -28,8 +23,8 @@ class TrajectorySnapshot final : public Trajectory {
   [[nodiscard]] Time end() const override { return chunks_.empty() ? Time() : chunks_.back()->back().time; }
 
   [[nodiscard]] TrajectoryState at(Time t) const override {
-    require_covered(t, begin(), end(), source());
-    return state_between(*chunks_[number_of(t)], t, source());
+    require_covered(t, begin(), end(), odometry_source());
+    return state_between(*chunks_[number_of(t)], t, odometry_source());
   }
 
   void sample(Time first, Duration period, std::span<TrajectoryState> states) const override {
@@ -37,11 +32,11 @@ class TrajectorySnapshot final : public Trajectory {
       return first + Duration::from_nanoseconds(static_cast<std::int64_t>(i) * period.nanoseconds());
     };
     for (std::size_t i = 0; i < states.size();) {
-      require_covered(instant(i), begin(), end(), source());
+      require_covered(instant(i), begin(), end(), odometry_source());
       const std::size_t number = number_of(instant(i));
       std::size_t next = i + 1;
       while (next < states.size() && number_of(instant(next)) == number) ++next;
-      sample_between(*chunks_[number], instant(i), period, source(), states.subspan(i, next - i));
+      sample_between(*chunks_[number], instant(i), period, odometry_source(), states.subspan(i, next - i));
       i = next;
     }
   }

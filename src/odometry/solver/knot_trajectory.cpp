@@ -1,19 +1,14 @@
 #include "odometry/solver/knot_trajectory.hpp"
 
-#include <string>
-
 #include "trajectory/domain.hpp"
 #include "trajectory/knot_states.hpp"
 
 namespace mapless::inline v1 {
-namespace {
 
-const std::string& source() {
+const std::string& odometry_source() {
   static const std::string name = "lidar odometry";
   return name;
 }
-
-}  // namespace
 
 Time KnotTrajectory::begin() const {
   return knots_.empty() ? Time::from_nanoseconds(1) : knots_.front().time;
@@ -22,13 +17,13 @@ Time KnotTrajectory::begin() const {
 Time KnotTrajectory::end() const { return knots_.empty() ? Time() : knots_.back().time; }
 
 TrajectoryState KnotTrajectory::at(Time t) const {
-  if (knots_.empty()) require_covered(t, begin(), end(), source());
-  return state_between(knots_, t, source());
+  if (knots_.empty()) require_covered(t, begin(), end(), odometry_source());
+  return state_between(knots_, t, odometry_source());
 }
 
 void KnotTrajectory::sample(Time first, Duration period, std::span<TrajectoryState> states) const {
-  if (knots_.empty()) require_covered(first, begin(), end(), source());
-  sample_between(knots_, first, period, source(), states);
+  if (knots_.empty()) require_covered(first, begin(), end(), odometry_source());
+  sample_between(knots_, first, period, odometry_source(), states);
 }
 
 }  // namespace mapless

@@ -1,12 +1,16 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include <mapless/trajectory/trajectory.hpp>
 
 namespace mapless::inline v1 {
 
-/// A Gaussian-process trajectory over knots that somebody else owns and adds to.
+/// The name of an odometry's trajectory in messages of TrajectoryDomainError.
+[[nodiscard]] const std::string& odometry_source();
+
+/// A Gaussian-process trajectory over knots that another object owns and appends to.
 class KnotTrajectory final : public Trajectory {
  public:
   explicit KnotTrajectory(const std::vector<TrajectoryKnot>& knots) : knots_(knots) {}

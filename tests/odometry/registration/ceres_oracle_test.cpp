@@ -5,8 +5,8 @@
 #include <ceres/ceres.h>
 #include <gtest/gtest.h>
 
-#include "odometry/small_problem.hpp"
 #include "odometry/registration/time_bins.hpp"
+#include "odometry/small_problem.hpp"
 #include "odometry/solver/window_prior.hpp"
 
 // The same small window, solved by Ceres with numerical derivatives of the plain formulas, and by our solver.
