@@ -6,6 +6,7 @@ namespace {
 using Eigen::AlignedBox3d;
 using Eigen::Vector3d;
 
+// Half the time over which the velocity is a difference quotient, as in world.cpp.
 constexpr Duration kHalfStep = Duration::from_nanoseconds(200'000);
 
 AlignedBox3d box_of(const Mesh& mesh) {
@@ -14,7 +15,7 @@ AlignedBox3d box_of(const Mesh& mesh) {
   return box;
 }
 
-// The box about all parts, along the axes of the body.
+// Bounding box of all parts, along the axes of the body.
 AlignedBox3d body_box(const Mover& mover, const std::vector<AlignedBox3d>& shape_boxes, Time t) {
   AlignedBox3d box;
   for (const Mover::Part& part : mover.parts) {
@@ -43,7 +44,7 @@ ObjectState ObjectStates::state(const Mover& mover, Time t) const {
   return out;
 }
 
-std::map<std::uint32_t, ObjectState> ObjectStates::of_seen(const SimulatedScan& scan, Time t) const {
+std::map<std::uint32_t, ObjectState> ObjectStates::of_visible(const SimulatedScan& scan, Time t) const {
   std::vector<bool> seen(1u << 16);
   for (const std::uint32_t label : scan.labels) seen[label >> 16] = true;
   std::map<std::uint32_t, ObjectState> out;

@@ -12,16 +12,16 @@
 
 namespace mapless::inline v1 {
 
-/// Where the movers of a scene are, and how fast, for those a scan shows.
+/// True positions and velocities of the movers of a scene.
 class ObjectStates {
  public:
   explicit ObjectStates(const Scene& scene);
 
-  /// At `t`, of the movers that have a return in the scan, by object id.
-  [[nodiscard]] std::map<std::uint32_t, ObjectState> of_seen(const SimulatedScan& scan, Time t) const;
+  /// States at time `t` of the movers with at least one return in the scan, by object id.
+  [[nodiscard]] std::map<std::uint32_t, ObjectState> of_visible(const SimulatedScan& scan, Time t) const;
 
  private:
-  /// In the world frame that is told. The velocity is taken over 0.4 ms.
+  /// In the world frame w of the recording.
   [[nodiscard]] ObjectState state(const Mover& mover, Time t) const;
 
   std::vector<Mover> movers_;

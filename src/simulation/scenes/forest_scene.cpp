@@ -111,7 +111,7 @@ Scene forest(const SceneOptions& options) {
   const auto users = forest_walkers(options);
   build_forest(Scenery(builder, forest_ground(), options.seed), users, options.seed);
   const auto tracks = drive_all(users, {}, forest_ground(), options.duration_s + kMargin_s, options.seed);
-  add_users(builder, users, tracks, 1);
+  add_movers(builder, users, tracks, 1);
   Scene scene;
   scene.poses = sample_poses([&](double t) { return carried(*tracks.front(), 1.9, t); }, options.duration_s);
   scene.world = builder.take();

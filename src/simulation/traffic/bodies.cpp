@@ -5,8 +5,8 @@
 
 namespace mapless::inline v1 {
 
-void add_users(SceneBuilder& scene, const std::vector<RoadUser>& users,
-               const std::vector<std::shared_ptr<const Track>>& tracks, std::size_t first) {
+void add_movers(SceneBuilder& scene, const std::vector<RoadUser>& users,
+                const std::vector<std::shared_ptr<const Track>>& tracks, std::size_t first) {
   for (std::size_t i = first; i < users.size(); ++i) {
     const int variant = static_cast<int>(i);
     switch (users[i].object_class) {

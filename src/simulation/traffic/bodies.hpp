@@ -9,8 +9,8 @@
 
 namespace mapless::inline v1 {
 
-/// Adds everyone of `users` from number `first` on with his track.
-void add_users(SceneBuilder& scene, const std::vector<RoadUser>& users,
-               const std::vector<std::shared_ptr<const Track>>& tracks, std::size_t first);
+/// Adds a mover for each of `users` from index `first` on; it follows the track of the same index.
+void add_movers(SceneBuilder& scene, const std::vector<RoadUser>& users,
+                const std::vector<std::shared_ptr<const Track>>& tracks, std::size_t first);
 
 }  // namespace mapless

@@ -9,29 +9,29 @@
 
 namespace mapless::inline v1 {
 
-/// Where a path on foot crosses a street, from kerb to kerb, by distance along it.
+/// Part of a pedestrian's path that crosses a street, from kerb to kerb, in metres along the path.
 struct StreetCrossing {
   double from_m = 0, to_m = 0;
-  std::size_t junction = 0;  ///< whose lights he obeys
-  bool along_x = true;       ///< the way he walks
+  std::size_t junction = 0;  ///< whose traffic lights apply
+  bool along_x = true;       ///< walking along x, else along y
 };
 
-/// One who moves along a path of his own and gives way to others.
+/// A vehicle, pedestrian or dog with its own path.
 struct RoadUser {
   ObjectClass object_class = ObjectClass::car;
   std::shared_ptr<const Path> path;
-  double start_m = 0;         ///< where on the path at time 0
+  double start_m = 0;         ///< distance along the path at time 0
   double desired_speed = 10;  ///< [m/s]
   double wheelbase_m = 2.7;
-  double stop_every_s = 0;  ///< stops for a while now and then, on average once in so long; 0: never
-  std::vector<StreetCrossing> crossings = {};  ///< of one on foot
+  double stop_every_s = 0;  ///< mean time between pauses of 6 s of a pedestrian; 0: no pauses
+  std::vector<StreetCrossing> crossings = {};  ///< of a pedestrian's path, in order
 };
 
-/// A junction with lights: traffic along x and along y goes in turns.
+/// A junction with traffic lights: green alternates between traffic along x and along y.
 struct Junction {
   Eigen::Vector2d centre;
-  double half_size_m = 9;  ///< to the lines where vehicles wait
-  double offset_s = 0;     ///< of its phase
+  double half_size_m = 9;  ///< from the centre to the stop lines
+  double offset_s = 0;     ///< phase of its light cycle at time 0
 };
 
 }  // namespace mapless
