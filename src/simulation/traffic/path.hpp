@@ -18,8 +18,7 @@ using Terrain = std::function<double(double x, double y)>;
 /// its ends.
 class Path {
  public:
-  /// A smoothed curve along at least two waypoints [m], consecutive ones different; throws ParameterError
-  /// otherwise.
+  /// A smooth curve along at least two waypoints [m], consecutive ones different.
   explicit Path(const std::vector<Eigen::Vector2d>& waypoints);
   [[nodiscard]] double length_m() const { return static_cast<double>(points_.size() - 1) * kStep; }
   [[nodiscard]] Eigen::Vector2d at(double s) const;
