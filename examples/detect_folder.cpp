@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 #include <mapless/detection/detector.hpp>
-#include <mapless/io/open_dataset.hpp>
+#include <mapless/io/dataset.hpp>
 
 namespace {
 

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <mapless/evaluation/quantile.hpp>
+#include <mapless/evaluation/trajectory_evaluation.hpp>
 
 namespace mapless::inline v1 {
 

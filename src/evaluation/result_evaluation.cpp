@@ -7,9 +7,8 @@
 
 #include <mapless/core/errors.hpp>
 #include <mapless/evaluation/evaluator.hpp>
-#include <mapless/evaluation/result_evaluation.hpp>
 #include <mapless/io/labels.hpp>
-#include <mapless/io/object_table.hpp>
+#include <mapless/io/object_tables.hpp>
 #include <mapless/io/trajectory_file.hpp>
 
 namespace mapless::inline v1 {

@@ -5,8 +5,7 @@
 
 #include <Eigen/Geometry>
 
-#include <mapless/evaluation/quantile.hpp>
-#include <mapless/evaluation/trajectory_error.hpp>
+#include <mapless/evaluation/trajectory_evaluation.hpp>
 
 namespace mapless::inline v1 {
 namespace {

@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 
 #include <mapless/core/errors.hpp>
-#include <mapless/evaluation/quantile.hpp>
-#include <mapless/evaluation/velocity_evaluator.hpp>
+#include <mapless/evaluation/evaluator.hpp>
+#include <mapless/evaluation/trajectory_evaluation.hpp>
 #include <mapless/io/labels.hpp>
 
 namespace mapless::inline v1 {

@@ -4,7 +4,7 @@
 #include "io/formats/native/native_dataset.hpp"
 #include "io/formats/pcd/pcd_folder_dataset.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/io/open_dataset.hpp>
+#include <mapless/io/dataset.hpp>
 
 namespace mapless::inline v1 {
 namespace {

@@ -7,9 +7,9 @@
 #include "core/median.hpp"
 #include "io/point_oddities.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/io/atomic_file.hpp>
+#include <mapless/io/dataset.hpp>
+#include <mapless/io/files.hpp>
 #include <mapless/io/labels.hpp>
-#include <mapless/io/recording_survey.hpp>
 
 namespace mapless::inline v1 {
 namespace {

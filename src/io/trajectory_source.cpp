@@ -8,8 +8,8 @@
 
 #include "io/formats/kitti/kitti_calibration.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/io/atomic_file.hpp>
-#include <mapless/io/trajectory_source.hpp>
+#include <mapless/io/files.hpp>
+#include <mapless/io/trajectory_file.hpp>
 
 namespace mapless::inline v1 {
 namespace {

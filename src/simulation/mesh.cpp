@@ -6,7 +6,7 @@
 #include <Eigen/Geometry>
 
 #include "core/argument_checks.hpp"
-#include <mapless/simulation/mesh.hpp>
+#include <mapless/simulation/world.hpp>
 
 namespace mapless::inline v1 {
 namespace {

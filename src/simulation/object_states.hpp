@@ -6,7 +6,7 @@
 
 #include <Eigen/Geometry>
 
-#include <mapless/io/object_truth.hpp>
+#include <mapless/io/object_tables.hpp>
 #include <mapless/simulation/scene.hpp>
 #include <mapless/simulation/simulated_sensor.hpp>
 

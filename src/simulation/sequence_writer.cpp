@@ -11,11 +11,11 @@
 #include "io/files/text.hpp"
 #include "simulation/object_states.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/io/atomic_file.hpp>
+#include <mapless/io/files.hpp>
 #include <mapless/io/labels.hpp>
 #include <mapless/io/mdlidar_writer.hpp>
 #include <mapless/io/native_writer.hpp>
-#include <mapless/io/object_truth.hpp>
+#include <mapless/io/object_tables.hpp>
 #include <mapless/io/trajectory_file.hpp>
 #include <mapless/simulation/sequence_writer.hpp>
 

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <mapless/core/errors.hpp>
-#include <mapless/evaluation/precision_recall.hpp>
+#include <mapless/evaluation/evaluation_report.hpp>
 
 namespace mapless {
 namespace MAPLESS_FILE {

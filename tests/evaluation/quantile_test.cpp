@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include <mapless/evaluation/quantile.hpp>
+#include <mapless/evaluation/trajectory_evaluation.hpp>
 
 namespace mapless {
 namespace MAPLESS_FILE {

@@ -8,11 +8,10 @@
 #include "support/memory_dataset.hpp"
 #include "support/temporary_folder.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/evaluation/result_evaluation.hpp>
-#include <mapless/io/atomic_file.hpp>
+#include <mapless/evaluation/evaluator.hpp>
+#include <mapless/io/files.hpp>
 #include <mapless/io/labels.hpp>
-#include <mapless/io/object_table.hpp>
-#include <mapless/io/object_truth.hpp>
+#include <mapless/io/object_tables.hpp>
 #include <mapless/io/trajectory_file.hpp>
 
 namespace mapless {

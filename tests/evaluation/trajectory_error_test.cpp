@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include <mapless/evaluation/trajectory_error.hpp>
+#include <mapless/evaluation/trajectory_evaluation.hpp>
 #include <mapless/io/trajectory_file.hpp>
 
 namespace mapless {

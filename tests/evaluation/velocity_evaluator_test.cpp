@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <mapless/core/errors.hpp>
-#include <mapless/evaluation/velocity_evaluator.hpp>
+#include <mapless/evaluation/evaluator.hpp>
 #include <mapless/io/labels.hpp>
 
 namespace mapless {

@@ -3,8 +3,8 @@
 
 #include "support/memory_dataset.hpp"
 #include "support/temporary_folder.hpp"
-#include <mapless/io/atomic_file.hpp>
-#include <mapless/io/recording_survey.hpp>
+#include <mapless/io/dataset.hpp>
+#include <mapless/io/files.hpp>
 
 namespace mapless {
 namespace MAPLESS_FILE {

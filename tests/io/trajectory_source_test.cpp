@@ -8,8 +8,8 @@
 #include "support/memory_dataset.hpp"
 #include "support/temporary_folder.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/io/atomic_file.hpp>
-#include <mapless/io/trajectory_source.hpp>
+#include <mapless/io/files.hpp>
+#include <mapless/io/trajectory_file.hpp>
 
 namespace mapless {
 namespace MAPLESS_FILE {

@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "support/shared_data.hpp"
-#include <mapless/io/open_dataset.hpp>
-#include <mapless/io/trajectory_source.hpp>
+#include <mapless/io/dataset.hpp>
+#include <mapless/io/trajectory_file.hpp>
 #include <mapless/odometry/lidar_odometry.hpp>
 
 // The real drive: 3 to 7 m/s from the first scan on, a bend, traffic.

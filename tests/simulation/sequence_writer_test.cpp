@@ -9,10 +9,10 @@
 #include "io/formats/pcd/pcd.hpp"
 #include "support/temporary_folder.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/io/atomic_file.hpp>
+#include <mapless/io/dataset.hpp>
+#include <mapless/io/files.hpp>
 #include <mapless/io/labels.hpp>
-#include <mapless/io/object_truth.hpp>
-#include <mapless/io/open_dataset.hpp>
+#include <mapless/io/object_tables.hpp>
 #include <mapless/simulation/sequence_writer.hpp>
 
 namespace mapless {

@@ -6,7 +6,7 @@
 #include "support/cast_rays.hpp"
 #include "support/toy_scene.hpp"
 #include <mapless/io/labels.hpp>
-#include <mapless/simulation/scenes.hpp>
+#include <mapless/simulation/scene.hpp>
 #include <mapless/simulation/simulated_sensor.hpp>
 
 namespace mapless {

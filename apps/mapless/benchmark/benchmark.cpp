@@ -26,8 +26,8 @@
 #include "terminal/stderr.hpp"
 #include "verbs/verbs.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/io/atomic_file.hpp>
-#include <mapless/simulation/scenes.hpp>
+#include <mapless/io/files.hpp>
+#include <mapless/simulation/scene.hpp>
 
 namespace mapless::app {
 namespace {

@@ -19,9 +19,9 @@
 #include "terminal/interrupt.hpp"
 #include <mapless/detection/detector.hpp>
 #include <mapless/evaluation/evaluator.hpp>
-#include <mapless/io/detection_labels.hpp>
-#include <mapless/io/object_truth.hpp>
-#include <mapless/io/open_dataset.hpp>
+#include <mapless/io/dataset.hpp>
+#include <mapless/io/object_tables.hpp>
+#include <mapless/io/result_folder.hpp>
 
 namespace mapless::app {
 namespace {

@@ -9,7 +9,7 @@
 #include <mapless/core/errors.hpp>
 #include <mapless/core/parameters.hpp>
 #include <mapless/lidar/lidar_model.hpp>
-#include <mapless/simulation/scenes.hpp>
+#include <mapless/simulation/scene.hpp>
 
 namespace mapless::app {
 namespace {

@@ -17,7 +17,7 @@
 #include "terminal/progress.hpp"
 #include <mapless/detection/detector.hpp>
 #include <mapless/io/dataset.hpp>
-#include <mapless/io/object_table.hpp>
+#include <mapless/io/object_tables.hpp>
 #include <mapless/io/result_folder.hpp>
 
 namespace mapless::app {

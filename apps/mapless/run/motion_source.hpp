@@ -6,7 +6,7 @@
 #include <vector>
 
 #include <mapless/detection/detector.hpp>
-#include <mapless/io/trajectory_source.hpp>
+#include <mapless/io/trajectory_file.hpp>
 #include <mapless/odometry/lidar_odometry.hpp>
 
 namespace mapless::app {

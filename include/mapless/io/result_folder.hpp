@@ -7,7 +7,13 @@
 #include <string_view>
 #include <vector>
 
+#include <mapless/io/object_tables.hpp>
+
 namespace mapless::inline v1 {
+
+// Of detection, which evaluation must not know.
+struct Detection;
+struct TrackedObject;
 
 /// The folder a run of the detector writes. Scan numbers are those of the recording, from 0, six digits:
 ///
@@ -16,7 +22,7 @@ namespace mapless::inline v1 {
 ///                           in the high 16 bits where dynamic, 9 where static, 0 for a record without a
 ///                           return
 ///     objects.csv           one row per object and scan: where it is and how fast, with an id kept over time
-///     (io/object_table.hpp)
+///     (io/object_tables.hpp)
 ///     stages/NNNNNN.stages  one uint8 per input record: bit s is 1 where the point counted as dynamic after
 ///     stage s
 ///                           (0 pointcloud comparison, 1 freespace backward, 2 freespace forward, 3 box
@@ -73,5 +79,19 @@ void write_stage_file(const std::filesystem::path& file, const std::vector<std::
 /// Throws InputError for a file that cannot be read or whose length is not `expected_count`.
 [[nodiscard]] std::vector<std::uint8_t> read_stage_file(const std::filesystem::path& file,
                                                         std::size_t expected_count);
+
+/// One label per input record of the scan, in input order: kLabelDynamic with the object's number in the high
+/// 16 bits, kLabelStatic, or 0 for a record without a return.
+[[nodiscard]] std::vector<std::uint32_t> labels_of(const Detection& detection);
+/// The same with label_number(id) of the objects, all those of the scan, for their number.
+[[nodiscard]] std::vector<std::uint32_t> labels_of(const Detection& detection,
+                                                   const std::vector<TrackedObject>& objects);
+
+/// The objects of scan `scan` as rows of objects.csv.
+[[nodiscard]] std::vector<ObjectRow> object_rows(std::size_t scan, const std::vector<TrackedObject>& objects);
+
+/// One byte per input record: bit s is 1 where the point counted as dynamic after Stage s; 0 without a
+/// return.
+[[nodiscard]] std::vector<std::uint8_t> stage_masks_of(const Detection& detection);
 
 }  // namespace mapless

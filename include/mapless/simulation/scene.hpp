@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <mapless/simulation/world.hpp>
@@ -30,5 +31,11 @@ struct Scene {
   /// The poses with respect to the world frame of the recording: T_vw.
   [[nodiscard]] std::vector<TimedPose> poses_in_world() const;
 };
+
+/// Builds the scene of this name (scene_names()). Throws ParameterError for an unknown name, listing the
+/// names, and for a duration out of bounds.
+[[nodiscard]] Scene make_scene(std::string_view name, const SceneOptions& options);
+/// Names of all scenes, in a fixed order.
+[[nodiscard]] const std::vector<std::string>& scene_names();
 
 }  // namespace mapless

@@ -33,7 +33,7 @@ class SequenceWriter {
 [[nodiscard]] LidarModel model_for_format(LidarModel model, std::string_view format);
 
 /// Creates `folder` and a writer of this format into it. The writer adds objects.csv and, scan by scan,
-/// object_states.csv (io/object_truth.hpp). Throws OutputError if the folder exists or cannot be created,
+/// object_states.csv (io/object_tables.hpp). Throws OutputError if the folder exists or cannot be created,
 /// ParameterError for an unknown format or a null model, InputError for an invalid model (validate).
 [[nodiscard]] std::unique_ptr<SequenceWriter> make_sequence_writer(std::string_view format,
                                                                    const std::filesystem::path& folder,

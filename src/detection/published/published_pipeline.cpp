@@ -8,7 +8,7 @@
 #include "detection/published/prepared_scan.hpp"
 #include "detection/published/region_growth.hpp"
 #include "detection/published/stage_record.hpp"
-#include <mapless/core/timed.hpp>
+#include <mapless/core/time.hpp>
 
 namespace mapless::inline v1 {
 namespace {

@@ -9,8 +9,7 @@
 #include "io/files/yaml_reader.hpp"
 #include "lidar/vendor_models.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/io/atomic_file.hpp>
-#include <mapless/io/model_file.hpp>
+#include <mapless/io/files.hpp>
 
 namespace mapless::inline v1 {
 namespace {

@@ -1,7 +1,7 @@
 #include <algorithm>
 
-#include <mapless/io/detection_labels.hpp>
 #include <mapless/io/labels.hpp>
+#include <mapless/io/result_folder.hpp>
 
 namespace mapless::inline v1 {
 namespace {

@@ -10,7 +10,7 @@
 #include <unistd.h>
 
 #include <mapless/core/errors.hpp>
-#include <mapless/io/atomic_file.hpp>
+#include <mapless/io/files.hpp>
 #include <mapless/io/result_folder.hpp>
 
 namespace mapless::inline v1 {

@@ -6,10 +6,10 @@
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
-#include "io/files/text.hpp"
 #include "core/rotation_check.hpp"
+#include "io/files/text.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/io/atomic_file.hpp>
+#include <mapless/io/files.hpp>
 #include <mapless/io/trajectory_file.hpp>
 
 namespace mapless::inline v1 {

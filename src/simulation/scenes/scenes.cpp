@@ -5,7 +5,7 @@
 #include "simulation/random.hpp"
 #include "simulation/scenes/named_scenes.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/simulation/scenes.hpp>
+#include <mapless/simulation/scene.hpp>
 
 namespace mapless::inline v1 {
 namespace {

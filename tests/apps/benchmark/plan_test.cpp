@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <mapless/core/errors.hpp>
-#include <mapless/simulation/scenes.hpp>
+#include <mapless/simulation/scene.hpp>
 
 namespace mapless::app {
 namespace MAPLESS_FILE {

@@ -9,8 +9,7 @@
 #include "support/shared_data.hpp"
 #include "support/temporary_folder.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/io/atomic_file.hpp>
-#include <mapless/io/model_file.hpp>
+#include <mapless/io/files.hpp>
 
 namespace mapless {
 namespace MAPLESS_FILE {

@@ -8,8 +8,7 @@
 
 #include "support/temporary_folder.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/io/atomic_file.hpp>
-#include <mapless/io/parameters_file.hpp>
+#include <mapless/io/files.hpp>
 
 namespace mapless {
 namespace MAPLESS_FILE {

@@ -5,8 +5,8 @@
 
 #include "support/temporary_folder.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/io/atomic_file.hpp>
-#include <mapless/io/object_truth.hpp>
+#include <mapless/io/files.hpp>
+#include <mapless/io/object_tables.hpp>
 
 namespace mapless {
 namespace MAPLESS_FILE {

@@ -5,7 +5,7 @@
 
 #include "support/temporary_folder.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/io/atomic_file.hpp>
+#include <mapless/io/files.hpp>
 #include <mapless/io/labels.hpp>
 #include <mapless/io/result_folder.hpp>
 

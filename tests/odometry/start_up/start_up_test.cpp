@@ -7,7 +7,7 @@
 #include <mapless/lidar/lidar_model.hpp>
 #include <mapless/lidar/lidar_scan.hpp>
 #include <mapless/odometry/lidar_odometry.hpp>
-#include <mapless/simulation/scenes.hpp>
+#include <mapless/simulation/scene.hpp>
 #include <mapless/simulation/simulated_sensor.hpp>
 
 // Starts that went wrong, of simulated drives with sixteen lasers, which know the truth.

@@ -8,7 +8,7 @@
 #include "simulation/scenes/town.hpp"
 #include "simulation/traffic/living.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/simulation/scenes.hpp>
+#include <mapless/simulation/scene.hpp>
 
 namespace mapless {
 namespace MAPLESS_FILE {

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "simulation/traffic/vehicles.hpp"
-#include <mapless/simulation/scenes.hpp>
+#include <mapless/simulation/scene.hpp>
 
 namespace mapless {
 namespace MAPLESS_FILE {

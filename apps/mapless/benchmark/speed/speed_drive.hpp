@@ -9,7 +9,7 @@
 
 #include "run/busy_time.hpp"
 #include <mapless/lidar/lidar_scan.hpp>
-#include <mapless/simulation/scenes.hpp>
+#include <mapless/simulation/scene.hpp>
 #include <mapless/simulation/simulated_sensor.hpp>
 #include <mapless/trajectory/trajectory.hpp>
 

@@ -12,8 +12,8 @@
 #include "io/files/numbered_files.hpp"
 #include "io/formats/kitti/kitti_files.hpp"
 #include <mapless/core/errors.hpp>
+#include <mapless/io/files.hpp>
 #include <mapless/io/labels.hpp>
-#include <mapless/io/model_file.hpp>
 
 namespace mapless::inline v1 {
 namespace {

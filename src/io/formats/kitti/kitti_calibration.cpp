@@ -6,10 +6,10 @@
 
 #include <fmt/format.h>
 
-#include "io/files/text.hpp"
 #include "core/rotation_check.hpp"
+#include "io/files/text.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/io/atomic_file.hpp>
+#include <mapless/io/files.hpp>
 
 namespace mapless::inline v1 {
 namespace {

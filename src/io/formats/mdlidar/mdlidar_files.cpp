@@ -12,7 +12,7 @@
 #include "io/files/text.hpp"
 #include "mdlidar.pb.h"
 #include <mapless/core/errors.hpp>
-#include <mapless/io/atomic_file.hpp>
+#include <mapless/io/files.hpp>
 
 namespace mapless::inline v1 {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "mdlidar.pb.h"
 #include <mapless/core/errors.hpp>
-#include <mapless/io/atomic_file.hpp>
+#include <mapless/io/files.hpp>
 #include <mapless/io/mdlidar_writer.hpp>
 
 namespace mapless::inline v1 {

@@ -9,8 +9,8 @@
 #include "io/formats/pcd/pcd.hpp"
 #include "io/tables/scan_times.hpp"
 #include <mapless/core/errors.hpp>
+#include <mapless/io/files.hpp>
 #include <mapless/io/labels.hpp>
-#include <mapless/io/model_file.hpp>
 #include <mapless/io/trajectory_file.hpp>
 
 namespace mapless::inline v1 {

@@ -10,9 +10,8 @@
 #include "io/files/text.hpp"
 #include "io/formats/pcd/pcd.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/io/atomic_file.hpp>
+#include <mapless/io/files.hpp>
 #include <mapless/io/labels.hpp>
-#include <mapless/io/model_file.hpp>
 #include <mapless/io/native_writer.hpp>
 #include <mapless/io/trajectory_file.hpp>
 

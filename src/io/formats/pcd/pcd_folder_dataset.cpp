@@ -12,8 +12,8 @@
 #include "io/tables/scan_times.hpp"
 #include "lidar/nearest_beam.hpp"
 #include <mapless/core/errors.hpp>
+#include <mapless/io/files.hpp>
 #include <mapless/io/labels.hpp>
-#include <mapless/io/model_file.hpp>
 #include <mapless/lidar/ring_recovery.hpp>
 
 namespace mapless::inline v1 {

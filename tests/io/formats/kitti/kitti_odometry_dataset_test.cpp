@@ -9,8 +9,8 @@
 #include "support/temporary_folder.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/geometry/compensated_scan.hpp>
+#include <mapless/io/dataset.hpp>
 #include <mapless/io/labels.hpp>
-#include <mapless/io/open_dataset.hpp>
 
 namespace mapless {
 namespace MAPLESS_FILE {

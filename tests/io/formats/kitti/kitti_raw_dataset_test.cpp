@@ -10,8 +10,8 @@
 #include "support/shared_data.hpp"
 #include "support/temporary_folder.hpp"
 #include <mapless/core/errors.hpp>
+#include <mapless/io/dataset.hpp>
 #include <mapless/io/labels.hpp>
-#include <mapless/io/open_dataset.hpp>
 
 namespace mapless {
 namespace MAPLESS_FILE {

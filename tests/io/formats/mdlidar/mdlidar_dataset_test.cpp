@@ -9,8 +9,8 @@
 #include "support/bare_cloud.hpp"
 #include "support/temporary_folder.hpp"
 #include <mapless/core/errors.hpp>
+#include <mapless/io/dataset.hpp>
 #include <mapless/io/mdlidar_writer.hpp>
-#include <mapless/io/open_dataset.hpp>
 
 namespace mapless {
 namespace MAPLESS_FILE {

@@ -12,7 +12,7 @@
 #include "io/tables/scan_times.hpp"
 #include "support/temporary_folder.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/io/atomic_file.hpp>
+#include <mapless/io/files.hpp>
 #include <mapless/io/labels.hpp>
 #include <mapless/io/native_writer.hpp>
 

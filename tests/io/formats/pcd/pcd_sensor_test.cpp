@@ -14,7 +14,7 @@
 #include "support/temporary_folder.hpp"
 #include "support/toy_scene.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/io/atomic_file.hpp>
+#include <mapless/io/files.hpp>
 
 namespace mapless {
 namespace MAPLESS_FILE {
