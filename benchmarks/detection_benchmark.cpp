@@ -9,10 +9,11 @@
 #include "detection/published/freespace_check.hpp"
 #include "detection/published/pointcloud_comparison.hpp"
 #include "detection/published/region_growth.hpp"
-#include "detection/segmentation/vote_growth.hpp"
+#include "detection/segmentation/evidence_growth.hpp"
+#include "geometry/nearest_neighbours.hpp"
+#include "support/detection/prepared.hpp"
+#include "support/detection/run_detector.hpp"
 #include "support/local_points.hpp"
-#include "support/prepared.hpp"
-#include "support/run_detector.hpp"
 #include <mapless/detection/detector.hpp>
 
 namespace mapless {
@@ -144,7 +145,7 @@ struct VotingStreet {
   std::vector<AskedScan> asked = asked_scans();
   std::vector<PointVotes> votes =
       collect_votes(Street::instance().query.scan(), points, asked, own, parameters);
-  std::vector<BoxVerdict> seeds = filter_votes(Street::instance().query.scan(), points, votes, parameters);
+  std::vector<BoxVerdict> seeds = filter_evidence(Street::instance().query.scan(), points, votes, parameters);
 
   static const VotingStreet& instance() {
     static const VotingStreet street;
@@ -196,13 +197,14 @@ void votes(benchmark::State& state) {
 void vote_filter(benchmark::State& state) {
   const VotingStreet& s = VotingStreet::instance();
   run(state, returns(),
-      [&] { return filter_votes(Street::instance().query.scan(), s.points, s.votes, s.parameters); });
+      [&] { return filter_evidence(Street::instance().query.scan(), s.points, s.votes, s.parameters); });
 }
 
-void vote_growth(benchmark::State& state) {
+void evidence_growth(benchmark::State& state) {
   const VotingStreet& s = VotingStreet::instance();
-  run(state, returns(),
-      [&] { return grow_votes(Street::instance().query.scan(), s.points, s.votes, s.seeds, s.parameters); });
+  run(state, returns(), [&] {
+    return grow_evidence(Street::instance().query.scan(), s.points, s.votes, s.seeds, s.parameters);
+  });
 }
 
 /// One scan into a detector that has seen all it can ask for, or the 30 scans there are.
@@ -245,7 +247,7 @@ MAPLESS_BENCHMARK(ray_image);
 BENCHMARK(probe)->Arg(1)->ArgName("threads")->UseRealTime()->Unit(benchmark::kMillisecond);
 MAPLESS_BENCHMARK(votes);
 MAPLESS_BENCHMARK(vote_filter);
-MAPLESS_BENCHMARK(vote_growth);
+MAPLESS_BENCHMARK(evidence_growth);
 MAPLESS_BENCHMARK(detector)->Iterations(3);
 MAPLESS_BENCHMARK(published_detector)->Iterations(3);
 

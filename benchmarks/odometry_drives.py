@@ -110,7 +110,7 @@ def main():
             if not options.keep:
                 shutil.rmtree(folder)
     table = "\n".join(f"| {line} |" for line in lines)
-    text = f"{table}\n\nWhat `mapless odometry` said of these drives itself:\n\n" + "\n".join(troubles)
+    text = f"{table}\n\nWarnings of `mapless odometry` on these drives:\n\n" + "\n".join(troubles)
     if options.write:
         write_between_marks(options.write, "odometry_drives.py", text)
 

@@ -6,7 +6,7 @@ usage: compare_odometry.py [--mapless build/mapless] [--kitti DRIVE] [--duration
 Makes short simulated recordings in --work where they are not there yet. KISS-ICP is the Python package of
 requirements.txt with its defaults: deskewing on, given the time of every point, one thread. Its poses are those of the
 end of each scan, to which it deskews; between them they are interpolated at constant velocity, which is kinder than the
-motion it deskews with, that of the scan before. Where the truth is known it runs once more, told the motion of the
+motion it deskews with, that of the scan before. Where the truth is known it runs once more, given the motion of the
 first scan: by itself it does not get going where a drive begins fast. `mapless evaluate` judges all. Times are those of
 the process on its CPU, so that what else runs on the machine does not count. With --write, the table replaces the one
 between the two marks in that file.
@@ -69,7 +69,7 @@ def run_kiss_icp(folder, output, first_motion=None):
         times.append(1e3 * (time.process_time() - begin))
         rows.append(odometry.last_pose[:3].ravel())
     np.savetxt(output, rows)
-    name = "KISS-ICP" if first_motion is None else "KISS-ICP, told its first motion"
+    name = "KISS-ICP" if first_motion is None else "KISS-ICP, given its first motion"
     return [name, output, ["--pose-instant", "end"], statistics.median(times)]
 
 
@@ -111,7 +111,7 @@ def compare(options, name, folder, evaluate_with):
     ]
     if (folder / "trajectory.txt").exists():
         motion = true_first_motion(folder)
-        runs.append(run_kiss_icp(folder, options.work / "kiss_icp_told_poses.txt", motion))
+        runs.append(run_kiss_icp(folder, options.work / "kiss_icp_first_motion_poses.txt", motion))
     for odometry, result, how, ms in runs:
         command = [options.mapless, "evaluate", folder, result, "--json", "-"] + how + evaluate_with
         row = [name, odometry] + figures(json.loads(run(command))["trajectory"], ms)

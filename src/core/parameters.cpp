@@ -37,6 +37,13 @@ std::string bounds(const ParameterReference& p) {
                      with_unit(p));
 }
 
+// What is wrong with a number, or empty. Written so that NaN is out of bounds.
+std::string_view problem_of(const ParameterReference& p, double number) {
+  if (!(number >= p.min && number <= p.max)) return "out of bounds";
+  if (p.odd && std::fmod(number, 2) == 0) return "not odd";
+  return {};
+}
+
 // Levenshtein distance.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> row(b.size() + 1);
@@ -86,10 +93,8 @@ void ParameterReference::assign(std::string_view text, const std::string& where)
   const auto assign_number = [&](auto* target, std::string_view kind) {
     const auto number = parse_number<std::remove_reference_t<decltype(*target)>>(text);
     if (!number) return refuse(fmt::format("not {}", kind), bounds(*this));
-    const auto as_double = static_cast<double>(*number);
-    // Written so that NaN is refused.
-    if (!(as_double >= min && as_double <= max)) return refuse("out of bounds", bounds(*this));
-    if (odd && std::fmod(as_double, 2) == 0) return refuse("not odd", bounds(*this));
+    const std::string_view problem = problem_of(*this, static_cast<double>(*number));
+    if (!problem.empty()) return refuse(std::string(problem), bounds(*this));
     *target = *number;
   };
   const auto assign_choice = [&](const ChoiceReference& choice) {
@@ -107,6 +112,20 @@ void ParameterReference::assign(std::string_view text, const std::string& where)
   std::visit(Overloaded{assign_switch, [&](int* v) { assign_number(v, "an integer"); },
                         [&](double* v) { assign_number(v, "a number"); }, assign_choice},
              value);
+}
+
+void ParameterReference::require_within_bounds(const std::string& where) const {
+  const auto require_number = [&](const auto* v) {
+    const std::string_view problem = problem_of(*this, static_cast<double>(*v));
+    if (!problem.empty()) throw ParameterError({where, key, text(), std::string(problem), bounds(*this)});
+  };
+  const auto require_choice = [&](const ChoiceReference& choice) {
+    const int i = choice.get();
+    if (i >= 0 && i < static_cast<int>(choice.names.size())) return;
+    throw ParameterError({where, key, std::to_string(i), "not one of its choices",
+                          fmt::format("choose {}", fmt::join(choice.names, ", "))});
+  };
+  std::visit(Overloaded{[](const bool*) {}, require_number, require_choice}, value);
 }
 
 std::string_view ParameterReference::type() const {

@@ -4,8 +4,9 @@
 #include <optional>
 #include <vector>
 
-#include "detection/published/region_growth.hpp"
-#include <mapless/detection/detector.hpp>
+#include "detection/segmentation/object_evidence.hpp"
+#include <mapless/detection/detection.hpp>
+#include <mapless/detection/parameters.hpp>
 
 namespace mapless::inline v1 {
 
@@ -13,7 +14,7 @@ namespace mapless::inline v1 {
 struct ProposedObjects {
   Detection detection;
   std::vector<TrajectoryState> column_states;  ///< of the sensor, CompensatedScan::column_states
-  std::vector<ObjectEvidence> evidence;        ///< RegionGrowthResult::evidence
+  std::vector<ObjectEvidence> evidence;        ///< EvidenceGrowthResult::evidence
 };
 
 /// How scans are remembered and judged; Detector says when. Scans are numbered from 0 in the order they come.

@@ -7,9 +7,17 @@
 #include <mapless/detection/detector.hpp>
 
 namespace mapless::inline v1 {
+namespace {
+
+const DetectorParameters& checked(const DetectorParameters& parameters) {
+  require_within_bounds(parameters, "Detector");
+  return parameters;
+}
+
+}  // namespace
 
 Detector::Detector(const DetectorParameters& parameters)
-    : parameters_(parameters),
+    : parameters_(checked(parameters)),
       pipeline_(parameters.method == DetectionMethod::voting ? make_voting_pipeline(parameters)
                                                              : make_published_pipeline(parameters)),
       moving_(std::make_unique<MovingObjects>(parameters)) {}
@@ -48,7 +56,7 @@ std::size_t Detector::first_detections_at() const {
 Detection Detector::next() {
   ProposedObjects proposed = pipeline_->detect(next_detection_);
   proposed.detection.sequence_number = next_detection_++;
-  return moving_->judge(std::move(proposed));
+  return moving_->classify(std::move(proposed));
 }
 
 }  // namespace mapless

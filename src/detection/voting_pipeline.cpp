@@ -6,8 +6,8 @@
 #include "detection/evidence/point_evidence.hpp"
 #include "detection/evidence/reference_gaps.hpp"
 #include "detection/freespace/range_noise.hpp"
-#include "detection/segmentation/vote_growth.hpp"
 #include <mapless/core/time.hpp>
+#include "detection/segmentation/evidence_growth.hpp"
 
 namespace mapless::inline v1 {
 namespace {
@@ -113,10 +113,10 @@ ProposedObjects VotingPipeline::judge(PendingScan query, const std::vector<Asked
   });
   // 4. Border effects have no neighbours that say the same.
   const auto seeds = timed(out.seconds.box_filter,
-                           [&] { return filter_votes(*out.scan, query.points, votes, parameters_); });
+                           [&] { return filter_evidence(*out.scan, query.points, votes, parameters_); });
   // 5. Clustering and region growth: whole objects.
   auto regions = timed(out.seconds.region_growth,
-                       [&] { return grow_votes(*out.scan, query.points, votes, seeds, parameters_); });
+                       [&] { return grow_evidence(*out.scan, query.points, votes, seeds, parameters_); });
   out.trace = recorded(votes, seeds, regions.verdict);
   out.object = std::move(regions.object);
   out.objects = regions.objects;

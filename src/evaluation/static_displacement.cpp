@@ -1,8 +1,8 @@
+#include "evaluation/static_displacement.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-
-#include <mapless/evaluation/static_displacement.hpp>
 
 namespace mapless::inline v1 {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "evaluation/static_displacement.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/evaluation/static_displacement.hpp>
 #include <mapless/evaluation/trajectory_evaluation.hpp>
 
 namespace mapless::inline v1 {

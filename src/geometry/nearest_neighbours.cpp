@@ -1,11 +1,11 @@
+#include "geometry/nearest_neighbours.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <nanoflann.hpp>
 #include <numeric>
 #include <utility>
-
-#include <mapless/geometry/nearest_neighbours.hpp>
 
 namespace mapless::inline v1 {
 namespace {

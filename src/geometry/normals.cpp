@@ -7,8 +7,10 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include "geometry/nearest_neighbours.hpp"
+#include "lidar/aligned_image.hpp"
+#include <mapless/geometry/compensated_scan.hpp>
 #include <mapless/geometry/normals.hpp>
-#include <mapless/lidar/aligned_image.hpp>
 
 namespace mapless::inline v1 {
 namespace {

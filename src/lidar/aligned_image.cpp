@@ -1,7 +1,7 @@
+#include "lidar/aligned_image.hpp"
+
 #include <cmath>
 #include <numbers>
-
-#include <mapless/lidar/aligned_image.hpp>
 
 namespace mapless::inline v1 {
 

@@ -1,3 +1,5 @@
+#include "lidar/model_estimation.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -5,7 +7,6 @@
 
 #include "lidar/ring_points.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/lidar/model_estimation.hpp>
 
 namespace mapless::inline v1 {
 namespace {

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "core/median.hpp"
-#include <mapless/lidar/ring_recovery.hpp>
+#include "lidar/ring_recovery.hpp"
 
 namespace mapless::inline v1 {
 namespace {

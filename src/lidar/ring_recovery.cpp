@@ -1,3 +1,5 @@
+#include "lidar/ring_recovery.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -5,7 +7,6 @@
 #include <numeric>
 
 #include <mapless/core/errors.hpp>
-#include <mapless/lidar/ring_recovery.hpp>
 
 namespace mapless::inline v1 {
 namespace {

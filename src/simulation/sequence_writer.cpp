@@ -9,12 +9,12 @@
 
 #include "core/argument_checks.hpp"
 #include "io/files/text.hpp"
+#include "io/formats/mdlidar/mdlidar_writer.hpp"
+#include "io/formats/native/native_writer.hpp"
 #include "simulation/object_states.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/io/files.hpp>
 #include <mapless/io/labels.hpp>
-#include <mapless/io/mdlidar_writer.hpp>
-#include <mapless/io/native_writer.hpp>
 #include <mapless/io/object_tables.hpp>
 #include <mapless/io/trajectory_file.hpp>
 #include <mapless/simulation/sequence_writer.hpp>

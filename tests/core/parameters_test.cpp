@@ -53,6 +53,36 @@ struct Window {
   }
 };
 
+std::string bounds_error(const auto& parameters) {
+  try {
+    require_within_bounds(parameters, "Detector");
+  } catch (const ParameterError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(Parameters, RequireWithinBoundsAcceptsDefaultsAndTheBoundsThemselves) {
+  Outer p;
+  EXPECT_EQ(bounds_error(p), "no error");
+  p.count = 1;
+  p.inner.width_m = 10;
+  EXPECT_EQ(bounds_error(p), "no error");
+}
+
+TEST(Parameters, RequireWithinBoundsNamesParameterValueAndBounds) {
+  Outer p;
+  p.count = 0;
+  EXPECT_EQ(bounds_error(p), "Detector: count = 0: out of bounds; give a value from 1 to 100 scans");
+  p = {};
+  p.inner.width_m = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(bounds_error(p), "Detector: inner.width_m = nan: out of bounds; give a value from 0.001 to 10 m");
+  p = {};
+  p.inner.colour = static_cast<Colour>(3);
+  EXPECT_EQ(bounds_error(p), "Detector: inner.colour = 3: not one of its choices; choose red, green, blue");
+  EXPECT_THAT(bounds_error(Window{4}), AllOf(HasSubstr("rows = 4"), HasSubstr("odd number from 1 to 15")));
+}
+
 TEST(Parameters, AnOddOneRefusesEvenValues) {
   Window window;
   const auto references = parameter_references(window);

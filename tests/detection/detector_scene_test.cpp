@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "support/run_detector.hpp"
+#include "support/detection/run_detector.hpp"
 #include "support/toy_scene.hpp"
 #include <mapless/detection/detector.hpp>
 #include <mapless/io/labels.hpp>

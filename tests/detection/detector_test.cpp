@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "support/run_detector.hpp"
+#include "support/detection/run_detector.hpp"
 #include "support/toy_scene.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/detection/detector.hpp>
@@ -94,7 +94,7 @@ TEST(Detector, WhatStopsIsSoonStatic) {
     SCOPED_TRACE(testing::Message() << "scan " << k);
     const auto stopped =
         std::count_if(detections[k].trace.begin(), detections[k].trace.end(),
-                      [](const StageTrace& t) { return t.growth == GrowthVerdict::stopped; });
+                      [](const StageTrace& t) { return t.growth == GrowthVerdict::static_track; });
     if (k <= kStop) {
       EXPECT_EQ(detections[k].objects, 1);
       EXPECT_EQ(stopped, 0);

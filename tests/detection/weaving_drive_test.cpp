@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "support/run_detector.hpp"
+#include "support/detection/run_detector.hpp"
 #include "support/toy_scene.hpp"
 #include <mapless/io/labels.hpp>
 #include <mapless/odometry/lidar_odometry.hpp>

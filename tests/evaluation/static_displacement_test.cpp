@@ -1,9 +1,9 @@
+#include "evaluation/static_displacement.hpp"
+
 #include <cmath>
 #include <numbers>
 
 #include <gtest/gtest.h>
-
-#include <mapless/evaluation/static_displacement.hpp>
 
 namespace mapless {
 namespace MAPLESS_FILE {

@@ -1,3 +1,5 @@
+#include "geometry/nearest_neighbours.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -5,8 +7,6 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
-#include <mapless/geometry/nearest_neighbours.hpp>
 
 namespace mapless {
 namespace MAPLESS_FILE {

@@ -7,7 +7,9 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include "geometry/nearest_neighbours.hpp"
 #include "support/cast_rays.hpp"
+#include <mapless/geometry/compensated_scan.hpp>
 #include <mapless/geometry/normals.hpp>
 
 namespace mapless {

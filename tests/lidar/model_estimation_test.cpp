@@ -1,11 +1,13 @@
+#include "lidar/model_estimation.hpp"
+
 #include <cmath>
 #include <numbers>
 
 #include <gtest/gtest.h>
 
+#include "lidar/ring_recovery.hpp"
 #include "support/bare_cloud.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/lidar/model_estimation.hpp>
 
 namespace mapless {
 namespace MAPLESS_FILE {

@@ -1,3 +1,5 @@
+#include "lidar/ring_recovery.hpp"
+
 #include <cmath>
 #include <limits>
 #include <set>
@@ -6,7 +8,6 @@
 
 #include "support/bare_cloud.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/lidar/ring_recovery.hpp>
 
 namespace mapless {
 namespace MAPLESS_FILE {

@@ -48,6 +48,66 @@ class Layers(Tree):
         self.assertEqual(len(self.faults()), 1)
 
 
+class Cycles(Tree):
+    def test_two_modules_that_include_each_other_fail_with_their_path(self):
+        self.write("src/core/a.hpp", '#include "core/b.hpp"\n')
+        self.write("src/core/b.hpp", "int b;\n")
+        self.assertEqual(self.faults(), [])
+        self.write("src/core/b.hpp", '#include "core/a.hpp"\n')
+        self.assertEqual(self.faults(), ["modules include each other: src/core/a -> src/core/b -> src/core/a"])
+
+    def test_header_and_source_in_different_folders_are_one_module(self):
+        self.write("include/mapless/core/a.hpp", "int a;\n")
+        self.write("src/core/deep/a.cpp", '#include <mapless/core/a.hpp>\n#include "core/b.hpp"\n')
+        self.write("src/core/b.hpp", "int b;\n")
+        self.assertEqual(self.faults(), [])
+        self.write("src/core/b.hpp", "#include <mapless/core/a.hpp>\n")
+        self.assertEqual(len(self.faults()), 1)
+
+    def test_one_name_in_two_rooms_is_two_modules(self):
+        self.write("src/core/a.hpp", "int a;\n")
+        self.write("src/lidar/a.hpp", '#include "core/a.hpp"\n')
+        self.assertEqual(self.faults(), [])
+
+    def test_an_inc_belongs_to_the_module_that_includes_it(self):
+        self.write("src/core/a.cpp", '#include "core/lanes.inc"\n')
+        self.write("src/core/lanes.inc", '#include "core/a.hpp"\n')
+        self.write("src/core/a.hpp", "int a;\n")
+        self.assertEqual(self.faults(), [])
+        self.write("src/core/b.hpp", '#include "core/a.hpp"\n')
+        self.write("src/core/lanes.inc", '#include "core/b.hpp"\n')
+        self.assertEqual(self.faults(), ["modules include each other: src/core/a -> src/core/b -> src/core/a"])
+
+    def test_a_long_circle_is_found_among_tests_too(self):
+        for one, other in ("ab", "bc", "ca"):
+            self.write(f"tests/support/{one}.hpp", f'#include "support/{other}.hpp"\n')
+        self.assertEqual(len(self.faults()), 1)
+        self.assertIn("a -> tests/support/b -> tests/support/c -> tests/support/a", self.faults()[0])
+
+
+class Folders(Tree):
+    def test_15_modules_pass_and_16_fail(self):
+        for i in range(15):
+            self.write(f"src/io/m{i}.hpp", "\n")
+            self.write(f"src/io/m{i}.cpp", "\n")
+        self.write("src/io/tables/more.hpp", "\n")
+        self.assertEqual(self.faults(), [])
+        self.write("src/io/m15.hpp", "\n")
+        self.assertEqual(self.faults(), ["src/io: 16 modules; at most 15 in a folder"])
+
+    def test_30_public_headers_pass_and_31_fail(self):
+        for i in range(30):
+            self.write(f"include/mapless/{'io' if i < 15 else 'core'}/m{i}.hpp", "\n")
+        self.assertEqual(self.faults(), [])
+        self.write("include/mapless/lidar/one_more.hpp", "\n")
+        self.assertEqual(len(self.faults()), 1)
+
+    def test_a_public_header_includes_no_private_one(self):
+        self.write("include/mapless/core/a.hpp", '#include "core/b.hpp"\n')
+        self.write("src/core/b.hpp", "\n")
+        self.assertEqual(len(self.faults()), 1)
+
+
 class Lengths(Tree):
     def function(self, head, lines):
         return head + " {\n" + "  work();\n" * (lines - head.count("\n") - 2) + "}\n"

@@ -2,8 +2,8 @@
 
 #include <filesystem>
 
+#include "io/formats/native/native_writer.hpp"
 #include "support/toy_scene.hpp"
-#include <mapless/io/native_writer.hpp>
 
 namespace mapless::test {
 

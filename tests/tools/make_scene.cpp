@@ -5,9 +5,9 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "io/formats/native/native_writer.hpp"
 #include "support/toy_scene.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/io/native_writer.hpp>
 
 namespace {
 

@@ -89,6 +89,9 @@ struct ParameterReference {
   [[nodiscard]] std::string text() const;
   /// Sets the value from text. Throws ParameterError naming `where`, the key, the text and the bounds.
   void assign(std::string_view text, const std::string& where) const;
+  /// Throws ParameterError naming `where`, the key, the value and the bounds if the value is out of bounds
+  /// (NaN is), even where it must be odd, or none of its choices.
+  void require_within_bounds(const std::string& where) const;
   /// "switch", "integer", "number" or "choice".
   [[nodiscard]] std::string_view type() const;
 };
@@ -135,6 +138,16 @@ template <class Struct>
   std::vector<ParameterReference> out;
   detail::collect(parameters, "", out);
   return out;
+}
+
+/// Checks every parameter of `parameters` against its declaration; public constructors that take a parameter
+/// struct call this first. Throws ParameterError for the first that is out of bounds, see
+/// ParameterReference::require_within_bounds; `where` names the constructor or function, e.g. "Detector".
+template <class Struct>
+void require_within_bounds(const Struct& parameters, const std::string& where) {
+  Struct copy = parameters;  // references are to what can be assigned
+  for (const ParameterReference& parameter : parameter_references(copy))
+    parameter.require_within_bounds(where);
 }
 
 /// Sets `key` from `text`. Throws ParameterError naming `where` for an unknown key (with the nearest known

@@ -25,8 +25,8 @@ enum class GrowthVerdict : std::uint8_t {
   not_reached,
   seed,
   grown,
-  too_small,  ///< too few seeds
-  stopped     ///< its object stands (method "voting")
+  too_small,    ///< too few seeds
+  static_track  ///< its track is classified as static (method "voting")
 };
 
 /// Every stage's verdict on one point.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <span>
 #include <string_view>
 #include <tuple>
 #include <vector>
@@ -8,10 +9,11 @@
 #include <Eigen/Core>
 
 #include <mapless/core/parameters.hpp>
-#include <mapless/geometry/compensated_scan.hpp>
-#include <mapless/geometry/nearest_neighbours.hpp>
 
 namespace mapless::inline v1 {
+
+struct CompensatedScan;
+class NearestNeighbours;
 
 enum class NormalMethod { image_window, nearest_neighbours };
 inline constexpr std::array<std::string_view, 2> kNormalMethodNames = {"image_window", "nearest_neighbours"};

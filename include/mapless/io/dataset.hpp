@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
+#include <mapless/lidar/lidar_model.hpp>
 #include <mapless/lidar/lidar_scan.hpp>
-#include <mapless/lidar/model_estimation.hpp>
 #include <mapless/trajectory/trajectory.hpp>
 
 namespace mapless::inline v1 {

@@ -69,4 +69,18 @@ void validate(const LidarModel& model, const std::string& source);
 [[nodiscard]] LidarModel named_model(std::string_view name);
 [[nodiscard]] const std::vector<std::string>& named_models();
 
+/// How well the lasers of a model were estimated from clouds without rings (`mapless info` prints it).
+struct ModelEstimate {
+  int scans_used = 0;
+  double elevation_residual_m =
+      0;  ///< RMS height of the points over their laser's fitted cone (central 95 %)
+  double azimuth_residual_columns = 0;  ///< RMS distance of the points from their column's centre, in columns
+  int lasers_borrowed = 0;  ///< lasers whose vertical origin (or all) is interpolated from their neighbours
+  int encoder_steps = 0;    ///< positions of the hub's encoder found in the azimuths; 0: none
+  int azimuths_known = 0;   ///< lasers whose azimuth offset was found, else taken as 0
+  /// The offsets are true ones, found from the sensor's irregular firing positions. Otherwise only the part
+  /// of each that is less than a column is known: a uniform grid of columns looks the same turned by one.
+  bool azimuths_absolute = false;
+};
+
 }  // namespace mapless

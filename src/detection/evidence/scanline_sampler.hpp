@@ -6,7 +6,7 @@
 
 #include "detection/evidence/evidence_collector.hpp"
 #include "detection/evidence/row_lines.hpp"
-#include <mapless/lidar/aligned_image.hpp>
+#include "lidar/aligned_image.hpp"
 
 namespace mapless::inline v1 {
 

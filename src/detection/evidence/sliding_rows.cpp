@@ -5,7 +5,7 @@
 
 #include "detection/evidence/off_line.hpp"
 #include "detection/segmentation/disjoint_sets.hpp"
-#include <mapless/lidar/aligned_image.hpp>
+#include "lidar/aligned_image.hpp"
 
 namespace mapless::inline v1 {
 namespace {

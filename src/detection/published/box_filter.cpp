@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-#include <mapless/lidar/aligned_image.hpp>
+#include "lidar/aligned_image.hpp"
 
 namespace mapless::inline v1 {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <Eigen/Core>
 
+#include "geometry/nearest_neighbours.hpp"
 #include <mapless/geometry/compensated_scan.hpp>
-#include <mapless/geometry/nearest_neighbours.hpp>
 #include <mapless/geometry/normals.hpp>
 
 namespace mapless::inline v1 {

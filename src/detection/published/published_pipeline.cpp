@@ -9,6 +9,7 @@
 #include "detection/published/region_growth.hpp"
 #include "detection/published/stage_record.hpp"
 #include <mapless/core/time.hpp>
+#include "geometry/nearest_neighbours.hpp"
 
 namespace mapless::inline v1 {
 namespace {

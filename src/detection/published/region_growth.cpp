@@ -8,6 +8,7 @@
 
 #include "detection/object_number.hpp"
 #include "detection/segmentation/disjoint_sets.hpp"
+#include "geometry/nearest_neighbours.hpp"
 
 namespace mapless::inline v1 {
 namespace {

@@ -9,28 +9,11 @@
 
 namespace mapless::inline v1 {
 
-/// What an object looks like to all the scans that were asked about its points.
-enum class Body : std::uint8_t {
-  unclear,
-  solid,      ///< of some rows, and no scan saw through a part of it, as it hides itself or where it was
-  flickering  ///< nearly all of it was seen through by one scan and a surface to another: leaves, rails,
-              ///< edges
-};
-
-/// What rays tell of the whole of an object, of method "voting".
-struct ObjectEvidence {
-  float advance_m = 0;  ///< about how far it went since the scans of a moment ago
-  int votes = 0;        ///< of its points (PointVotes::total): half where a surface was seen, of one row at
-                        ///< most VotingParameters::min_evidence
-  Body body = Body::unclear;
-};
-
 struct RegionGrowthResult {
   std::vector<GrowthVerdict> verdict;  ///< one per return
   std::vector<std::uint16_t>
       object;  ///< 0: static; else 1, 2, ... 65535 (shared beyond), by lowest return index
   int objects = 0;
-  std::vector<ObjectEvidence> evidence;  ///< by object number - 1, of method "voting"
 };
 
 /// Step 5: radially bounded nearest neighbour clusters of the dynamic points (Klasing et al., ICRA 2008): two

@@ -8,7 +8,7 @@
 
 #include "detection/evidence/point_evidence.hpp"
 #include "detection/segmentation/marked_returns.hpp"
-#include <mapless/lidar/aligned_image.hpp>
+#include "lidar/aligned_image.hpp"
 
 namespace mapless::inline v1 {
 

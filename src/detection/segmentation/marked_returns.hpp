@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include <mapless/lidar/aligned_image.hpp>
+#include "lidar/aligned_image.hpp"
 
 namespace mapless::inline v1 {
 

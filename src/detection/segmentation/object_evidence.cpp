@@ -17,21 +17,21 @@ constexpr double kFlickeringShare = 0.7;
 
 }  // namespace
 
-EvidenceOfObjects::EvidenceOfObjects(const LidarScan& scan, const LocalPoints& points,
-                                     const std::vector<PointVotes>& votes, int most_of_row)
+ObjectEvidenceCollector::ObjectEvidenceCollector(const LidarScan& scan, const LocalPoints& points,
+                                                 const std::vector<PointVotes>& votes, int most_of_row)
     : scan_(scan),
       points_(points),
       votes_(votes),
       most_of_row_(most_of_row),
       rows_(static_cast<std::size_t>(scan.rows())) {}
 
-ObjectEvidence EvidenceOfObjects::of(std::span<const std::int32_t> object) {
+ObjectEvidence ObjectEvidenceCollector::of(std::span<const std::int32_t> object) {
   const Tally all = tally(object);
-  return {static_cast<float>(advance_m(object)), all.votes, body(object, all.rows)};
+  return {static_cast<float>(displacement_m(object)), all.votes, body(object, all.rows)};
 }
 
 // What goes on by a part of its length uncovers such a part of its points.
-double EvidenceOfObjects::advance_m(std::span<const std::int32_t> object) const {
+double ObjectEvidenceCollector::displacement_m(std::span<const std::int32_t> object) const {
   Eigen::Vector3f centre = Eigen::Vector3f::Zero();
   std::size_t recent = 0;
   for (const std::int32_t j : object) {
@@ -47,7 +47,7 @@ double EvidenceOfObjects::advance_m(std::span<const std::int32_t> object) const 
   return 2 * std::sqrt(radius2) * static_cast<float>(recent) / count;
 }
 
-EvidenceOfObjects::Tally EvidenceOfObjects::tally(std::span<const std::int32_t> object) {
+ObjectEvidenceCollector::Tally ObjectEvidenceCollector::tally(std::span<const std::int32_t> object) {
   for (const std::int32_t j : object) {
     const PointVotes& v = votes_[static_cast<std::size_t>(j)];
     ++row_of(j).points;
@@ -57,14 +57,14 @@ EvidenceOfObjects::Tally EvidenceOfObjects::tally(std::span<const std::int32_t> 
   int rows = 0;
   double sum = 0;
   for (const std::int32_t j : object) {
-    const RowVotes row = std::exchange(row_of(j), {});
+    const RowTally row = std::exchange(row_of(j), {});
     rows += row.points > 0 ? 1 : 0;
     sum += weighed(row);
   }
   return {rows, static_cast<int>(std::lround(sum))};
 }
 
-Body EvidenceOfObjects::body(std::span<const std::int32_t> object, int rows) const {
+Body ObjectEvidenceCollector::body(std::span<const std::int32_t> object, int rows) const {
   std::size_t whole = 0, flickering = 0;
   for (const std::int32_t j : object) {
     const PointVotes& v = votes_[static_cast<std::size_t>(j)];
@@ -73,11 +73,11 @@ Body EvidenceOfObjects::body(std::span<const std::int32_t> object, int rows) con
   }
   const auto count = static_cast<double>(object.size());
   if (rows >= kSolidRows && whole >= kSolidPoints && static_cast<double>(whole) >= kSolidShare * count)
-    return Body::solid;
-  return static_cast<double>(flickering) > kFlickeringShare * count ? Body::flickering : Body::unclear;
+    return Body::rigid;
+  return static_cast<double>(flickering) > kFlickeringShare * count ? Body::porous : Body::unclear;
 }
 
-double EvidenceOfObjects::weighed(const RowVotes& row) const {
+double ObjectEvidenceCollector::weighed(const RowTally& row) const {
   const double counted = (row.all + row.unseen) / 2.0;
   return row.all > most_of_row_ ? counted * most_of_row_ / row.all : counted;
 }

@@ -23,7 +23,7 @@ using Way = LinkedNeighbours::Way;
 
 }  // namespace
 
-const std::vector<std::int32_t>& SlidingSides::of(std::span<const std::int32_t> thing) {
+const std::vector<std::int32_t>& TangentialSurfaces::of(std::span<const std::int32_t> thing) {
   sides_.clear();
   const std::size_t most = kMostPerFound * thing.size();
   for (const std::int32_t i : thing) reach(i);
@@ -34,7 +34,7 @@ const std::vector<std::int32_t>& SlidingSides::of(std::span<const std::int32_t> 
   return sides_;
 }
 
-void SlidingSides::reach(std::int32_t from) {
+void TangentialSurfaces::reach(std::int32_t from) {
   const auto visit = [&](std::int32_t i) {
     const auto n = static_cast<std::size_t>(i);
     if (reached_[n] != 0 || !slides(votes_[n])) return;
@@ -45,11 +45,11 @@ void SlidingSides::reach(std::int32_t from) {
 }
 
 // What only the later scan saw may be what the thing has just left free.
-bool SlidingSides::slides(const PointVotes& votes) {
+bool TangentialSurfaces::slides(const PointVotes& votes) {
   return votes.total() >= kSliding && (votes.earlier != 0 || votes.moving_seen);
 }
 
-bool SlidingSides::end_of_themselves() const {
+bool TangentialSurfaces::end_of_themselves() const {
   Rims rims;
   for (const std::int32_t i : sides_) {
     look_along(i, rims);
@@ -62,7 +62,7 @@ bool SlidingSides::end_of_themselves() const {
 }
 
 // Along rows, where neighbours are near to each other at any range: rows may be far apart on the ground.
-void SlidingSides::look_along(std::int32_t i, Rims& rims) const {
+void TangentialSurfaces::look_along(std::int32_t i, Rims& rims) const {
   for (const int side : {-1, 1}) {
     const std::int32_t j = neighbours_.beside(i, Way::columns, side);
     if (j < 0) continue;
@@ -75,7 +75,7 @@ void SlidingSides::look_along(std::int32_t i, Rims& rims) const {
   }
 }
 
-void SlidingSides::look_beyond(std::int32_t i, Way way, int side, Rims& rims) const {
+void TangentialSurfaces::look_beyond(std::int32_t i, Way way, int side, Rims& rims) const {
   const std::int32_t j = neighbours_.beside(i, way, side);
   if (j < 0 || reached_[static_cast<std::size_t>(j)] != 0 || !neighbours_.linked(i, j)) return;
   const bool moving = moves(j);
@@ -88,12 +88,12 @@ void SlidingSides::look_beyond(std::int32_t i, Way way, int side, Rims& rims) co
   }
 }
 
-bool SlidingSides::moves(std::int32_t i) const {
+bool TangentialSurfaces::moves(std::int32_t i) const {
   const LidarReturn& r = scan_.returns[static_cast<std::size_t>(i)];
   return moving_.window(r.laser, neighbours_.image().aligned_column(r.laser, r.column), 1) != 0;
 }
 
-bool SlidingSides::goes_straight_on(std::int32_t i, Way way, int side) const {
+bool TangentialSurfaces::goes_straight_on(std::int32_t i, Way way, int side) const {
   const std::int32_t within = apart(i, way, -side), beyond = apart(i, way, side);
   if (within < 0 || beyond < 0 || reached_[static_cast<std::size_t>(within)] == 0) return false;
   const Eigen::Vector3f& p = points_[static_cast<std::size_t>(i)];
@@ -103,7 +103,7 @@ bool SlidingSides::goes_straight_on(std::int32_t i, Way way, int side) const {
 }
 
 // The first return that way that is far enough off, or -1.
-std::int32_t SlidingSides::apart(std::int32_t i, Way way, int side) const {
+std::int32_t TangentialSurfaces::apart(std::int32_t i, Way way, int side) const {
   const Eigen::Vector3f& p = points_[static_cast<std::size_t>(i)];
   for (int steps = 1; steps <= kMostCells; ++steps) {
     const std::int32_t j = neighbours_.beside(i, way, steps * side);

@@ -20,11 +20,11 @@ inline constexpr int kSliding = -4;
 /// something that moves goes on into what stands: along rows, or as straight from row to row. And where it
 /// goes straight on into what nobody has seen before, as under a fan that comes by, it is of what moves only
 /// if it goes straight on from that, too: the ground is at an angle.
-class SlidingSides {
+class TangentialSurfaces {
  public:
   /// Keeps references. The marks are on what moves.
-  SlidingSides(const LidarScan& scan, const LocalPoints& points, const LinkedNeighbours& neighbours,
-               const std::vector<PointVotes>& votes, const MarkedReturns& moving)
+  TangentialSurfaces(const LidarScan& scan, const LocalPoints& points, const LinkedNeighbours& neighbours,
+                     const std::vector<PointVotes>& votes, const MarkedReturns& moving)
       : scan_(scan),
         points_(points.points),
         neighbours_(neighbours),

@@ -3,45 +3,66 @@
 #include <cstdint>
 #include <map>
 
-#include "detection/published/region_growth.hpp"
+#include "detection/segmentation/object_evidence.hpp"
 #include <mapless/core/time.hpp>
 #include <mapless/detection/parameters.hpp>
 #include <mapless/detection/tracked_object.hpp>
 
 namespace mapless::inline v1 {
 
-/// Whether an object that is followed moves, and what of its last scan the next one has to know.
+/// Whether the object of a track moves, and what the classification of its next scan needs of its last.
 struct MotionState {
   bool moves = false;
-  bool slow = false;
-  bool velocity_known = false;  ///< it was once
-  int stood = 0;                ///< scans since it last moved in which its velocity was known, and slow
-  double evidence = 0;          ///< votes of its scans, those of the last in full, of each before half
+  bool slow = false;            ///< its speed in the last scan was below min_speed_mps
+  bool velocity_known = false;  ///< in some scan, see MotionClassifier
+  int static_scans = 0;         ///< since it last moved, in which its velocity was known and slow
+  double evidence = 0;          ///< votes of the last scan, plus those of earlier ones halved per scan
   int age = 0;                  ///< TrackedObject::age
-  double unproven_m = 0;        ///< gone by its speed since its last advance
-  Time seen;                    ///< start of the scan
+  double unconfirmed_m = 0;     ///< path by its velocity since the rays last showed a displacement
+  Time seen;                    ///< start of its last scan
 };
 
-/// The state once the scan that starts at `now` showed the object, with what rays told of it then.
+/// Classifies tracks as moving or static, from their velocity and the rays' evidence.
 ///
-/// An object begins to move with the speed `min_speed_mps`, an advance of `min_advance_m` and votes of
-/// `min_evidence`, to which those of earlier scans count half for each scan they are back: border effects are
-/// small and gone in the next scan. A solid body takes a quarter of them, what flickers half as many again
-/// until its velocity is known (Body). From its third scan on it takes more of them by as much as the
-/// standard deviation of its velocity is above 0.5 m/s, and half of that to go on. A speed that is known has
-/// to differ from 0 by two standard deviations then, too, and of what stood in three scans the advance has to
-/// be half of what that speed makes in kRecentGap scans. It moves until it is slower in two of its scans in a
-/// row, for the second of which it is enough that it may stand by its standard deviation, or in one that
-/// shows no such advance either; the advance tells instead of the speed where the registration hardly does,
-/// as of a wall, which slides along itself at any speed. It stands, too, once it would have gone 1 m by its
-/// speed since its last advance; and while its velocity was never known, from its third scan on with less
-/// than twice the votes it takes, in its second where there are more against it than for it.
-MotionState next_state(const MotionState& last, const TrackedObject& object, const ObjectEvidence& evidence,
-                       Time now, const VotingParameters& parameters);
+/// A velocity is known if its largest standard deviation per axis is at most 0.5 m/s, or if it differs from
+/// zero by more than 2 sigma. Rays show a displacement if ObjectEvidence::displacement_m is at least
+/// min_advance_m.
+///
+/// A track begins to move if all of these hold:
+/// - its speed is at least min_speed_mps, and a known velocity differs from zero by more than 2 sigma (in its
+///   first scan there is no velocity);
+/// - the rays show a displacement; after kStaticScans static scans, one of half of the path that its velocity
+///   makes in kRecentGap scans;
+/// - its evidence reaches min_evidence, times the factor of its Body, times the standard deviation of its
+///   velocity over 0.5 m/s from its third scan on.
+///
+/// A moving track stops if any of these holds:
+/// - it is slow in two consecutive scans, where in the second a velocity within 2 sigma of zero suffices;
+/// - it is slow in one scan, its velocity is known, and the rays show no displacement;
+/// - its path by its velocity since the rays last showed a displacement reaches 1 m;
+/// - its velocity is known worse than to 0.5 m/s and its evidence falls below half of what it takes to begin.
+///
+/// Where the velocity is not known (a wall, which slides along itself at any speed), `slow` is the absence of
+/// a displacement instead. While the velocity of a track was never known, it moves from its third scan on
+/// only with kSufficientRayEvidence times the evidence, in its first two if its votes do not sum below zero.
+class MotionClassifier {
+ public:
+  explicit MotionClassifier(const VotingParameters& parameters) : parameters_(parameters) {}
 
-using MotionStates = std::map<std::uint32_t, MotionState>;  // by id
+  /// The state of a track after the scan that starts at `now`, in which it is `object` with `evidence`.
+  /// `last` is its state before, MotionState{} for a new track.
+  [[nodiscard]] MotionState update(const MotionState& last, const TrackedObject& object,
+                                   const ObjectEvidence& evidence, Time now) const;
 
-/// Drops those that ObjectTracker has forgotten: their ids do not come back.
-void forget_absent(MotionStates& states, Time now);
+ private:
+  [[nodiscard]] double required_evidence(const TrackedObject& object) const;
+
+  VotingParameters parameters_;
+};
+
+using MotionStates = std::map<std::uint32_t, MotionState>;  // by TrackedObject::id
+
+/// Erases tracks that ObjectTracker has dropped: their ids are not given again.
+void erase_dropped(MotionStates& states, Time now);
 
 }  // namespace mapless

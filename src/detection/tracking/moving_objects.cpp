@@ -9,20 +9,20 @@
 
 namespace mapless::inline v1 {
 
-Detection MovingObjects::judge(ProposedObjects proposed) {
+Detection MovingObjects::classify(ProposedObjects proposed) {
   Detection detection = std::move(proposed.detection);
   const Time now = detection.scan->start;
   detection.tracked = timed(detection.seconds.tracking, [&] {
     return tracker_.process(detection, ScanTrajectory(*detection.scan, std::move(proposed.column_states)));
   });
-  if (parameters_.method == DetectionMethod::published) return detection;
+  if (method_ == DetectionMethod::published) return detection;
   std::vector<bool> moves;
   for (const TrackedObject& object : detection.tracked) {
     MotionState& state = states_[object.id];
-    state = next_state(state, object, proposed.evidence[object.number - 1U], now, parameters_.voting);
+    state = classifier_.update(state, object, proposed.evidence[object.number - 1U], now);
     moves.push_back(state.moves);
   }
-  forget_absent(states_, now);
+  erase_dropped(states_, now);
   keep_moving(moves, detection);
   return detection;
 }
@@ -40,7 +40,7 @@ void keep_moving(const std::vector<bool>& moves, Detection& detection) {
   for_each_dynamic(detection.object, [&](std::size_t i) {
     const std::uint16_t number = numbers[detection.object[i]];
     detection.object[i] = number;
-    if (number == 0) detection.trace[i].growth = GrowthVerdict::stopped;
+    if (number == 0) detection.trace[i].growth = GrowthVerdict::static_track;
   });
   detection.objects = static_cast<int>(moving.size());
   detection.tracked = std::move(moving);

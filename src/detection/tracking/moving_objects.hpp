@@ -5,7 +5,8 @@
 #include "detection/detection_pipeline.hpp"
 #include "detection/tracking/motion_classifier.hpp"
 #include "detection/tracking/object_tracker.hpp"
-#include <mapless/detection/detector.hpp>
+#include <mapless/detection/detection.hpp>
+#include <mapless/detection/parameters.hpp>
 
 namespace mapless::inline v1 {
 
@@ -15,13 +16,15 @@ namespace mapless::inline v1 {
 /// centimetres. What stands is followed on for as long as it is proposed.
 class MovingObjects {
  public:
-  explicit MovingObjects(const DetectorParameters& parameters) : parameters_(parameters) {}
+  explicit MovingObjects(const DetectorParameters& parameters)
+      : method_(parameters.method), classifier_(parameters.voting) {}
 
   /// The detection, of what moves alone: numbers go to that, in the order they had.
-  Detection judge(ProposedObjects proposed);
+  Detection classify(ProposedObjects proposed);
 
  private:
-  DetectorParameters parameters_;
+  DetectionMethod method_;
+  MotionClassifier classifier_;
   ObjectTracker tracker_;
   MotionStates states_;
 };

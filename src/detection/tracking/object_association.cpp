@@ -14,7 +14,7 @@ constexpr double kUncertainties = 2;  // the place may be off by so many standar
 constexpr double kFarthest_m = 4;     // 40 m/s for a tenth of a second
 constexpr double kLeastShare = 0.1;   // of the smaller object must be common
 
-double points_near(const ExpectedObject& a, const ExpectedObject& b, double limit_m) {
+double points_near(const PredictedObject& a, const PredictedObject& b, double limit_m) {
   int near = 0;
   for (const Vector3d& p : a.points_0) {
     const bool close = std::any_of(b.points_0.begin(), b.points_0.end(), [&](const Vector3d& q) {
@@ -36,11 +36,11 @@ void sort_pairs(std::vector<Pair>& pairs) {
   });
 }
 
-double size_of(const ExpectedObject& object) {
+double size_of(const PredictedObject& object) {
   return static_cast<double>(object.points_0.size()) * object.weight;
 }
 
-std::vector<Pair> overlaps(std::span<const ExpectedObject> known, std::span<const ExpectedObject> seen) {
+std::vector<Pair> overlaps(std::span<const PredictedObject> known, std::span<const PredictedObject> seen) {
   std::vector<Pair> pairs;
   for (std::size_t k = 0; k < known.size(); ++k) {
     for (std::size_t s = 0; s < seen.size(); ++s) {
@@ -56,7 +56,8 @@ std::vector<Pair> overlaps(std::span<const ExpectedObject> known, std::span<cons
   return pairs;
 }
 
-std::vector<Pair> within_reach(std::span<const ExpectedObject> known, std::span<const ExpectedObject> seen) {
+std::vector<Pair> within_reach(std::span<const PredictedObject> known,
+                               std::span<const PredictedObject> seen) {
   std::vector<Pair> pairs;
   for (std::size_t k = 0; k < known.size(); ++k) {
     const double reach =
@@ -80,8 +81,8 @@ void take(const std::vector<Pair>& pairs, std::vector<bool>& known_taken, Associ
 
 }  // namespace
 
-void expect(const ObjectView& view, const Vector3d& displacement_0, double uncertainty_m,
-            ExpectedObject& out) {
+void expect(const ObjectSnapshot& view, const Vector3d& displacement_0, double uncertainty_m,
+            PredictedObject& out) {
   const std::size_t stride = (view.points_0.size() + kMostPoints - 1) / kMostPoints;
   out.points_0.clear();
   out.points_0.reserve(kMostPoints);
@@ -94,7 +95,7 @@ void expect(const ObjectView& view, const Vector3d& displacement_0, double uncer
   out.hidden_m = 0;
 }
 
-Association associate(std::span<const ExpectedObject> known, std::span<const ExpectedObject> seen) {
+Association associate(std::span<const PredictedObject> known, std::span<const PredictedObject> seen) {
   Association out;
   out.known.resize(seen.size());
   out.parent.resize(seen.size());

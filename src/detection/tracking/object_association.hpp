@@ -12,7 +12,7 @@
 namespace mapless::inline v1 {
 
 /// Where a known object is expected in the next scan: its last points, moved there.
-struct ExpectedObject {
+struct PredictedObject {
   std::vector<Eigen::Vector3d> points_0;  ///< thinned: each stands for `weight` points
   double weight = 1;
   Eigen::AlignedBox3d box;
@@ -23,8 +23,8 @@ struct ExpectedObject {
 /// `view` moved by `displacement_0`, every point the same way: the next scan comes to an object about as far
 /// into its turn as the last one did, so that both are smeared alike. `out`, whatever it was, keeps its
 /// memory.
-void expect(const ObjectView& view, const Eigen::Vector3d& displacement_0, double uncertainty_m,
-            ExpectedObject& out);
+void expect(const ObjectSnapshot& view, const Eigen::Vector3d& displacement_0, double uncertainty_m,
+            PredictedObject& out);
 
 /// For each seen object, which known one it is, if any, and which one most of it came from.
 struct Association {
@@ -34,7 +34,7 @@ struct Association {
 
 /// The pair with the most points in common is associated first, then the next, ties to the lowest indices;
 /// where nothing overlaps, the nearest middles within what the uncertainty allows.
-[[nodiscard]] Association associate(std::span<const ExpectedObject> known,
-                                    std::span<const ExpectedObject> seen);
+[[nodiscard]] Association associate(std::span<const PredictedObject> known,
+                                    std::span<const PredictedObject> seen);
 
 }  // namespace mapless

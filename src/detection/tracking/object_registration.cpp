@@ -9,7 +9,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
-#include "detection/tracking/followed_neighbours.hpp"
+#include "detection/tracking/nearest_neighbour_cache.hpp"
 
 namespace mapless::inline v1 {
 namespace {
@@ -85,14 +85,14 @@ struct NormalEquations {
 // Which sample of the earlier view is nearest to each of the later one. A thread keeps it from one
 // registration to the next: nothing is allocated once it is large enough.
 struct Matches {
-  FollowedNeighbours surface;
-  std::array<FollowedNeighbours, kImageSides> edges;  // by side
-  std::vector<Vector3d> points;                       // of the earlier view at work
+  NearestNeighbourCache surface;
+  std::array<NearestNeighbourCache, kImageSides> edges;  // by side
+  std::vector<Vector3d> points;                          // of the earlier view at work
 };
 
 class Registration {
  public:
-  Registration(const ObjectView& now, const ObjectView& before, Matches& matches)
+  Registration(const ObjectSnapshot& now, const ObjectSnapshot& before, Matches& matches)
       : now_(now),
         before_(before),
         middle_0_(before.seen_box.center()),
@@ -164,7 +164,7 @@ class Registration {
   // Which sample of `before` is nearest to each of `now`.
   template <class Samples>
   void match(const Samples& now, const Samples& before, const Motion& motion,
-             FollowedNeighbours& neighbours) const {
+             NearestNeighbourCache& neighbours) const {
     if (now.empty()) return;
     matches_.points.clear();
     for (const auto& b : before) matches_.points.push_back(b.p_0 - middle_0_ - b.t_s * motion.velocity_0);
@@ -206,7 +206,7 @@ class Registration {
     const double farthest = std::max(gate_m, before_.patch_m);
     for (std::size_t i = 0; i < now_.surface.size(); ++i) {
       const SurfaceSample& a = now_.surface[i];
-      const FollowedNeighbours::Neighbour& n = matches_.surface.of(i);
+      const NearestNeighbourCache::Neighbour& n = matches_.surface.of(i);
       if (n.square > farthest * farthest) continue;
       const SurfaceSample& b = before_.surface[n.index];
       if (!b.is_plane()) continue;
@@ -235,7 +235,7 @@ class Registration {
     const double farthest = std::max(gate_m, before_.patch_m);
     const auto now = now_.edges_of(side), before = before_.edges_of(side);
     for (std::size_t i = 0; i < now.size(); ++i) {
-      const FollowedNeighbours::Neighbour& n = matches_.edges[side].of(i);
+      const NearestNeighbourCache::Neighbour& n = matches_.edges[side].of(i);
       if (n.square > farthest * farthest) continue;
       const EdgeSample& a = now[i];
       const EdgeSample& b = before[n.index];
@@ -252,7 +252,7 @@ class Registration {
   }
 
   // Share of the points of `of`, moved, that the scan of `by` looked through.
-  [[nodiscard]] static double seen_through(const ObjectView& of, const ObjectView& by,
+  [[nodiscard]] static double seen_through(const ObjectSnapshot& of, const ObjectSnapshot& by,
                                            const Vector3d& displacement_0) {
     if (!by.sight) return 0;
     int count = 0;
@@ -287,8 +287,8 @@ class Registration {
     return count == 0 ? 0 : sum / static_cast<double>(count);
   }
 
-  const ObjectView& now_;
-  const ObjectView& before_;
+  const ObjectSnapshot& now_;
+  const ObjectSnapshot& before_;
   Vector3d middle_0_;
   double interval_s_;
   Matches& matches_;
@@ -296,7 +296,8 @@ class Registration {
 
 }  // namespace
 
-RegisteredMotion register_views(const ObjectView& now, const ObjectView& before, const Vector3d& start) {
+RegisteredMotion register_snapshots(const ObjectSnapshot& now, const ObjectSnapshot& before,
+                                    const Vector3d& start) {
   thread_local Matches matches;
   return Registration(now, before, matches).from(start);
 }

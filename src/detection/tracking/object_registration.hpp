@@ -19,7 +19,7 @@ struct RegisteredMotion {
 /// by descent from `start`. Minimises distances to the planes of `before`, distances of edges across the
 /// rays, and, where a neighbourhood is no plane, of points; robustly. A turn rate is estimated along with it,
 /// held near 0 by what vehicles do. `now` is later than `before`.
-[[nodiscard]] RegisteredMotion register_views(const ObjectView& now, const ObjectView& before,
-                                              const Eigen::Vector3d& start);
+[[nodiscard]] RegisteredMotion register_snapshots(const ObjectSnapshot& now, const ObjectSnapshot& before,
+                                                  const Eigen::Vector3d& start);
 
 }  // namespace mapless

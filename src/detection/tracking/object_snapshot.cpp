@@ -11,7 +11,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "detection/dynamic_returns.hpp"
-#include <mapless/lidar/aligned_image.hpp>
+#include "lidar/aligned_image.hpp"
 
 namespace mapless::inline v1 {
 namespace {
@@ -80,13 +80,13 @@ struct Side {
 };
 constexpr std::array<Side, kImageSides> kSides = {{{0, -1}, {0, 1}, {-1, 0}, {1, 0}}};
 
-class ViewBuilder {
+class SnapshotBuilder {
  public:
-  ViewBuilder(const Detection& detection, const Trajectory& trajectory)
+  SnapshotBuilder(const Detection& detection, const Trajectory& trajectory)
       : detection_(detection), scan_(*detection.scan), image_(scan_), poses_(scan_, trajectory) {}
 
-  ObjectView view(std::uint16_t number, std::span<const std::int32_t> members) {
-    ObjectView out;
+  ObjectSnapshot view(std::uint16_t number, std::span<const std::int32_t> members) {
+    ObjectSnapshot out;
     out.number = number;
     set_points(members, out);
     out.patch_m = std::clamp(2.5 * ring_spacing(members), 0.25, 0.8);
@@ -99,7 +99,7 @@ class ViewBuilder {
     return scan_.returns[static_cast<std::size_t>(i)];
   }
 
-  void set_points(std::span<const std::int32_t> members, ObjectView& out) {
+  void set_points(std::span<const std::int32_t> members, ObjectSnapshot& out) {
     std::int64_t sum_ns = 0;
     for (const std::int32_t i : members) sum_ns += at(i).time_ns;
     const std::int64_t mean_ns = sum_ns / static_cast<std::int64_t>(members.size());
@@ -123,7 +123,7 @@ class ViewBuilder {
   }
   [[nodiscard]] double column_step() const { return 2 * std::numbers::pi / scan_.model->columns; }
 
-  void add_edges(std::span<const std::int32_t> members, ObjectView& out) {
+  void add_edges(std::span<const std::int32_t> members, ObjectSnapshot& out) {
     const std::size_t outline = find_silhouette(members);
     if (silhouette_.empty()) return;
     out.edge_share = static_cast<double>(silhouette_.size()) / static_cast<double>(outline);
@@ -185,7 +185,7 @@ class ViewBuilder {
     return static_cast<double>(r.range_m) < kWithinReach * scan_.model->max_range_m;
   }
 
-  EdgeSample edge(std::int32_t i, const Side& side, const ObjectView& view, std::size_t member) {
+  EdgeSample edge(std::int32_t i, const Side& side, const ObjectSnapshot& view, std::size_t member) {
     const LidarReturn& r = at(i);
     const Matrix3d& C_0v = poses_.C_0v(r.column);
     const Vector3d ray_0 = C_0v * r.position_v.cast<double>().normalized();
@@ -268,7 +268,7 @@ void set_shape(const std::vector<Neighbour>& asked, double patch_m, const Vector
   }
 }
 
-void add_surface(const Vector3d& origin_0, std::vector<Neighbour>& asked, ObjectView& view) {
+void add_surface(const Vector3d& origin_0, std::vector<Neighbour>& asked, ObjectSnapshot& view) {
   const std::size_t count = view.points_0.size();
   asked.clear();
   for (std::size_t i = 0; i < count; i += stride_for(count, kMostNeighboursAsked))
@@ -315,21 +315,22 @@ class Members {
 
 }  // namespace
 
-Eigen::AlignedBox3d ObjectView::box(const Vector3d& velocity_0) const {
+Eigen::AlignedBox3d ObjectSnapshot::box(const Vector3d& velocity_0) const {
   Eigen::AlignedBox3d out;
   for (std::size_t i = 0; i < points_0.size(); ++i) out.extend(points_0[i] - t_s[i] * velocity_0);
   return out;
 }
 
-std::vector<ObjectView> object_views(const Detection& detection, const Trajectory& trajectory) {
+std::vector<ObjectSnapshot> take_snapshots(const Detection& detection, const Trajectory& trajectory) {
   const Members members(detection);
-  ViewBuilder builder(detection, trajectory);
+  SnapshotBuilder builder(detection, trajectory);
   std::vector<Neighbour> asked;
-  std::vector<ObjectView> out;
+  std::vector<ObjectSnapshot> out;
   out.reserve(members.numbers());
   for (std::size_t number = 0; number < members.numbers(); ++number) {
     if (members.of(number).empty()) continue;
-    ObjectView& view = out.emplace_back(builder.view(static_cast<std::uint16_t>(number), members.of(number)));
+    ObjectSnapshot& view =
+        out.emplace_back(builder.view(static_cast<std::uint16_t>(number), members.of(number)));
     const TrajectoryState state = trajectory.at(view.time);
     view.sight.emplace(detection.scan, state, view.time);
     add_surface(state.T_v0.inverse().translation(), asked, view);

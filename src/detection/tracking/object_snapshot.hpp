@@ -11,7 +11,7 @@
 
 #include "detection/freespace/object_sight.hpp"
 #include <mapless/core/time.hpp>
-#include <mapless/detection/detector.hpp>
+#include <mapless/detection/detection.hpp>
 #include <mapless/trajectory/trajectory.hpp>
 
 namespace mapless::inline v1 {
@@ -19,7 +19,7 @@ namespace mapless::inline v1 {
 /// A point of an object with what its neighbourhood looks like.
 struct SurfaceSample {
   Eigen::Vector3d p_0;
-  double t_s = 0;                                      ///< after ObjectView::time
+  double t_s = 0;                                      ///< after ObjectSnapshot::time
   Eigen::Vector3d normal_0 = Eigen::Vector3d::Zero();  ///< of the plane of its neighbours; 0 for none
 
   [[nodiscard]] bool is_plane() const { return !normal_0.isZero(0); }
@@ -38,7 +38,7 @@ struct EdgeSample {
 inline constexpr std::size_t kImageSides = 4;
 
 /// One object of one scan, in the world.
-struct ObjectView {
+struct ObjectSnapshot {
   std::uint16_t number = 0;               ///< in Detection::object
   Time time;                              ///< mean instant of its points
   std::vector<Eigen::Vector3d> points_0;  ///< all, each where it was at its own instant
@@ -65,6 +65,7 @@ inline constexpr std::size_t kMostSurfaceSamples = 160;
 inline constexpr std::size_t kMostEdgeSamples = 96;
 
 /// The objects of a detection, by number. Throws TrajectoryDomainError.
-[[nodiscard]] std::vector<ObjectView> object_views(const Detection& detection, const Trajectory& trajectory);
+[[nodiscard]] std::vector<ObjectSnapshot> take_snapshots(const Detection& detection,
+                                                         const Trajectory& trajectory);
 
 }  // namespace mapless

@@ -3,7 +3,7 @@
 #include <memory>
 #include <vector>
 
-#include <mapless/detection/detector.hpp>
+#include <mapless/detection/detection.hpp>
 #include <mapless/detection/tracked_object.hpp>
 #include <mapless/trajectory/trajectory.hpp>
 

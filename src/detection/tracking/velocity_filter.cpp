@@ -21,8 +21,8 @@ constexpr double kMemory = 0.7;  // share of the mean that is older than the las
 
 }  // namespace
 
-ObjectMotion::ObjectMotion(Time time, const Vector3d& velocity_0, const Matrix3d& velocity_covariance_0,
-                           double acceleration_density)
+VelocityFilter::VelocityFilter(Time time, const Vector3d& velocity_0, const Matrix3d& velocity_covariance_0,
+                               double acceleration_density)
     : time_(time),
       acceleration_density_(acceleration_density),
       state_(Vector6d::Zero()),
@@ -31,7 +31,7 @@ ObjectMotion::ObjectMotion(Time time, const Vector3d& velocity_0, const Matrix3d
   covariance_.block<3, 3>(3, 3) = velocity_covariance_0;
 }
 
-void ObjectMotion::predict(Time time) {
+void VelocityFilter::predict(Time time) {
   const double dt = std::max(0.0, (time - time_).seconds());
   time_ = std::max(time, time_);
   state_.head<3>() += dt * state_.segment<3>(3);
@@ -44,7 +44,7 @@ void ObjectMotion::predict(Time time) {
   covariance_.block<3, 3>(3, 3) += noise;
 }
 
-void ObjectMotion::observe(std::size_t past, const Vector3d& displacement_0, const Matrix3d& covariance) {
+void VelocityFilter::observe(std::size_t past, const Vector3d& displacement_0, const Matrix3d& covariance) {
   const auto at = static_cast<Eigen::Index>(6 + 3 * past);
   using Columns = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostStates, 3>;
   const Columns PHt = covariance_.leftCols<3>() - covariance_.middleCols<3>(at);
@@ -62,7 +62,7 @@ void ObjectMotion::observe(std::size_t past, const Vector3d& displacement_0, con
   covariance_ = (0.5 * (covariance_ + covariance_.transpose())).eval();
 }
 
-void ObjectMotion::remember(std::size_t most) {
+void VelocityFilter::remember(std::size_t most) {
   const auto kept = static_cast<Eigen::Index>(3 * (std::min({remembered() + 1, most, kMostRemembered}) - 1));
   // Positions are from that of now on, which is 0.
   State x = state_;
@@ -83,7 +83,7 @@ void ObjectMotion::remember(std::size_t most) {
   covariance_.bottomRightCorner(kept, kept) = P.block(6, 6, kept, kept);
 }
 
-void ObjectMotion::loosen(double velocity_std_mps) {
+void VelocityFilter::loosen(double velocity_std_mps) {
   covariance_.block<3, 3>(3, 3) += velocity_std_mps * velocity_std_mps * Matrix3d::Identity();
 }
 

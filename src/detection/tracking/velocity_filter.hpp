@@ -12,12 +12,12 @@ namespace mapless::inline v1 {
 /// Velocity of an object and its displacement since earlier scans: a Kalman filter with white noise on
 /// acceleration whose state is (position, velocity, positions of remembered scans, newest first). Only
 /// differences of positions are ever observed, so their origin is of no account.
-class ObjectMotion {
+class VelocityFilter {
  public:
   static constexpr std::size_t kMostRemembered = 5;
 
-  ObjectMotion(Time time, const Eigen::Vector3d& velocity_0, const Eigen::Matrix3d& velocity_covariance_0,
-               double acceleration_density);
+  VelocityFilter(Time time, const Eigen::Vector3d& velocity_0, const Eigen::Matrix3d& velocity_covariance_0,
+                 double acceleration_density);
 
   /// On to `time`; not back.
   void predict(Time time);

@@ -7,8 +7,8 @@
 #include <tbb/global_control.h>
 
 #include "oracle/freespace_votes_oracle.hpp"
+#include "support/detection/standing_scene.hpp"
 #include "support/local_points.hpp"
-#include "support/standing_scene.hpp"
 
 namespace mapless {
 namespace MAPLESS_FILE {

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "support/detection/standing_scene.hpp"
 #include "support/local_points.hpp"
-#include "support/standing_scene.hpp"
 
 namespace mapless {
 namespace MAPLESS_FILE {

@@ -9,8 +9,8 @@
 #include <gtest/gtest.h>
 
 #include "detection/evidence/row_lines.hpp"
+#include "support/detection/standing_scene.hpp"
 #include "support/local_points.hpp"
-#include "support/standing_scene.hpp"
 
 namespace mapless {
 namespace MAPLESS_FILE {

@@ -10,7 +10,7 @@
 #include <tbb/parallel_for.h>
 
 #include "oracle/freespace_oracle.hpp"
-#include "support/prepared.hpp"
+#include "support/detection/prepared.hpp"
 #include "support/toy_scene.hpp"
 
 namespace mapless {

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "oracle/comparison_oracle.hpp"
-#include "support/prepared.hpp"
+#include "support/detection/prepared.hpp"
 #include "support/toy_scene.hpp"
 
 namespace mapless {

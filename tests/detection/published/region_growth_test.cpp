@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "geometry/nearest_neighbours.hpp"
 #include "oracle/clustering_oracle.hpp"
 
 namespace mapless {

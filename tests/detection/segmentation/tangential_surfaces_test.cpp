@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "support/vote_image.hpp"
+#include "support/detection/evidence_image.hpp"
 
 namespace mapless {
 namespace MAPLESS_FILE {
@@ -10,7 +10,7 @@ constexpr int kColumns = test::kSmallColumns;
 /// The side of a bus, columns 6 to 15 of all lasers, 5 m off, before a wall that stands 10 m off. A column is
 /// 15 degrees: 1.3 m on the bus, 2.6 m on the wall. Three lasers see both ends of it move, two columns each,
 /// and it slide between them; the first and the last see it slide from end to end, in front of the wall.
-class BusSide : public test::VoteImage {
+class BusSide : public test::EvidenceImage {
  protected:
   static constexpr int kFirst = 6, kLast = 15, kAll = 5 * 10, kFound = 3 * 4;
   BusSide() {

@@ -31,8 +31,9 @@ TrackedObject object(double speed_mps, double std_mps) {
 }
 
 // 0.1 s after a scan at kStart.
-MotionState next(const MotionState& last, const TrackedObject& o, float advance_m, int votes = kVotes) {
-  return next_state(last, o, {advance_m, votes}, kStart + Duration::from_seconds(0.1), parameters());
+MotionState next(const MotionState& last, const TrackedObject& o, float displacement_m, int votes = kVotes) {
+  return MotionClassifier(parameters())
+      .update(last, o, {displacement_m, votes}, kStart + Duration::from_seconds(0.1));
 }
 
 MotionState moving() {
@@ -49,13 +50,13 @@ MotionState standing() {
   return state;
 }
 
-bool new_one_moves(float advance_m, int votes) {
+bool new_one_moves(float displacement_m, int votes) {
   TrackedObject o = object(0, kBadly_mps);
   o.age = 1;
-  return next({}, o, advance_m, votes).moves;
+  return next({}, o, displacement_m, votes).moves;
 }
 
-TEST(NextState, ANewObjectMovesWithAnAdvanceAndVotes) {
+TEST(MotionClassifier, ANewObjectMovesWithAnAdvanceAndVotes) {
   EXPECT_TRUE(new_one_moves(kAdvance_m, kVotes));
   EXPECT_FALSE(new_one_moves(kAdvance_m, kVotes - 1));
   EXPECT_FALSE(new_one_moves(kLess_m, kVotes));
@@ -63,7 +64,7 @@ TEST(NextState, ANewObjectMovesWithAnAdvanceAndVotes) {
 
 // 40 / 2 / 2 + 60 / 2 + 60 = 100, and 99 with one vote less in the last scan; what one scan says against is
 // not taken from what others said.
-TEST(NextState, VotesCountHalfForEveryScanTheyAreBack) {
+TEST(MotionClassifier, VotesCountHalfForEveryScanTheyAreBack) {
   for (const int last_votes : {60, 59}) {
     TrackedObject o = object(kFast_mps, kWell_mps);
     o.age = 1;
@@ -80,7 +81,7 @@ TEST(NextState, VotesCountHalfForEveryScanTheyAreBack) {
   }
 }
 
-TEST(NextState, VotesOfScansItWasNotSeenInAreNone) {
+TEST(MotionClassifier, VotesOfScansItWasNotSeenInAreNone) {
   TrackedObject o = object(kFast_mps, kWell_mps);
   o.age = 1;
   const MotionState first = next({}, o, kAdvance_m, 80);
@@ -89,13 +90,14 @@ TEST(NextState, VotesOfScansItWasNotSeenInAreNone) {
 }
 
 // A quarter, and half as many again.
-TEST(NextState, WhatItsBodyLooksLikeTellsHowManyVotesAnObjectNeeds) {
-  for (const auto& [body, votes] : {std::pair{Body::solid, kVotes / 4}, std::pair{Body::unclear, kVotes},
-                                    std::pair{Body::flickering, kVotes * 3 / 2}}) {
+TEST(MotionClassifier, WhatItsBodyLooksLikeTellsHowManyVotesAnObjectNeeds) {
+  for (const auto& [body, votes] : {std::pair{Body::rigid, kVotes / 4}, std::pair{Body::unclear, kVotes},
+                                    std::pair{Body::porous, kVotes * 3 / 2}}) {
     for (const int less : {0, 1}) {
       const ObjectEvidence evidence = {kAdvance_m, votes - less, body};
-      EXPECT_EQ(next_state(standing(), object(kFast_mps, kWell_mps), evidence,
-                           kStart + Duration::from_seconds(0.1), parameters())
+      EXPECT_EQ(MotionClassifier(parameters())
+                    .update(standing(), object(kFast_mps, kWell_mps), evidence,
+                            kStart + Duration::from_seconds(0.1))
                     .moves,
                 less == 0);
     }
@@ -103,22 +105,24 @@ TEST(NextState, WhatItsBodyLooksLikeTellsHowManyVotesAnObjectNeeds) {
 }
 
 // What has a velocity goes, flickering or not; in its second scan that may be chance.
-TEST(NextState, WhatFlickersNeedsNoMoreVotesWithAKnownVelocity) {
+TEST(MotionClassifier, WhatFlickersNeedsNoMoreVotesWithAKnownVelocity) {
   for (const int age : {2, 3}) {
     TrackedObject o = object(kFast_mps, kWell_mps);
     o.age = age;
-    const ObjectEvidence evidence = {kAdvance_m, kVotes, Body::flickering};
-    EXPECT_EQ(next_state(standing(), o, evidence, kStart + Duration::from_seconds(0.1), parameters()).moves,
+    const ObjectEvidence evidence = {kAdvance_m, kVotes, Body::porous};
+    EXPECT_EQ(MotionClassifier(parameters())
+                  .update(standing(), o, evidence, kStart + Duration::from_seconds(0.1))
+                  .moves,
               age == 3);
   }
 }
 
-TEST(NextState, WhatMovesNeedsNoMoreVotes) {
+TEST(MotionClassifier, WhatMovesNeedsNoMoreVotes) {
   EXPECT_TRUE(next(moving(), object(kFast_mps, kWell_mps), kAdvance_m, 0).moves);
 }
 
 // 1 m/s is twice what is known well: it begins with twice the votes, and goes on with the once, half of them.
-TEST(NextState, TheWorseItsVelocityIsKnownTheMoreVotesAnObjectNeeds) {
+TEST(MotionClassifier, TheWorseItsVelocityIsKnownTheMoreVotesAnObjectNeeds) {
   TrackedObject o = object(5, 1);
   o.age = 3;
   MotionState known = standing();
@@ -132,7 +136,7 @@ TEST(NextState, TheWorseItsVelocityIsKnownTheMoreVotesAnObjectNeeds) {
 }
 
 // Known to 0.5 m/s it needs none to go on; and in its second scan nothing can be known well yet.
-TEST(NextState, WhatIsKnownWellOrNewNeedsNoMoreVotes) {
+TEST(MotionClassifier, WhatIsKnownWellOrNewNeedsNoMoreVotes) {
   MotionState known = moving();
   known.velocity_known = true;
   known.age = 2;
@@ -144,7 +148,7 @@ TEST(NextState, WhatIsKnownWellOrNewNeedsNoMoreVotes) {
 }
 
 // In its second scan it may; once it was known, it may go on unknown.
-TEST(NextState, AnObjectWhoseVelocityIsNeverKnownStandsFromItsThirdScanOn) {
+TEST(MotionClassifier, AnObjectWhoseVelocityIsNeverKnownStandsFromItsThirdScanOn) {
   TrackedObject o = object(0, kBadly_mps);
   const MotionState second = next(moving(), o, kAdvance_m);
   EXPECT_TRUE(second.moves);
@@ -154,14 +158,14 @@ TEST(NextState, AnObjectWhoseVelocityIsNeverKnownStandsFromItsThirdScanOn) {
   EXPECT_TRUE(next(known, o, kAdvance_m, 10 * kVotes).moves);  // 10 m/s: as many as are needed then
 }
 
-TEST(NextState, WhatRaysSpeakAgainstStandsUntilItsVelocityIsKnown) {
+TEST(MotionClassifier, WhatRaysSpeakAgainstStandsUntilItsVelocityIsKnown) {
   EXPECT_TRUE(next(moving(), object(0, kBadly_mps), kAdvance_m, 0).moves);
   EXPECT_FALSE(next(moving(), object(0, kBadly_mps), kAdvance_m, -1).moves);
   EXPECT_TRUE(next(moving(), object(kFast_mps, kWell_mps), kAdvance_m, -1).moves);
 }
 
 // At 10 m/s it takes 20 times the votes, and twice those are beyond doubt. Of the scan before half count.
-TEST(NextState, WhatIsProvenTwiceOverNeedsNoKnownVelocity) {
+TEST(MotionClassifier, WhatIsProvenTwiceOverNeedsNoKnownVelocity) {
   TrackedObject o = object(0, kBadly_mps);
   const MotionState second = next(moving(), o, kAdvance_m, 0);
   o.age = 3;
@@ -173,7 +177,7 @@ TEST(NextState, WhatIsProvenTwiceOverNeedsNoKnownVelocity) {
   EXPECT_TRUE(next(third, o, kAdvance_m, 20 * kVotes).moves);
 }
 
-TEST(NextState, ASpeedOfANewObjectSaysNothing) {
+TEST(MotionClassifier, ASpeedOfANewObjectSaysNothing) {
   TrackedObject o = object(0, kWell_mps);
   o.age = 1;
   const MotionState state = next({}, o, kAdvance_m);
@@ -181,36 +185,36 @@ TEST(NextState, ASpeedOfANewObjectSaysNothing) {
   EXPECT_FALSE(state.slow);
   o.velocity_0 = {0, 20, 0};
   EXPECT_FALSE(next({}, o, 0).moves);
-  EXPECT_EQ(next({}, o, 0).unproven_m, 0);
+  EXPECT_EQ(next({}, o, 0).unconfirmed_m, 0);
 }
 
-TEST(NextState, KeepsTheTimeOfTheScan) {
+TEST(MotionClassifier, KeepsTheTimeOfTheScan) {
   const Time now = Time::from_seconds(7);
-  EXPECT_EQ(next_state({}, object(0, 1), {}, now, parameters()).seen, now);
+  EXPECT_EQ(MotionClassifier(parameters()).update({}, object(0, 1), {}, now).seen, now);
   TrackedObject o = object(0, 1);
   o.age = 1;
-  EXPECT_EQ(next_state({}, o, {}, now, parameters()).seen, now);
+  EXPECT_EQ(MotionClassifier(parameters()).update({}, o, {}, now).seen, now);
 }
 
-TEST(NextState, AnObjectBeginsToMoveWithSpeedAndAdvance) {
+TEST(MotionClassifier, AnObjectBeginsToMoveWithSpeedAndAdvance) {
   EXPECT_TRUE(next(standing(), object(kFast_mps, kWell_mps), kAdvance_m).moves);
   EXPECT_FALSE(next(standing(), object(kFast_mps, kWell_mps), kLess_m).moves);
   EXPECT_FALSE(next(standing(), object(kSlow_mps, kWell_mps), kAdvance_m).moves);
 }
 
 // 0.59 m/s, known to 0.3 m/s, may be none; what moves already goes on with it.
-TEST(NextState, AnObjectThatMayStandDoesNotBeginToMove) {
+TEST(MotionClassifier, AnObjectThatMayStandDoesNotBeginToMove) {
   EXPECT_FALSE(next(standing(), object(0.59, 0.3), kAdvance_m).moves);
   EXPECT_TRUE(next(standing(), object(0.61, 0.3), kAdvance_m).moves);
   EXPECT_TRUE(next(moving(), object(0.59, 0.3), kAdvance_m).moves);
 }
 
 // 2 m/s are 0.8 m in four scans of 0.1 s, of which rays have to show half.
-TEST(NextState, WhatStoodInThreeScansBeginsWithHalfOfTheWayItsVelocitySays) {
+TEST(MotionClassifier, WhatStoodInThreeScansBeginsWithHalfOfTheWayItsVelocitySays) {
   MotionState state = standing();
   TrackedObject o = object(2, kWell_mps);
   for (const int stood : {2, 3}) {
-    state.stood = stood;
+    state.static_scans = stood;
     EXPECT_EQ(next(state, o, 0.39F).moves, stood < 3);
     EXPECT_TRUE(next(state, o, 0.41F).moves);
   }
@@ -219,31 +223,31 @@ TEST(NextState, WhatStoodInThreeScansBeginsWithHalfOfTheWayItsVelocitySays) {
   EXPECT_FALSE(next(state, object(2, kWell_mps), kAdvance_m).moves);
 }
 
-TEST(NextState, CountsTheScansItsVelocitySaidItStood) {
+TEST(MotionClassifier, CountsTheScansItsVelocitySaidItStood) {
   MotionState state = standing();
   state = next(state, object(kSlow_mps, kWell_mps), kLess_m);
   state = next(state, object(kSlow_mps, kWell_mps), kAdvance_m);
-  EXPECT_EQ(state.stood, 2);
+  EXPECT_EQ(state.static_scans, 2);
   state = next(state, object(kFast_mps, kWell_mps), kLess_m);
   state = next(state, object(0, kBadly_mps), kLess_m);  // slow, but nobody knows
-  EXPECT_EQ(state.stood, 2);
+  EXPECT_EQ(state.static_scans, 2);
   state.moves = true;
-  EXPECT_EQ(next(state, object(kSlow_mps, kWell_mps), kLess_m).stood, 0);
+  EXPECT_EQ(next(state, object(kSlow_mps, kWell_mps), kLess_m).static_scans, 0);
 }
 
-TEST(NextState, AnObjectOfUnknownSpeedBeginsToMoveWithAnAdvanceAlone) {
+TEST(MotionClassifier, AnObjectOfUnknownSpeedBeginsToMoveWithAnAdvanceAlone) {
   EXPECT_TRUE(next(standing(), object(0, kBadly_mps), kAdvance_m).moves);
   EXPECT_FALSE(next(standing(), object(19, kBadly_mps), kLess_m).moves);
 }
 
-TEST(NextState, AKnownSpeedTellsSlowFromFast) {
-  for (const float advance_m : {kAdvance_m, kLess_m}) {
-    EXPECT_TRUE(next(moving(), object(kSlow_mps, kWell_mps), advance_m).slow);
-    EXPECT_FALSE(next(moving(), object(kFast_mps, kWell_mps), advance_m).slow);
+TEST(MotionClassifier, AKnownSpeedTellsSlowFromFast) {
+  for (const float displacement_m : {kAdvance_m, kLess_m}) {
+    EXPECT_TRUE(next(moving(), object(kSlow_mps, kWell_mps), displacement_m).slow);
+    EXPECT_FALSE(next(moving(), object(kFast_mps, kWell_mps), displacement_m).slow);
   }
 }
 
-TEST(NextState, AnUnknownSpeedLeavesThatToTheAdvance) {
+TEST(MotionClassifier, AnUnknownSpeedLeavesThatToTheAdvance) {
   for (const double speed_mps : {0.0, 19.0}) {
     EXPECT_TRUE(next(moving(), object(speed_mps, kBadly_mps), kLess_m).slow);
     EXPECT_FALSE(next(moving(), object(speed_mps, kBadly_mps), kAdvance_m).slow);
@@ -251,12 +255,12 @@ TEST(NextState, AnUnknownSpeedLeavesThatToTheAdvance) {
 }
 
 // Without an advance what is unknown is slow; 0.99 m/s are less than two sigma either way.
-TEST(NextState, ASpeedIsKnownToHalfAMetrePerSecond) {
+TEST(MotionClassifier, ASpeedIsKnownToHalfAMetrePerSecond) {
   EXPECT_FALSE(next(moving(), object(0.99, 0.5), kLess_m).slow);
   EXPECT_TRUE(next(moving(), object(0.99, 0.51), kLess_m).slow);
 }
 
-TEST(NextState, TheWorstAxisDecidesHowWellASpeedIsKnown) {
+TEST(MotionClassifier, TheWorstAxisDecidesHowWellASpeedIsKnown) {
   for (int axis = 0; axis < 3; ++axis) {
     TrackedObject o = object(0.5, 0.26);  // less than two sigma
     EXPECT_FALSE(next(moving(), o, kLess_m).slow);
@@ -265,13 +269,13 @@ TEST(NextState, TheWorstAxisDecidesHowWellASpeedIsKnown) {
   }
 }
 
-TEST(NextState, ASpeedOfMoreThanTwoSigmaIsKnown) {
+TEST(MotionClassifier, ASpeedOfMoreThanTwoSigmaIsKnown) {
   EXPECT_TRUE(next(moving(), object(7.9, 4), kLess_m).slow);
   EXPECT_FALSE(next(moving(), object(8.1, 4), kLess_m).slow);
 }
 
 // Across a wall 0.25 m/s are known to 0.1 m/s, along it nothing is: the whole speed is known, and slow.
-TEST(NextState, SigmasAreThoseAlongTheVelocity) {
+TEST(MotionClassifier, SigmasAreThoseAlongTheVelocity) {
   TrackedObject wall = object(0.25, 0.1);
   wall.velocity_covariance_0(0, 0) = 100;
   EXPECT_TRUE(next(moving(), wall, kAdvance_m).slow);
@@ -279,7 +283,7 @@ TEST(NextState, SigmasAreThoseAlongTheVelocity) {
   EXPECT_FALSE(next(moving(), wall, kAdvance_m).slow);
 }
 
-TEST(NextState, WhatMovesStopsWhenItIsSlowInTwoScansInARow) {
+TEST(MotionClassifier, WhatMovesStopsWhenItIsSlowInTwoScansInARow) {
   const TrackedObject slow = object(0, kWell_mps), fast = object(kFast_mps, kWell_mps);
   const MotionState once = next(moving(), slow, kAdvance_m);
   EXPECT_TRUE(once.moves);
@@ -291,7 +295,7 @@ TEST(NextState, WhatMovesStopsWhenItIsSlowInTwoScansInARow) {
 
 // 0.59 m/s, known to 0.3 m/s, may be none, as in AnObjectThatMayStandDoesNotBeginToMove; known to 0.6 m/s it
 // is not known at all.
-TEST(NextState, WhatWasSlowAndMayStandStops) {
+TEST(MotionClassifier, WhatWasSlowAndMayStandStops) {
   const MotionState once = next(moving(), object(0, kWell_mps), kAdvance_m);
   ASSERT_TRUE(once.moves && once.slow);
   EXPECT_FALSE(next(once, object(0.59, 0.3), kAdvance_m).moves);
@@ -299,7 +303,7 @@ TEST(NextState, WhatWasSlowAndMayStandStops) {
   EXPECT_TRUE(next(once, object(0.59, 0.6), kAdvance_m).moves);
 }
 
-TEST(NextState, WhatIsKnownToBeSlowAndDoesNotAdvanceStopsAtOnce) {
+TEST(MotionClassifier, WhatIsKnownToBeSlowAndDoesNotAdvanceStopsAtOnce) {
   EXPECT_FALSE(next(moving(), object(0, kWell_mps), kLess_m).moves);
   EXPECT_TRUE(next(moving(), object(0, kBadly_mps), kLess_m).moves);
   EXPECT_TRUE(next(moving(), object(0, kWell_mps), kAdvance_m).moves);
@@ -307,42 +311,44 @@ TEST(NextState, WhatIsKnownToBeSlowAndDoesNotAdvanceStopsAtOnce) {
 }
 
 // 4 m/s for 0.1 s are 0.4 m; 3 of these scans are 1.2 m.
-TEST(NextState, WhatWentAMetreByItsSpeedWithoutAnAdvanceStands) {
+TEST(MotionClassifier, WhatWentAMetreByItsSpeedWithoutAnAdvanceStands) {
   const TrackedObject fast = object(4, kWell_mps);
   MotionState state = moving();
-  for (const double unproven_m : {0.4, 0.8}) {
-    state = next_state(state, fast, {kLess_m, 0}, state.seen + Duration::from_seconds(0.1), parameters());
-    EXPECT_NEAR(state.unproven_m, unproven_m, 1e-9);
+  for (const double unconfirmed_m : {0.4, 0.8}) {
+    state = MotionClassifier(parameters())
+                .update(state, fast, {kLess_m, 0}, state.seen + Duration::from_seconds(0.1));
+    EXPECT_NEAR(state.unconfirmed_m, unconfirmed_m, 1e-9);
     EXPECT_TRUE(state.moves);
   }
   const Time third = state.seen + Duration::from_seconds(0.1);
-  EXPECT_FALSE(next_state(state, fast, {kLess_m, 0}, third, parameters()).moves);
-  const MotionState advanced = next_state(state, fast, {kAdvance_m, 0}, third, parameters());
+  EXPECT_FALSE(MotionClassifier(parameters()).update(state, fast, {kLess_m, 0}, third).moves);
+  const MotionState advanced = MotionClassifier(parameters()).update(state, fast, {kAdvance_m, 0}, third);
   EXPECT_TRUE(advanced.moves);
-  EXPECT_EQ(advanced.unproven_m, 0);
+  EXPECT_EQ(advanced.unconfirmed_m, 0);
 }
 
-TEST(NextState, ThatMetreIsOneMetre) {
+TEST(MotionClassifier, ThatMetreIsOneMetre) {
   MotionState state = moving();
-  state.unproven_m = 0.59;
+  state.unconfirmed_m = 0.59;
   EXPECT_TRUE(next(state, object(4, kWell_mps), kLess_m).moves);  // 0.99 m
-  state.unproven_m = 0.61;
+  state.unconfirmed_m = 0.61;
   EXPECT_FALSE(next(state, object(4, kWell_mps), kLess_m).moves);  // 1.01 m
 }
 
 // It is seen again after 0.3 s, in which it went 1.2 m.
-TEST(NextState, WhatItWentWhileItWasHiddenCounts) {
+TEST(MotionClassifier, WhatItWentWhileItWasHiddenCounts) {
   const Time now = kStart + Duration::from_seconds(0.3);
-  EXPECT_FALSE(next_state(moving(), object(4, kWell_mps), {kLess_m, 0}, now, parameters()).moves);
+  EXPECT_FALSE(
+      MotionClassifier(parameters()).update(moving(), object(4, kWell_mps), {kLess_m, 0}, now).moves);
 }
 
-TEST(ForgetAbsent, ForgetsWhatWasNotSeenForMoreThanASecond) {
+TEST(EraseDropped, ErasesWhatWasNotSeenForMoreThanASecond) {
   MotionStates states;
   states[3].seen = kStart;
   states[5].seen = kStart + Duration::from_nanoseconds(1);
-  forget_absent(states, kStart + Duration::from_seconds(1));
+  erase_dropped(states, kStart + Duration::from_seconds(1));
   EXPECT_EQ(states.size(), 2u);
-  forget_absent(states, kStart + Duration::from_seconds(1) + Duration::from_nanoseconds(1));
+  erase_dropped(states, kStart + Duration::from_seconds(1) + Duration::from_nanoseconds(1));
   ASSERT_EQ(states.size(), 1u);
   EXPECT_EQ(states.begin()->first, 5u);
 }

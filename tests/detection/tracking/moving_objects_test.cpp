@@ -28,7 +28,7 @@ bool is_of_box(const test::ToyScene& scene, const LidarScan& scan, const LidarRe
 }
 
 /// The box, proposed with an advance and votes.
-ProposedObjects propose(const test::ToyScene& scene, int k, double advance_m, int votes = kVotes) {
+ProposedObjects propose(const test::ToyScene& scene, int k, double displacement_m, int votes = kVotes) {
   const auto cast = test::cast_scan(scene, k);
   ProposedObjects proposed;
   Detection& detection = proposed.detection;
@@ -39,7 +39,7 @@ ProposedObjects propose(const test::ToyScene& scene, int k, double advance_m, in
     detection.object.push_back(is_of_box(scene, *cast.scan, r) ? 1 : 0);
   detection.objects = 1;
   proposed.column_states = compensate(cast.scan, *scene.trajectory).column_states;
-  proposed.evidence = {{static_cast<float>(advance_m), votes}};
+  proposed.evidence = {{static_cast<float>(displacement_m), votes}};
   return proposed;
 }
 
@@ -51,14 +51,14 @@ TEST(MovingObjects, WhatGoesOnMovesAndWhatStandsHasNoNumber) {
     for (int k = 0; k < 6; ++k) {
       ProposedObjects proposed = propose(scene, k, k < 2 ? kAdvance_m : 0);
       const std::vector<std::uint16_t> box = proposed.detection.object;
-      const Detection detection = moving.judge(std::move(proposed));
+      const Detection detection = moving.classify(std::move(proposed));
       if (k < 4) continue;
       const bool moves = speed_mps > 0;
       EXPECT_EQ(detection.objects, moves ? 1 : 0);
       EXPECT_EQ(detection.tracked.size(), moves ? 1u : 0u);
       for (std::size_t i = 0; i < box.size(); ++i) {
         EXPECT_EQ(detection.dynamic(i), moves && box[i] == 1);
-        EXPECT_EQ(detection.trace[i].growth == GrowthVerdict::stopped, !moves && box[i] == 1);
+        EXPECT_EQ(detection.trace[i].growth == GrowthVerdict::static_track, !moves && box[i] == 1);
       }
     }
   }
@@ -68,8 +68,8 @@ TEST(MovingObjects, WhatGoesOnMovesAndWhatStandsHasNoNumber) {
 TEST(MovingObjects, WithoutAdvanceNothingBeginsToMove) {
   const auto scene = room_with_box(1);
   MovingObjects moving{DetectorParameters{}};
-  for (int k = 0; k < 5; ++k) EXPECT_EQ(moving.judge(propose(scene, k, 0.029)).objects, 0);
-  EXPECT_EQ(moving.judge(propose(scene, 5, 0.031)).objects, 1);
+  for (int k = 0; k < 5; ++k) EXPECT_EQ(moving.classify(propose(scene, k, 0.029)).objects, 0);
+  EXPECT_EQ(moving.classify(propose(scene, 5, 0.031)).objects, 1);
 }
 
 // After more than a second an object is a new one: the votes it had before are forgotten. (Ten scans later
@@ -79,7 +79,7 @@ TEST(MovingObjects, WhatWasAbsentForMoreThanASecondIsNew) {
   for (const int again : {11, 13}) {
     SCOPED_TRACE(again);
     MovingObjects moving{DetectorParameters{}};
-    const auto objects = [&](int k) { return moving.judge(propose(scene, k, kAdvance_m, 75)).objects; };
+    const auto objects = [&](int k) { return moving.classify(propose(scene, k, kAdvance_m, 75)).objects; };
     EXPECT_EQ(objects(0), 0);  // 75 votes of 100
     EXPECT_EQ(objects(1), 1);  // 112
     EXPECT_EQ(objects(again), again == 11 ? 1 : 0);
@@ -102,7 +102,7 @@ TEST(MovingObjects, EveryObjectHasItsOwnAdvance) {
     proposed.detection.objects = 2;
     proposed.evidence = {{second ? 0 : 1.F, kVotes}, {second ? 1.F : 0, kVotes}};
     const std::vector<std::uint16_t> before = object;
-    const Detection detection = MovingObjects{DetectorParameters{}}.judge(std::move(proposed));
+    const Detection detection = MovingObjects{DetectorParameters{}}.classify(std::move(proposed));
     for (std::size_t i = 0; i < before.size(); ++i)
       EXPECT_EQ(detection.object[i], before[i] == (second ? 2 : 1) ? 1 : 0);
   }
@@ -133,7 +133,8 @@ TEST(KeepMoving, NumbersAnewWhatMovesAndStopsTheRest) {
     EXPECT_EQ(detection.tracked[k].id, k == 0 ? 11u : 13u);
   }
   for (std::size_t i = 0; i < detection.trace.size(); ++i) {
-    EXPECT_EQ(detection.trace[i].growth, i == 2 || i == 6 ? GrowthVerdict::stopped : GrowthVerdict::grown)
+    EXPECT_EQ(detection.trace[i].growth,
+              i == 2 || i == 6 ? GrowthVerdict::static_track : GrowthVerdict::grown)
         << i;
   }
 }
@@ -185,7 +186,7 @@ TEST(MovingObjects, AreAllThatThePublishedMethodProposes) {
   for (int k = 0; k < 3; ++k) {
     ProposedObjects proposed = propose(scene, k, 0);
     proposed.evidence.clear();
-    EXPECT_EQ(moving.judge(std::move(proposed)).tracked.size(), 1u);
+    EXPECT_EQ(moving.classify(std::move(proposed)).tracked.size(), 1u);
   }
 }
 

@@ -12,8 +12,8 @@ using Eigen::Vector3d;
 
 Time seconds(double s) { return Time::from_seconds(s); }
 
-TEST(ObjectMotion, VelocityGrowsUncertainWithTime) {
-  ObjectMotion motion(seconds(1), {1, 2, 3}, 4 * Matrix3d::Identity(), 0.5);
+TEST(VelocityFilter, VelocityGrowsUncertainWithTime) {
+  VelocityFilter motion(seconds(1), {1, 2, 3}, 4 * Matrix3d::Identity(), 0.5);
   motion.predict(seconds(3));
   EXPECT_EQ(motion.velocity(), Vector3d(1, 2, 3));
   EXPECT_TRUE(motion.velocity_covariance().isApprox(5 * Matrix3d::Identity(), 1e-12));
@@ -23,9 +23,9 @@ TEST(ObjectMotion, VelocityGrowsUncertainWithTime) {
 
 // One displacement over 0.1 s, nothing known before: the velocity is the displacement over the time. Its
 // variance is that of the displacement over the time squared, plus q dt / 3 for the acceleration meanwhile.
-TEST(ObjectMotion, OneDisplacementTellsTheVelocity) {
+TEST(VelocityFilter, OneDisplacementTellsTheVelocity) {
   const double q = 0.5, dt = 0.1, std_m = 0.02;
-  ObjectMotion motion(seconds(0), Vector3d::Zero(), 1e8 * Matrix3d::Identity(), q);
+  VelocityFilter motion(seconds(0), Vector3d::Zero(), 1e8 * Matrix3d::Identity(), q);
   motion.remember(3);
   EXPECT_EQ(motion.remembered(), 1u);
   motion.predict(seconds(dt));
@@ -36,8 +36,8 @@ TEST(ObjectMotion, OneDisplacementTellsTheVelocity) {
 }
 
 // What the displacement does not tell stays as unknown as it was.
-TEST(ObjectMotion, ADirectionNobodySawStaysUnknown) {
-  ObjectMotion motion(seconds(0), Vector3d::Zero(), 100 * Matrix3d::Identity(), 0.1);
+TEST(VelocityFilter, ADirectionNobodySawStaysUnknown) {
+  VelocityFilter motion(seconds(0), Vector3d::Zero(), 100 * Matrix3d::Identity(), 0.1);
   for (int k = 1; k <= 20; ++k) {
     motion.remember(3);
     motion.predict(seconds(0.1 * k));
@@ -49,10 +49,10 @@ TEST(ObjectMotion, ADirectionNobodySawStaysUnknown) {
 }
 
 // A long time between two scans tells the velocity better than many short ones.
-TEST(ObjectMotion, RemembersEarlierScans) {
+TEST(VelocityFilter, RemembersEarlierScans) {
   const Matrix3d covariance = 1e-4 * Matrix3d::Identity();
   const auto run = [&covariance](bool far) {
-    ObjectMotion motion(seconds(0), Vector3d::Zero(), 100 * Matrix3d::Identity(), 1e-6);
+    VelocityFilter motion(seconds(0), Vector3d::Zero(), 100 * Matrix3d::Identity(), 1e-6);
     for (int k = 1; k <= 5; ++k) {
       motion.remember(5);
       motion.predict(seconds(0.1 * k));
@@ -69,9 +69,9 @@ TEST(ObjectMotion, RemembersEarlierScans) {
   EXPECT_NEAR(run(true).velocity_covariance()(0, 0), 1e-4 / 1.2 / 0.25, 1e-5);
 }
 
-TEST(ObjectMotion, ASurpriseMakesItUncertain) {
+TEST(VelocityFilter, ASurpriseMakesItUncertain) {
   const Matrix3d covariance = 1e-4 * Matrix3d::Identity();
-  ObjectMotion motion(seconds(0), Vector3d::Zero(), 100 * Matrix3d::Identity(), 0.1);
+  VelocityFilter motion(seconds(0), Vector3d::Zero(), 100 * Matrix3d::Identity(), 0.1);
   for (int k = 1; k <= 10; ++k) {
     motion.remember(3);
     motion.predict(seconds(0.1 * k));
@@ -90,8 +90,8 @@ TEST(ObjectMotion, ASurpriseMakesItUncertain) {
   EXPECT_NEAR(motion.velocity().x(), -3, 0.5) << "a ball that bounced is believed soon";
 }
 
-TEST(ObjectMotion, StaysSoundOverAnHour) {
-  ObjectMotion motion(seconds(0), Vector3d::Zero(), 100 * Matrix3d::Identity(), 0.25);
+TEST(VelocityFilter, StaysSoundOverAnHour) {
+  VelocityFilter motion(seconds(0), Vector3d::Zero(), 100 * Matrix3d::Identity(), 0.25);
   for (int k = 1; k <= 36000; ++k) {
     motion.remember(5);
     motion.predict(seconds(0.1 * k));

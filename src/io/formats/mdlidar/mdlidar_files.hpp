@@ -3,9 +3,9 @@
 #include <filesystem>
 #include <vector>
 
+#include "io/formats/mdlidar/mdlidar_writer.hpp"
 #include <mapless/core/se3.hpp>
 #include <mapless/core/time.hpp>
-#include <mapless/io/mdlidar_writer.hpp>
 
 namespace mdlidar {
 class Frame;

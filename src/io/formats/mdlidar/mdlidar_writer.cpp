@@ -1,3 +1,5 @@
+#include "io/formats/mdlidar/mdlidar_writer.hpp"
+
 #include <system_error>
 
 #include <fmt/format.h>
@@ -5,7 +7,6 @@
 #include "mdlidar.pb.h"
 #include <mapless/core/errors.hpp>
 #include <mapless/io/files.hpp>
-#include <mapless/io/mdlidar_writer.hpp>
 
 namespace mapless::inline v1 {
 namespace {

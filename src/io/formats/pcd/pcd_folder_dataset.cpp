@@ -11,10 +11,10 @@
 #include "io/formats/pcd/pcd_sensor.hpp"
 #include "io/tables/scan_times.hpp"
 #include "lidar/nearest_beam.hpp"
+#include "lidar/ring_recovery.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/io/files.hpp>
 #include <mapless/io/labels.hpp>
-#include <mapless/lidar/ring_recovery.hpp>
 
 namespace mapless::inline v1 {
 namespace {

@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 
 #include "io/formats/pcd/pcd.hpp"
+#include "lidar/ring_recovery.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/lidar/ring_recovery.hpp>
 
 namespace mapless::inline v1 {
 namespace {

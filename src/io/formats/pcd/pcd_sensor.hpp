@@ -6,7 +6,8 @@
 #include <vector>
 
 #include "io/formats/pcd/pcd_points.hpp"
-#include <mapless/lidar/model_estimation.hpp>
+#include "lidar/model_estimation.hpp"
+#include "lidar/ring_recovery.hpp"
 
 namespace mapless::inline v1 {
 

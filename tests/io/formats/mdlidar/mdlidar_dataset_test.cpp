@@ -6,11 +6,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "io/formats/mdlidar/mdlidar_writer.hpp"
 #include "support/bare_cloud.hpp"
 #include "support/temporary_folder.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/io/dataset.hpp>
-#include <mapless/io/mdlidar_writer.hpp>
 
 namespace mapless {
 namespace MAPLESS_FILE {

@@ -8,13 +8,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "io/formats/native/native_writer.hpp"
 #include "io/formats/pcd/pcd.hpp"
 #include "io/tables/scan_times.hpp"
 #include "support/temporary_folder.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/io/files.hpp>
 #include <mapless/io/labels.hpp>
-#include <mapless/io/native_writer.hpp>
 
 namespace mapless {
 namespace MAPLESS_FILE {

@@ -14,7 +14,7 @@ namespace mapless::inline v1 {
 /// Of a few hundred points, the nearest to each of as many places, while points and places move a little at a
 /// time. The one found last is the nearest still where the others were farther by more than anything moved
 /// since; only the others are sought again.
-class FollowedNeighbours {
+class NearestNeighbourCache {
  public:
   /// Other points and places follow; the memory is kept for them.
   void restart(std::size_t places);

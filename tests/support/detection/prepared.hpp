@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "detection/published/prepared_scan.hpp"
+#include "geometry/nearest_neighbours.hpp"
 
 namespace mapless::test {
 

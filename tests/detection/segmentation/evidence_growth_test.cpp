@@ -1,4 +1,4 @@
-#include "detection/segmentation/vote_growth.hpp"
+#include "detection/segmentation/evidence_growth.hpp"
 
 #include <algorithm>
 #include <random>
@@ -6,9 +6,9 @@
 
 #include <gtest/gtest.h>
 
-#include "oracle/vote_growth_oracle.hpp"
+#include "oracle/evidence_growth_oracle.hpp"
+#include "support/detection/evidence_image.hpp"
 #include "support/small_scan.hpp"
-#include "support/vote_image.hpp"
 
 namespace mapless {
 namespace MAPLESS_FILE {
@@ -16,12 +16,12 @@ namespace MAPLESS_FILE {
 using test::points_of;
 using test::small_scan;
 
-class VoteImage : public test::VoteImage {};
+class EvidenceImage : public test::EvidenceImage {};
 
 constexpr int kColumns = test::kSmallColumns;
 
 // 2 of its own and three times 2 of its neighbours make the 8 a seed needs; with 1 less it is removed.
-TEST_F(VoteImage, ASeedNeedsTheVotesOfItsNeighbours) {
+TEST_F(EvidenceImage, ASeedNeedsTheVotesOfItsNeighbours) {
   set(2, 5, 2);
   set(1, 4, 2);
   set(3, 7, 2);
@@ -34,7 +34,7 @@ TEST_F(VoteImage, ASeedNeedsTheVotesOfItsNeighbours) {
   EXPECT_EQ(filter()[at(2, 5)], BoxVerdict::kept);
 }
 
-TEST_F(VoteImage, NeighboursAlsoSpeakAgainst) {
+TEST_F(EvidenceImage, NeighboursAlsoSpeakAgainst) {
   for (int c = 3; c <= 7; ++c) set(2, c, 6);
   EXPECT_EQ(filter()[at(2, 5)], BoxVerdict::kept);
   for (int c = 3; c <= 7; ++c) {
@@ -44,7 +44,7 @@ TEST_F(VoteImage, NeighboursAlsoSpeakAgainst) {
   EXPECT_EQ(filter()[at(2, 5)], BoxVerdict::removed);  // 30 - 25
 }
 
-TEST_F(VoteImage, OneAloneIsABorderEffect) {
+TEST_F(EvidenceImage, OneAloneIsABorderEffect) {
   set(2, 5, 6);
   EXPECT_EQ(filter()[at(2, 5)], BoxVerdict::removed);
   set(2, 6, 6);
@@ -54,7 +54,7 @@ TEST_F(VoteImage, OneAloneIsABorderEffect) {
   EXPECT_EQ(filter()[at(2, 5)], BoxVerdict::removed);
 }
 
-TEST_F(VoteImage, IsNotAskedOfWhatMostSayStands) {
+TEST_F(EvidenceImage, IsNotAskedOfWhatMostSayStands) {
   set(2, 5, -1);
   set(2, 6, 0);
   for (int c = 7; c < 10; ++c) set(2, c, 6);
@@ -62,7 +62,7 @@ TEST_F(VoteImage, IsNotAskedOfWhatMostSayStands) {
   EXPECT_EQ(filter()[at(2, 6)], BoxVerdict::not_asked);
 }
 
-TEST_F(VoteImage, WrapsAtTheSeamAndEndsAboveAndBelow) {
+TEST_F(EvidenceImage, WrapsAtTheSeamAndEndsAboveAndBelow) {
   set(0, 0, 4);
   set(0, kColumns - 2, 4);
   EXPECT_EQ(filter()[at(0, 0)], BoxVerdict::kept);
@@ -71,11 +71,11 @@ TEST_F(VoteImage, WrapsAtTheSeamAndEndsAboveAndBelow) {
   EXPECT_EQ(filter()[at(0, 0)], BoxVerdict::removed);
 }
 
-TEST_F(VoteImage, NumbersObjectsByTheirFirstPointAndDropsSmallClusters) {
+TEST_F(EvidenceImage, NumbersObjectsByTheirFirstPointAndDropsSmallClusters) {
   for (int c : {14, 15, 16}) set(0, c, 3);  // first of all
   for (int c : {4, 5, 6}) set(1, c, 3);
   for (int c : {20, 22}) set(4, c, 3);  // two seeds only
-  const RegionGrowthResult result = grow();
+  const EvidenceGrowthResult result = grow();
   EXPECT_EQ(result.objects, 2);
   EXPECT_EQ(result.object[at(0, 15)], 1);
   EXPECT_EQ(result.object[at(1, 6)], 2);
@@ -85,12 +85,12 @@ TEST_F(VoteImage, NumbersObjectsByTheirFirstPointAndDropsSmallClusters) {
   EXPECT_EQ(grow().objects, 3);
 }
 
-TEST_F(VoteImage, GrowsOverWhatAnyoneSawThroughAndNoFurther) {
+TEST_F(EvidenceImage, GrowsOverWhatAnyoneSawThroughAndNoFurther) {
   for (int c : {4, 5, 6}) set(2, c, 3);
   see_through(2, 9);
   see_through(2, 13);
   see_through(2, 18);  // five columns from the next: out of the window
-  const RegionGrowthResult result = grow();
+  const EvidenceGrowthResult result = grow();
   EXPECT_EQ(result.verdict[at(2, 9)], GrowthVerdict::grown);
   EXPECT_EQ(result.verdict[at(2, 13)], GrowthVerdict::grown);
   EXPECT_EQ(result.verdict[at(2, 18)], GrowthVerdict::not_reached);
@@ -101,7 +101,7 @@ TEST_F(VoteImage, GrowsOverWhatAnyoneSawThroughAndNoFurther) {
 }
 
 // That the thing which hid a point has left makes it move only where the others do not outvote it.
-TEST_F(VoteImage, GrowsOverWhatWasVacatedByTheSumOfItsVotes) {
+TEST_F(EvidenceImage, GrowsOverWhatWasVacatedByTheSumOfItsVotes) {
   std::vector<BoxVerdict> seeds(votes_.size(), BoxVerdict::not_asked);
   for (int c : {4, 5, 6}) {
     set(2, c, 3);
@@ -110,19 +110,19 @@ TEST_F(VoteImage, GrowsOverWhatWasVacatedByTheSumOfItsVotes) {
   votes_[at(2, 9)].vacated = votes_[at(2, 10)].vacated = true;
   votes_[at(2, 9)].earlier = 2;
   votes_[at(2, 10)] = {2, -2, false, true, true, true};
-  const RegionGrowthResult result = grow_votes(scan_, points_, votes_, seeds, parameters_);
+  const EvidenceGrowthResult result = grow_evidence(scan_, points_, votes_, seeds, parameters_);
   EXPECT_EQ(result.verdict[at(2, 9)], GrowthVerdict::grown);
   EXPECT_EQ(result.verdict[at(2, 10)], GrowthVerdict::not_reached);
 }
 
 // Growth that meets another cluster makes one object of both, also of a cluster that was too small.
-TEST_F(VoteImage, WhatIsLinkedIsOneObject) {
+TEST_F(EvidenceImage, WhatIsLinkedIsOneObject) {
   for (int c : {2, 3, 4, 12, 13, 14}) set(2, c, 3);
   EXPECT_EQ(grow().objects, 2);
   see_through(2, 8);
   EXPECT_EQ(grow().objects, 1);
   for (int c : {12, 13}) set(2, c, 0);
-  const RegionGrowthResult result = grow();
+  const EvidenceGrowthResult result = grow();
   EXPECT_EQ(result.verdict[at(2, 8)], GrowthVerdict::grown);
   EXPECT_EQ(result.verdict[at(2, 14)], GrowthVerdict::too_small);  // six columns off
   see_through(2, 11);
@@ -131,7 +131,7 @@ TEST_F(VoteImage, WhatIsLinkedIsOneObject) {
 
 // Five of the 14 around it, unless what saw surfaces there outweighs by more than two scans that saw through,
 // 8 votes; and once more from what was filled.
-TEST_F(VoteImage, FillsHolesAndRims) {
+TEST_F(EvidenceImage, FillsHolesAndRims) {
   for (int c : {4, 5, 6}) set(2, c, 3);
   for (int c : {5, 6}) set(3, c, 3);
   EXPECT_EQ(grow().verdict[at(2, 7)], GrowthVerdict::not_reached);  // (2, 5), (2, 6), (3, 5), (3, 6)
@@ -152,7 +152,7 @@ TEST_F(VoteImage, FillsHolesAndRims) {
 
 // A straight end of it goes on by a column a round, in the middle: twice, and six times more over what four
 // scans of a moment ago can have seen.
-TEST_F(VoteImage, FillsOnOverWhatSlides) {
+TEST_F(EvidenceImage, FillsOnOverWhatSlides) {
   for (const int votes : {-4, -5}) {
     SCOPED_TRACE(votes);
     for (int r = 0; r < 5; ++r) {
@@ -166,7 +166,7 @@ TEST_F(VoteImage, FillsOnOverWhatSlides) {
 }
 
 // Of two points d apart one was seen through lately: they went on by about d / 2; both: by d.
-TEST_F(VoteImage, TellsHowFarAnObjectAdvanced) {
+TEST_F(EvidenceImage, TellsHowFarAnObjectAdvanced) {
   parameters_.grow = false;  // which would fill its rims
   parameters_.min_seeds = 2;
   set(1, 4, 3);
@@ -174,43 +174,43 @@ TEST_F(VoteImage, TellsHowFarAnObjectAdvanced) {
   make_old(1, 5);
   const float d = (points_.points[at(1, 4)] - points_.points[at(1, 5)]).norm();
   ASSERT_EQ(grow().evidence.size(), 1u);
-  EXPECT_NEAR(grow().evidence[0].advance_m, d / 2, 1e-5);
+  EXPECT_NEAR(grow().evidence[0].displacement_m, d / 2, 1e-5);
   make_old(1, 4);
-  EXPECT_EQ(grow().evidence[0].advance_m, 0);
+  EXPECT_EQ(grow().evidence[0].displacement_m, 0);
   votes_[at(1, 4)].recently = votes_[at(1, 5)].recently = true;
-  EXPECT_NEAR(grow().evidence[0].advance_m, d, 1e-5);
+  EXPECT_NEAR(grow().evidence[0].displacement_m, d, 1e-5);
 }
 
 // Ten times as large, ten times as far.
-TEST_F(VoteImage, TheSameShareOfALongerThingIsFarther) {
+TEST_F(EvidenceImage, TheSameShareOfALongerThingIsFarther) {
   parameters_.grow = false;
   for (int c = 2; c < 12; ++c) {
     set(0, c, 3);
     if (c > 2) make_old(0, c);
   }
-  const float advance_m = grow().evidence.at(0).advance_m;
-  EXPECT_GT(advance_m, 0);
+  const float displacement_m = grow().evidence.at(0).displacement_m;
+  EXPECT_GT(displacement_m, 0);
   for (Eigen::Vector3f& p : points_.points) p *= 0.1F;
-  EXPECT_NEAR(grow().evidence.at(0).advance_m, 0.1F * advance_m, 1e-5);
+  EXPECT_NEAR(grow().evidence.at(0).displacement_m, 0.1F * displacement_m, 1e-5);
 }
 
 // Growth and filled holes count with the rest of their object; there is one for each, in their order.
-TEST_F(VoteImage, EveryObjectHasItsOwnAdvance) {
+TEST_F(EvidenceImage, EveryObjectHasItsOwnAdvance) {
   for (int c : {2, 3, 4}) {
     set(0, c, 3);
     make_old(0, c);
   }
   for (int c : {12, 13, 14}) set(0, c, 3);
-  RegionGrowthResult result = grow();
+  EvidenceGrowthResult result = grow();
   ASSERT_EQ(result.evidence.size(), 2u);
-  EXPECT_EQ(result.evidence[0].advance_m, 0);
-  EXPECT_GT(result.evidence[1].advance_m, 0);
+  EXPECT_EQ(result.evidence[0].displacement_m, 0);
+  EXPECT_GT(result.evidence[1].displacement_m, 0);
   see_through(1, 5);  // one of four, linked to the first
-  EXPECT_GT(grow().evidence.at(0).advance_m, 0);
+  EXPECT_GT(grow().evidence.at(0).displacement_m, 0);
 }
 
 // Half of the second's: of two rows 40 and 20 votes, together 30 where surfaces were seen at all of them.
-TEST_F(VoteImage, WhereASurfaceWasSeenVotesCountHalf) {
+TEST_F(EvidenceImage, WhereASurfaceWasSeenVotesCountHalf) {
   parameters_.grow = false;
   for (int c = 2; c < 6; ++c) set(0, c, 10);
   for (int c = 2; c < 6; ++c) set(1, c, 5);
@@ -228,7 +228,7 @@ TEST_F(VoteImage, WhereASurfaceWasSeenVotesCountHalf) {
 }
 
 // A row of 40 votes counts 25, or half of that, the one of 20 as it is: one laser alone may be wrong.
-TEST_F(VoteImage, OneRowCountsNoMoreThanBeginsAnObject) {
+TEST_F(EvidenceImage, OneRowCountsNoMoreThanBeginsAnObject) {
   parameters_.grow = false;
   parameters_.min_evidence = 25;
   for (int c = 2; c < 6; ++c) set(0, c, 10);
@@ -241,7 +241,7 @@ TEST_F(VoteImage, OneRowCountsNoMoreThanBeginsAnObject) {
 
 // Three rows of seven: five of 21 points that nobody saw through are a fifth, four are not; nor are two rows
 // a body, whatever they hide.
-TEST_F(VoteImage, WhatIsNotAllSeenThroughIsSolid) {
+TEST_F(EvidenceImage, WhatIsNotAllSeenThroughIsSolid) {
   parameters_.grow = false;
   const auto body = [&](int rows, int hidden) {
     for (int r = 0; r < 3; ++r) {
@@ -250,39 +250,39 @@ TEST_F(VoteImage, WhatIsNotAllSeenThroughIsSolid) {
     for (int n = 0; n < hidden; ++n) votes_[at(n % 2, 5 + n / 2)].seen_through = false;
     return grow().evidence.at(0).body;
   };
-  EXPECT_EQ(body(3, 5), Body::solid);
+  EXPECT_EQ(body(3, 5), Body::rigid);
   EXPECT_EQ(body(3, 4), Body::unclear);
   EXPECT_EQ(body(2, 8), Body::unclear);
 }
 
 // Eight of ten points now hit, now passed: leaves. Seven could be a thing that stood there a while ago.
-TEST_F(VoteImage, WhatIsSeenAndSeenThroughFlickers) {
+TEST_F(EvidenceImage, WhatIsSeenAndSeenThroughFlickers) {
   parameters_.grow = false;
   for (const int flickering : {8, 7}) {
     for (int c = 4; c < 14; ++c) {
       set(1, c, 3);
       votes_[at(1, c)].surface_seen = c < 4 + flickering;
     }
-    EXPECT_EQ(grow().evidence.at(0).body, flickering == 8 ? Body::flickering : Body::unclear);
+    EXPECT_EQ(grow().evidence.at(0).body, flickering == 8 ? Body::porous : Body::unclear);
   }
 }
 
-TEST_F(VoteImage, SumsTheVotesOfEveryObject) {
+TEST_F(EvidenceImage, SumsTheVotesOfEveryObject) {
   parameters_.grow = false;  // which would add points
   for (int c : {2, 3, 4}) set(0, c, 3);
   for (int c : {12, 13, 14}) set(0, c, 5);
   votes_[at(0, 13)].later = -1;
-  const RegionGrowthResult result = grow();
+  const EvidenceGrowthResult result = grow();
   ASSERT_EQ(result.evidence.size(), 2u);
   EXPECT_EQ(result.evidence[0].votes, 9);
   EXPECT_EQ(result.evidence[1].votes, 14);
 }
 
-TEST_F(VoteImage, HasNothingToDoWithoutPointsOrWithoutSeeds) {
+TEST_F(EvidenceImage, HasNothingToDoWithoutPointsOrWithoutSeeds) {
   EXPECT_EQ(grow().objects, 0);
   const LidarScan empty = small_scan({0, 0}, 5, std::vector<char>(2 * kColumns, 1));
-  EXPECT_TRUE(filter_votes(empty, points_of(empty), {}, parameters_).empty());
-  EXPECT_EQ(grow_votes(empty, points_of(empty), {}, {}, parameters_).objects, 0);
+  EXPECT_TRUE(filter_evidence(empty, points_of(empty), {}, parameters_).empty());
+  EXPECT_EQ(grow_evidence(empty, points_of(empty), {}, {}, parameters_).objects, 0);
 }
 
 struct RandomImage {
@@ -314,7 +314,7 @@ RandomImage random_image(std::mt19937_64& random) {
   return image;
 }
 
-TEST(VoteGrowth, AgreesWithAllPairs) {
+TEST(EvidenceGrowth, AgreesWithAllPairs) {
   int kept = 0, grown = 0, objects = 0;
   std::set<Body> bodies;
   for (unsigned seed = 0; seed < 150; ++seed) {
@@ -328,17 +328,18 @@ TEST(VoteGrowth, AgreesWithAllPairs) {
     parameters.seed_score = 6 + 3 * static_cast<int>(seed % 7);
     parameters.min_seeds = 1 + static_cast<int>(seed % 4);
     parameters.grow = seed % 9 != 0;
-    const test::VoteGrowthOracle oracle(image.scan, image.points, parameters);
-    const auto seeds = filter_votes(image.scan, image.points, image.votes, parameters);
+    const test::EvidenceGrowthOracle oracle(image.scan, image.points, parameters);
+    const auto seeds = filter_evidence(image.scan, image.points, image.votes, parameters);
     ASSERT_EQ(seeds, oracle.filter(image.votes));
-    const RegionGrowthResult expected = oracle.grow(image.votes, seeds);
-    const RegionGrowthResult result = grow_votes(image.scan, image.points, image.votes, seeds, parameters);
+    const EvidenceGrowthResult expected = oracle.grow(image.votes, seeds);
+    const EvidenceGrowthResult result =
+        grow_evidence(image.scan, image.points, image.votes, seeds, parameters);
     ASSERT_EQ(result.verdict, expected.verdict);
     ASSERT_EQ(result.object, expected.object);
     ASSERT_EQ(result.objects, expected.objects);
     ASSERT_EQ(result.evidence.size(), expected.evidence.size());
     for (std::size_t n = 0; n < expected.evidence.size(); ++n) {
-      ASSERT_NEAR(result.evidence[n].advance_m, expected.evidence[n].advance_m, 1e-4);
+      ASSERT_NEAR(result.evidence[n].displacement_m, expected.evidence[n].displacement_m, 1e-4);
       ASSERT_EQ(result.evidence[n].votes, expected.evidence[n].votes);
       ASSERT_EQ(result.evidence[n].body, expected.evidence[n].body);
       bodies.insert(result.evidence[n].body);

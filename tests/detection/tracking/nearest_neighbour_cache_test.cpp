@@ -1,4 +1,4 @@
-#include "detection/tracking/followed_neighbours.hpp"
+#include "detection/tracking/nearest_neighbour_cache.hpp"
 
 #include <cmath>
 #include <random>
@@ -40,8 +40,8 @@ class Walk {
   std::mt19937 random_;
 };
 
-TEST(FollowedNeighbours, AreThoseThatTryingAllFindsHoweverFarThingsMove) {
-  FollowedNeighbours neighbours;
+TEST(NearestNeighbourCache, AreThoseThatTryingAllFindsHoweverFarThingsMove) {
+  NearestNeighbourCache neighbours;
   for (unsigned seed = 1; seed <= 20; ++seed) {
     SCOPED_TRACE(seed);
     Walk walk(seed);
@@ -62,8 +62,8 @@ TEST(FollowedNeighbours, AreThoseThatTryingAllFindsHoweverFarThingsMove) {
 }
 
 // The place stands; of two points the one behind comes past the one that was nearest.
-TEST(FollowedNeighbours, ChangeWhenPointsAloneMove) {
-  FollowedNeighbours neighbours;
+TEST(NearestNeighbourCache, ChangeWhenPointsAloneMove) {
+  NearestNeighbourCache neighbours;
   neighbours.restart(1);
   for (double x = 2; x > 0.5; x -= 0.05) {
     neighbours.move_points(std::vector<Vector3d>{{1, 0, 0}, {x, 0, 0}});
@@ -73,8 +73,8 @@ TEST(FollowedNeighbours, ChangeWhenPointsAloneMove) {
   }
 }
 
-TEST(FollowedNeighbours, NothingIsNearToNoPoints) {
-  FollowedNeighbours neighbours;
+TEST(NearestNeighbourCache, NothingIsNearToNoPoints) {
+  NearestNeighbourCache neighbours;
   neighbours.restart(1);
   neighbours.move_points({});
   neighbours.move_place(0, {1, 2, 3});

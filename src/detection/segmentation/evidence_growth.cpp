@@ -1,4 +1,4 @@
-#include "detection/segmentation/vote_growth.hpp"
+#include "detection/segmentation/evidence_growth.hpp"
 
 #include <algorithm>
 #include <span>
@@ -24,12 +24,12 @@ constexpr int kFirmlyStatic = -3 * kSeenThroughVotes;
 
 constexpr std::size_t kManyCandidates = 8192;  // room for so many is made at once
 
-class VoteGrowth {
+class EvidenceGrowth {
   using Of = LinkedNeighbours::Of;
 
  public:
-  VoteGrowth(const LidarScan& scan, const LinkedNeighbours& neighbours, const LocalPoints& points,
-             const std::vector<PointVotes>& votes, const VotingParameters& parameters)
+  EvidenceGrowth(const LidarScan& scan, const LinkedNeighbours& neighbours, const LocalPoints& points,
+                 const std::vector<PointVotes>& votes, const VotingParameters& parameters)
       : scan_(scan),
         neighbours_(neighbours),
         points_(points),
@@ -40,7 +40,7 @@ class VoteGrowth {
     result_.object.assign(votes.size(), 0);
   }
 
-  RegionGrowthResult grow(const std::vector<BoxVerdict>& seeds) {
+  EvidenceGrowthResult grow(const std::vector<BoxVerdict>& seeds) {
     collect_candidates(seeds);
     keep_large_clusters(seeds);
     if (parameters_.grow) spread();
@@ -158,7 +158,7 @@ class VoteGrowth {
   // The sides of one object after another; whether there are any. The marks are on what moves.
   bool slide() {
     const std::size_t before = dynamic_.size();
-    SlidingSides sides(scan_, points_, neighbours_, votes_, marks_);
+    TangentialSurfaces sides(scan_, points_, neighbours_, votes_, marks_);
     for (std::size_t n = 0; n < ends_.size(); ++n) {
       for (const std::int32_t i : sides.of(object(n))) {
         verdict(i) = GrowthVerdict::grown;
@@ -207,7 +207,7 @@ class VoteGrowth {
   void weigh_objects() {
     result_.objects = static_cast<int>(ends_.size());
     result_.evidence.reserve(ends_.size());
-    EvidenceOfObjects evidence(scan_, points_, votes_, parameters_.min_evidence);
+    ObjectEvidenceCollector evidence(scan_, points_, votes_, parameters_.min_evidence);
     for (std::size_t n = 0; n < ends_.size(); ++n) {
       result_.evidence.push_back(evidence.of(object(n)));
     }
@@ -218,7 +218,7 @@ class VoteGrowth {
   const LocalPoints& points_;
   const std::vector<PointVotes>& votes_;
   const VotingParameters& parameters_;
-  RegionGrowthResult result_;
+  EvidenceGrowthResult result_;
   MarkedReturns marks_;
   std::vector<std::int32_t> candidates_, dynamic_;  // increasing
   std::vector<std::int32_t> front_;
@@ -228,9 +228,9 @@ class VoteGrowth {
 
 }  // namespace
 
-std::vector<BoxVerdict> filter_votes(const LidarScan& scan, const LocalPoints& points,
-                                     const std::vector<PointVotes>& votes,
-                                     const VotingParameters& parameters) {
+std::vector<BoxVerdict> filter_evidence(const LidarScan& scan, const LocalPoints& points,
+                                        const std::vector<PointVotes>& votes,
+                                        const VotingParameters& parameters) {
   const LinkedNeighbours neighbours(scan, points, parameters);
   std::vector<BoxVerdict> verdicts(votes.size(), BoxVerdict::not_asked);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, votes.size(), 4096), [&](const auto& chunk) {
@@ -245,11 +245,11 @@ std::vector<BoxVerdict> filter_votes(const LidarScan& scan, const LocalPoints& p
   return verdicts;
 }
 
-RegionGrowthResult grow_votes(const LidarScan& scan, const LocalPoints& points,
-                              const std::vector<PointVotes>& votes, const std::vector<BoxVerdict>& seeds,
-                              const VotingParameters& parameters) {
+EvidenceGrowthResult grow_evidence(const LidarScan& scan, const LocalPoints& points,
+                                   const std::vector<PointVotes>& votes, const std::vector<BoxVerdict>& seeds,
+                                   const VotingParameters& parameters) {
   const LinkedNeighbours neighbours(scan, points, parameters);
-  return VoteGrowth(scan, neighbours, points, votes, parameters).grow(seeds);
+  return EvidenceGrowth(scan, neighbours, points, votes, parameters).grow(seeds);
 }
 
 }  // namespace mapless

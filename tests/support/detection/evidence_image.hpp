@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "detection/segmentation/vote_growth.hpp"
+#include "detection/segmentation/evidence_growth.hpp"
 #include "support/small_scan.hpp"
 
 namespace mapless::test {
@@ -16,9 +16,9 @@ inline LocalPoints points_of(const LidarScan& scan) {
 }
 
 /// Five lasers, 24 columns, everything 5 m off and linked to all of its window unless a test says otherwise.
-class VoteImage : public testing::Test {
+class EvidenceImage : public testing::Test {
  protected:
-  VoteImage() {
+  EvidenceImage() {
     parameters_.link_m = 100;
     parameters_.seed_score = 8;
     parameters_.min_seeds = 3;
@@ -33,13 +33,13 @@ class VoteImage : public testing::Test {
     v.surface_seen = votes < 0;
   }
   [[nodiscard]] std::vector<BoxVerdict> filter() const {
-    return filter_votes(scan_, points_, votes_, parameters_);
+    return filter_evidence(scan_, points_, votes_, parameters_);
   }
-  [[nodiscard]] RegionGrowthResult grow() const {
+  [[nodiscard]] EvidenceGrowthResult grow() const {
     std::vector<BoxVerdict> seeds;
     for (const PointVotes& v : votes_)
       seeds.push_back(v.total() > 0 ? BoxVerdict::kept : BoxVerdict::not_asked);
-    return grow_votes(scan_, points_, votes_, seeds, parameters_);
+    return grow_evidence(scan_, points_, votes_, seeds, parameters_);
   }
   /// Growth alone reaches it: seen through once, and a surface seen as often.
   void see_through(int laser, int column) { votes_[at(laser, column)] = {1, -1, true, true, true}; }

@@ -1,4 +1,4 @@
-#include "oracle/vote_growth_oracle.hpp"
+#include "oracle/evidence_growth_oracle.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,14 +10,14 @@
 
 namespace mapless::test {
 
-int VoteGrowthOracle::image_column(const LidarReturn& r) const {
+int EvidenceGrowthOracle::image_column(const LidarReturn& r) const {
   const LidarModel& model = *scan_.model;
   const double columns_per_rad = model.sign() * model.columns / (2 * std::numbers::pi);
   const double offset = model.lasers[static_cast<std::size_t>(r.laser)].azimuth_offset_rad;
   return r.column + static_cast<int>(std::lround(offset * columns_per_rad));
 }
 
-double VoteGrowthOracle::link_m(const LidarReturn& r) const {
+double EvidenceGrowthOracle::link_m(const LidarReturn& r) const {
   const auto& lasers = scan_.model->lasers;
   double spacing = 2 * std::numbers::pi / scan_.model->columns;
   for (std::size_t l = 1; l < lasers.size(); ++l) {
@@ -28,7 +28,7 @@ double VoteGrowthOracle::link_m(const LidarReturn& r) const {
   return parameters_.link_m + per_m * static_cast<double>(r.range_m);
 }
 
-bool VoteGrowthOracle::linked(std::size_t i, std::size_t j, int rows, int columns) const {
+bool EvidenceGrowthOracle::linked(std::size_t i, std::size_t j, int rows, int columns) const {
   const LidarReturn &a = scan_.returns[i], &b = scan_.returns[j];
   if (std::abs(a.laser - b.laser) > rows) return false;
   const int apart = std::abs(image_column(a) - image_column(b)) % scan_.columns;
@@ -37,7 +37,7 @@ bool VoteGrowthOracle::linked(std::size_t i, std::size_t j, int rows, int column
   return distance <= std::min(link_m(a), link_m(b));
 }
 
-std::vector<BoxVerdict> VoteGrowthOracle::filter(const std::vector<PointVotes>& votes) const {
+std::vector<BoxVerdict> EvidenceGrowthOracle::filter(const std::vector<PointVotes>& votes) const {
   std::vector<BoxVerdict> verdicts;
   for (std::size_t i = 0; i < votes.size(); ++i) {
     int score = votes[i].total();
@@ -52,7 +52,7 @@ std::vector<BoxVerdict> VoteGrowthOracle::filter(const std::vector<PointVotes>& 
   return verdicts;
 }
 
-std::vector<std::size_t> VoteGrowthOracle::sets(const std::vector<char>& chosen) const {
+std::vector<std::size_t> EvidenceGrowthOracle::sets(const std::vector<char>& chosen) const {
   std::vector<std::size_t> lowest(chosen.size());
   std::iota(lowest.begin(), lowest.end(), std::size_t{0});
   for (bool changed = true; changed;) {
@@ -67,8 +67,8 @@ std::vector<std::size_t> VoteGrowthOracle::sets(const std::vector<char>& chosen)
   return lowest;
 }
 
-void VoteGrowthOracle::fill(const std::vector<PointVotes>& votes, int least, std::vector<char>& dynamic,
-                            RegionGrowthResult& result) const {
+void EvidenceGrowthOracle::fill(const std::vector<PointVotes>& votes, int least, std::vector<char>& dynamic,
+                                EvidenceGrowthResult& result) const {
   const std::vector<char> before = dynamic;
   for (std::size_t i = 0; i < votes.size(); ++i) {
     int neighbours = 0;
@@ -80,8 +80,8 @@ void VoteGrowthOracle::fill(const std::vector<PointVotes>& votes, int least, std
   }
 }
 
-void VoteGrowthOracle::slide(const std::vector<PointVotes>& votes, std::vector<char>& dynamic,
-                             RegionGrowthResult& result) const {
+void EvidenceGrowthOracle::slide(const std::vector<PointVotes>& votes, std::vector<char>& dynamic,
+                                 EvidenceGrowthResult& result) const {
   const std::vector<char> found = dynamic;
   const std::vector<std::size_t> things = sets(found);
   for (std::size_t first = 0; first < votes.size(); ++first) {
@@ -101,9 +101,9 @@ void VoteGrowthOracle::slide(const std::vector<PointVotes>& votes, std::vector<c
   }
 }
 
-std::vector<char> VoteGrowthOracle::sides_of(const std::vector<std::size_t>& thing,
-                                             const std::vector<PointVotes>& votes,
-                                             const std::vector<char>& dynamic) const {
+std::vector<char> EvidenceGrowthOracle::sides_of(const std::vector<std::size_t>& thing,
+                                                 const std::vector<PointVotes>& votes,
+                                                 const std::vector<char>& dynamic) const {
   std::vector<char> whole(votes.size(), 0), sides(votes.size(), 0);
   for (const std::size_t i : thing) whole[i] = 1;
   for (bool changed = true; changed;) {
@@ -121,8 +121,8 @@ std::vector<char> VoteGrowthOracle::sides_of(const std::vector<std::size_t>& thi
   return sides;
 }
 
-VoteGrowthOracle::Ends VoteGrowthOracle::ends_of(const std::vector<char>& sides,
-                                                 const std::vector<PointVotes>& votes) const {
+EvidenceGrowthOracle::Ends EvidenceGrowthOracle::ends_of(const std::vector<char>& sides,
+                                                         const std::vector<PointVotes>& votes) const {
   Ends ends;
   for (std::size_t i = 0; i < votes.size(); ++i) {
     for (std::size_t j = 0; j < votes.size(); ++j) {
@@ -137,10 +137,10 @@ VoteGrowthOracle::Ends VoteGrowthOracle::ends_of(const std::vector<char>& sides,
   return ends;
 }
 
-RegionGrowthResult VoteGrowthOracle::grow(const std::vector<PointVotes>& votes,
-                                          const std::vector<BoxVerdict>& seeds) const {
+EvidenceGrowthResult EvidenceGrowthOracle::grow(const std::vector<PointVotes>& votes,
+                                                const std::vector<BoxVerdict>& seeds) const {
   const std::size_t size = votes.size();
-  RegionGrowthResult result;
+  EvidenceGrowthResult result;
   result.verdict.assign(size, GrowthVerdict::not_reached);
   result.object.assign(size, 0);
   std::vector<char> seed(size), usable(size), dynamic(size);
@@ -174,8 +174,8 @@ RegionGrowthResult VoteGrowthOracle::grow(const std::vector<PointVotes>& votes,
   return result;
 }
 
-double VoteGrowthOracle::advance_m(const std::vector<PointVotes>& votes,
-                                   const std::vector<std::size_t>& object) const {
+double EvidenceGrowthOracle::displacement_m(const std::vector<PointVotes>& votes,
+                                            const std::vector<std::size_t>& object) const {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   double recent = 0, radius = 0;
   for (const std::size_t i : object) {
@@ -190,8 +190,8 @@ double VoteGrowthOracle::advance_m(const std::vector<PointVotes>& votes,
 }
 
 // Half of every vote at a place where a surface was seen, each row scaled down to the most it may count.
-int VoteGrowthOracle::weighed_votes(const std::vector<PointVotes>& votes,
-                                    const std::vector<std::size_t>& object) const {
+int EvidenceGrowthOracle::weighed_votes(const std::vector<PointVotes>& votes,
+                                        const std::vector<std::size_t>& object) const {
   std::map<int, std::pair<double, double>> rows;  // votes of each, as they are and weighed
   for (const std::size_t i : object) {
     auto& [all, weighed] = rows[scan_.returns[i].laser];
@@ -206,8 +206,8 @@ int VoteGrowthOracle::weighed_votes(const std::vector<PointVotes>& votes,
   return static_cast<int>(std::lround(sum));
 }
 
-Body VoteGrowthOracle::body(const std::vector<PointVotes>& votes,
-                            const std::vector<std::size_t>& object) const {
+Body EvidenceGrowthOracle::body(const std::vector<PointVotes>& votes,
+                                const std::vector<std::size_t>& object) const {
   std::set<int> rows;
   std::size_t whole = 0, both = 0;
   for (const std::size_t i : object) {
@@ -218,12 +218,12 @@ Body VoteGrowthOracle::body(const std::vector<PointVotes>& votes,
       ++both;
     }
   }
-  if (rows.size() >= 3 && whole >= 4 && 5 * whole >= object.size()) return Body::solid;
-  return 10 * both > 7 * object.size() ? Body::flickering : Body::unclear;
+  if (rows.size() >= 3 && whole >= 4 && 5 * whole >= object.size()) return Body::rigid;
+  return 10 * both > 7 * object.size() ? Body::porous : Body::unclear;
 }
 
-void VoteGrowthOracle::number(const std::vector<PointVotes>& votes, const std::vector<char>& dynamic,
-                              RegionGrowthResult& result) const {
+void EvidenceGrowthOracle::number(const std::vector<PointVotes>& votes, const std::vector<char>& dynamic,
+                                  EvidenceGrowthResult& result) const {
   const std::vector<std::size_t> objects = sets(dynamic);
   std::map<std::size_t, std::vector<std::size_t>> members;  // by an object's lowest point
   for (std::size_t i = 0; i < votes.size(); ++i) {
@@ -238,7 +238,7 @@ void VoteGrowthOracle::number(const std::vector<PointVotes>& votes, const std::v
       number = static_cast<std::uint16_t>(++result.objects);
       const auto& all = members[object];
       result.evidence.push_back(
-          {static_cast<float>(advance_m(votes, all)), weighed_votes(votes, all), body(votes, all)});
+          {static_cast<float>(displacement_m(votes, all)), weighed_votes(votes, all), body(votes, all)});
     }
     result.object[i] = number;
   }

@@ -1,4 +1,4 @@
-#include "detection/tracking/followed_neighbours.hpp"
+#include "detection/tracking/nearest_neighbour_cache.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,13 +12,13 @@ constexpr double kRounding_m = 1e-9;  // far more than that of distances on an o
 
 }  // namespace
 
-void FollowedNeighbours::restart(std::size_t places) {
+void NearestNeighbourCache::restart(std::size_t places) {
   points_.clear();
   moved_m_ = 0;
   places_.assign(places, {});
 }
 
-void FollowedNeighbours::move_points(std::span<const Vector3d> points) {
+void NearestNeighbourCache::move_points(std::span<const Vector3d> points) {
   double square = 0;
   for (std::size_t i = 0; i < points_.size(); ++i)
     square = std::max(square, (points[i] - points_[i]).squaredNorm());
@@ -27,7 +27,7 @@ void FollowedNeighbours::move_points(std::span<const Vector3d> points) {
   is_sorted_ = false;
 }
 
-void FollowedNeighbours::move_place(std::size_t i, const Vector3d& p) {
+void NearestNeighbourCache::move_place(std::size_t i, const Vector3d& p) {
   if (points_.empty()) return;
   Place& place = places_[i];
   const double square = (points_[place.neighbour.index] - p).squaredNorm();
@@ -38,13 +38,13 @@ void FollowedNeighbours::move_place(std::size_t i, const Vector3d& p) {
   }
 }
 
-bool FollowedNeighbours::nearest_still(const Place& place, const Vector3d& p, double square) const {
+bool NearestNeighbourCache::nearest_still(const Place& place, const Vector3d& p, double square) const {
   if (place.others_m < 0) return false;
   const double moved = (p - place.sought_at).norm() + moved_m_ - place.moved_m;
   return std::sqrt(square) + moved + kRounding_m < place.others_m;
 }
 
-void FollowedNeighbours::seek(const Vector3d& p, Place& place) {
+void NearestNeighbourCache::seek(const Vector3d& p, Place& place) {
   if (!is_sorted_) sorted_.assign(points_);
   is_sorted_ = true;
   const SortedPoints::Nearest found = sorted_.nearest(p);

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include <mapless/detection/stages.hpp>
+#include <mapless/detection/tracked_object.hpp>
+#include <mapless/lidar/lidar_scan.hpp>
+
+namespace mapless::inline v1 {
+
+/// Wall time of each step for one scan [s].
+struct StageSeconds {
+  double compensation = 0;
+  double neighbours = 0;  ///< building the search structure
+  double normals = 0;
+  double comparison = 0;
+  double backward = 0;
+  double forward = 0;
+  double box_filter = 0;
+  double region_growth = 0;
+  double tracking = 0;
+
+  [[nodiscard]] double total() const {
+    return compensation + neighbours + normals + comparison + backward + forward + box_filter +
+           region_growth + tracking;
+  }
+  [[nodiscard]] StageSeconds operator+(const StageSeconds& o) const {
+    return {compensation + o.compensation, neighbours + o.neighbours,       normals + o.normals,
+            comparison + o.comparison,     backward + o.backward,           forward + o.forward,
+            box_filter + o.box_filter,     region_growth + o.region_growth, tracking + o.tracking};
+  }
+};
+
+/// The answer for one scan. Vectors have one element per return of `scan`, in its order.
+struct Detection {
+  std::shared_ptr<const LidarScan> scan;
+  std::size_t sequence_number = 0;    ///< 0 for the first scan the detector was given
+  std::vector<StageTrace> trace;      ///< each stage's verdict
+  std::vector<std::uint16_t> object;  ///< 0 for static, else 1, 2, ...: one number per object of this scan
+  int objects = 0;
+  std::vector<TrackedObject> tracked;  ///< those objects over time, by number
+  StageSeconds seconds;
+
+  [[nodiscard]] bool dynamic(std::size_t i) const { return object[i] != 0; }
+};
+
+}  // namespace mapless
