@@ -27,7 +27,7 @@ struct Points {
     }
     return *this;
   }
-  [[nodiscard]] JudgedScan scan(std::size_t number = 0) const { return {number, truth, result, ranges_m}; }
+  [[nodiscard]] LabelledScan scan(std::size_t number = 0) const { return {number, truth, result, ranges_m}; }
 };
 
 EvaluationReport report_of(const Points& points, const ObjectTruth& objects = {},
@@ -53,8 +53,8 @@ ObjectTruth street() {
   return truth;
 }
 
-const OfClass& of_class(const EvaluationReport& report, std::string_view name) {
-  for (const OfClass& c : report.by_class) {
+const ClassReport& of_class(const EvaluationReport& report, std::string_view name) {
+  for (const ClassReport& c : report.by_class) {
     if (c.object_class == name) return c;
   }
   throw std::out_of_range(std::string(name));
@@ -99,12 +99,12 @@ TEST(Evaluator, RecallWithinALimitCountsAllThatIsNearer) {
   evaluator.add(far.scan(1));
   const EvaluationReport report = evaluator.report();
   ASSERT_EQ(report.within_range.size(), 24u);
-  const WithinRange& five = report.within_range[0];
+  const RangeLimitReport& five = report.within_range[0];
   EXPECT_EQ(five.limit_m, 5);
   EXPECT_EQ(five.points.total(), (Counts{.tp = 1, .fn = 1}));
   EXPECT_EQ(five.points.scans(), 2);
   EXPECT_EQ(five.points.recall_scans(), 1);
-  const WithinRange& ten = report.within_range[1];
+  const RangeLimitReport& ten = report.within_range[1];
   EXPECT_EQ(ten.points.total(), (Counts{.tp = 4, .fp = 2, .fn = 1}));
   EXPECT_DOUBLE_EQ(ten.points.average_recall().value(), (0.5 + 1) / 2);
   EXPECT_EQ(report.within_range[23].limit_m, 120);
@@ -170,7 +170,7 @@ TEST(Evaluator, RecallBySpeedIsOfDynamicPointsWhoseObjectHasAState) {
   EXPECT_EQ(report.by_speed[1].up_to, 0.5);
   EXPECT_EQ(report.by_speed[6].counts, (Found{0, 5}));
   std::int64_t all = 0;
-  for (const InBand<Found>& band : report.by_speed) all += band.counts.of;
+  for (const Band<Found>& band : report.by_speed) all += band.counts.of;
   EXPECT_EQ(all, 9);
 }
 

@@ -26,7 +26,7 @@ struct Points {
     }
     return *this;
   }
-  [[nodiscard]] JudgedScan scan(std::size_t number) const { return {number, truth, result, ranges_m}; }
+  [[nodiscard]] LabelledScan scan(std::size_t number) const { return {number, truth, result, ranges_m}; }
 };
 
 ObjectState moving(const Vector3d& velocity) {
@@ -59,10 +59,10 @@ TEST(VelocityEvaluator, ErrorsAreLengthsOfDifferences) {
   const auto scans = std::vector(3, Points().add(4, 1, 7));
   const VelocityReport r =
       report_of(scans, {row(0, 7, {5.1, 0, 0}), row(1, 7, {5, 0.2, 0}), row(2, 7, {5, 0.3, 0.4})});
-  EXPECT_EQ(r.judged, 3);
+  EXPECT_EQ(r.evaluated, 3);
   EXPECT_NEAR(r.rms_mps.value(), std::sqrt((0.01 + 0.04 + 0.25) / 3), 1e-12);
   EXPECT_NEAR(r.median_mps.value(), 0.2, 1e-12);
-  EXPECT_NEAR(r.close_share.value(), 2.0 / 3, 1e-12);
+  EXPECT_NEAR(r.small_error_share.value(), 2.0 / 3, 1e-12);
   // Over (0.1, 0.2, 0.4): 1; 1; 1.5 and 1.
   EXPECT_NEAR(r.normalised_rms.value(), std::sqrt((1 + 1 + 3.25) / 9), 1e-12);
   EXPECT_EQ(r.movers, 1);
@@ -71,11 +71,11 @@ TEST(VelocityEvaluator, ErrorsAreLengthsOfDifferences) {
 
 TEST(VelocityEvaluator, ThoseThatAreSureAreJudgedApart) {
   ObjectRow unsure = row(1, 7, {9, 0, 0});
-  unsure.velocity_std_0.y() = kSureVelocity;
+  unsure.velocity_std_0.y() = kConfidentVelocityStd_mps;
   const VelocityReport r = report_of(std::vector(2, Points().add(4, 1, 7)), {row(0, 7, {5, 0, 0.3}), unsure});
-  EXPECT_EQ(r.judged, 2);
-  EXPECT_EQ(r.sure, 1);
-  EXPECT_NEAR(r.sure_rms_mps.value(), 0.3, 1e-12);
+  EXPECT_EQ(r.evaluated, 2);
+  EXPECT_EQ(r.confident, 1);
+  EXPECT_NEAR(r.confident_rms_mps.value(), 0.3, 1e-12);
 }
 
 TEST(VelocityEvaluator, TheObjectThatCoversMostStandsForTheMover) {
@@ -88,16 +88,16 @@ TEST(VelocityEvaluator, TheObjectThatCoversMostStandsForTheMover) {
 TEST(VelocityEvaluator, JudgesWhatIsFoundFastKnownAndItsOwnAlone) {
   const std::vector<ObjectRow> rows = {row(0, 3, {5, 0, 0}), row(1, 3, {5, 0, 0}, 1)};
   EXPECT_EQ(report_of({Points().add(1, 1, 3).add(2, 1, 0)}, rows).movers, 0) << "a third is found";
-  EXPECT_EQ(report_of({Points().add(1, 1, 3).add(1, 1, 0)}, rows).judged, 1) << "half is found";
+  EXPECT_EQ(report_of({Points().add(1, 1, 3).add(1, 1, 0)}, rows).evaluated, 1) << "half is found";
   const VelocityReport slow = report_of({Points().add(3, 2, 3)}, rows);
-  EXPECT_EQ(slow.judged, 0);
+  EXPECT_EQ(slow.evaluated, 0);
   EXPECT_EQ(slow.movers, 1);
   EXPECT_FALSE(slow.rms_mps);
   const VelocityReport mixed = report_of({Points().add(3, 1, 3).add(3, 0, 3)}, rows);
-  EXPECT_EQ(mixed.judged, 0);
+  EXPECT_EQ(mixed.evaluated, 0);
   EXPECT_EQ(mixed.mixed, 1);
   const VelocityReport fresh = report_of({Points(), Points().add(3, 1, 3)}, rows);
-  EXPECT_EQ(fresh.judged, 0);
+  EXPECT_EQ(fresh.evaluated, 0);
   EXPECT_EQ(fresh.first_seen, 1);
 }
 
