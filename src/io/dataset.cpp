@@ -6,6 +6,12 @@
 
 namespace mapless::inline v1 {
 
+std::size_t Dataset::checked(std::size_t k) const {
+  if (k < size()) return k;
+  throw ParameterError({format(), "scan", std::to_string(k),
+                        fmt::format("the recording has {} scans", size()), "count scans from 0"});
+}
+
 void require_time_order(const Dataset& dataset, std::size_t first, std::size_t count) {
   for (std::size_t k = first + 1; k < first + count; ++k) {
     const Time before = dataset.scan_start(k - 1);

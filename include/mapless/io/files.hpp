@@ -10,42 +10,49 @@
 
 namespace mapless::inline v1 {
 
-/// Writes `bytes` to a file beside `file` and renames it over, so that a reader sees the old file or the
-/// whole new one. A symbolic link is kept and its target replaced; what is no plain file (a folder, a device)
-/// is refused. Throws OutputError (with the system's reason) and leaves nothing behind where that fails.
+/// Folder files of room io: whole files in and out, for what is not a recording (formats) and not a table
+/// (tables). Paths go in, bytes, parameters and sensor models come out, or a typed error that names file,
+/// line, key and value.
+
+/// Writes `bytes` to a temporary file in the same folder and renames it to `file`: a reader sees the old file
+/// or the complete new one. A symbolic link is kept and its target replaced. Throws OutputError with the
+/// reason of the system, and leaves nothing behind, if that fails or if `file` is not a regular file (a
+/// folder, a device).
 void write_file_atomically(const std::filesystem::path& file, std::string_view bytes);
 
-/// Appends to a file that is there. Throws OutputError (with the system's reason) and leaves the file as it
-/// was where that fails.
+/// Appends `bytes` to an existing file. Throws OutputError with the reason of the system, and leaves the file
+/// as it was, if that fails.
 void append_to_file(const std::filesystem::path& file, std::string_view bytes);
 
-/// The whole file, at most 1 GiB; of a pipe or device at most 64 MiB. Throws InputError with the reason.
+/// Content of a file of at most 1 GiB, or of a pipe or device of at most 64 MiB. Throws InputError with the
+/// reason.
 [[nodiscard]] std::string read_whole_file(const std::filesystem::path& file);
 
-/// Sets parameters from a YAML file whose maps are the groups of the keys ("freespace.backward_threshold_m"
-/// is backward_threshold_m in the map freespace). Keys the file does not have keep their value. Throws
+/// Sets parameters from a YAML file. A group of parameters is a map: "freespace.backward_threshold_m" is the
+/// key backward_threshold_m in the map freespace. A parameter whose key is missing keeps its value. Throws
 /// InputError for a file that cannot be read or is not YAML, ParameterError naming file, line and key for an
-/// unknown or repeated key, a value of the wrong type or out of bounds.
+/// unknown or repeated key and a value of the wrong type or out of bounds.
 void read_parameters_file(const std::filesystem::path& file,
                           const std::vector<ParameterReference>& parameters);
 
-/// The parameters as such a file, with meaning, unit, bounds, default and source of each as comments; reads
-/// back to the same values. `defaults` has the same keys in the same order.
+/// The content of such a file, with meaning, unit, bounds, default and source of each parameter as comments.
+/// Reading it gives the same values. `defaults` has the same keys in the same order.
 [[nodiscard]] std::string parameters_yaml(const std::vector<ParameterReference>& parameters,
                                           const std::vector<ParameterReference>& defaults);
 
-/// Reads the native sensor.yaml (method.md section 4). Unknown keys are errors. Throws InputError naming
-/// file, key and value.
+/// Reads the sensor.yaml of a native recording (method.md section 4). Throws InputError naming file, key and
+/// value for a file that cannot be read, an unknown key, and an invalid model (validate).
 [[nodiscard]] LidarModel read_sensor_yaml(const std::filesystem::path& file);
-/// Writes one that reads back to the same model (to the last digit of a double).
+/// Writes such a file; reading it gives the same model to the last digit of a double. Throws OutputError.
 void write_sensor_yaml(const std::filesystem::path& file, const LidarModel& model);
 
-/// Reads a Velodyne calibration file (velodyne_driver, velodyne_decoder or nebula YAML): one entry per laser
-/// with vert_correction, rot_correction, vert_offset_correction, horiz_offset_correction. Timing, columns and
-/// ranges are those of the named model with as many lasers. Throws InputError.
+/// Reads a Velodyne calibration file (YAML of velodyne_driver, velodyne_decoder or nebula): one entry per
+/// laser with vert_correction, rot_correction, vert_offset_correction, horiz_offset_correction. Timing,
+/// columns and ranges are those of the named model with the same number of lasers. Throws InputError.
 [[nodiscard]] LidarModel read_velodyne_calibration(const std::filesystem::path& file);
 
-/// A named model, or a file of either kind above.
+/// The named model (named_model), or the model in a file of either format above. Throws InputError or
+/// ParameterError.
 [[nodiscard]] LidarModel model_from_name_or_file(const std::string& name_or_file);
 
 }  // namespace mapless

@@ -73,13 +73,13 @@ void validate(const LidarModel& model, const std::string& source);
 struct ModelEstimate {
   int scans_used = 0;
   double elevation_residual_m =
-      0;  ///< RMS height of the points over their laser's fitted cone (central 95 %)
-  double azimuth_residual_columns = 0;  ///< RMS distance of the points from their column's centre, in columns
-  int lasers_borrowed = 0;  ///< lasers whose vertical origin (or all) is interpolated from their neighbours
-  int encoder_steps = 0;    ///< positions of the hub's encoder found in the azimuths; 0: none
-  int azimuths_known = 0;   ///< lasers whose azimuth offset was found, else taken as 0
-  /// The offsets are true ones, found from the sensor's irregular firing positions. Otherwise only the part
-  /// of each that is less than a column is known: a uniform grid of columns looks the same turned by one.
+      0;  ///< RMS distance of the points from the fitted cone of their laser (central 95 %)
+  double azimuth_residual_columns = 0;  ///< RMS distance of the points from the centre of their column
+  int lasers_borrowed = 0;  ///< lasers whose vertical origin, or whole line, is interpolated from neighbours
+  int encoder_steps = 0;    ///< positions of the angle encoder per turn found in the azimuths; 0: none
+  int azimuths_known = 0;   ///< lasers with an estimated azimuth offset; the others have 0
+  /// True if the azimuth offsets are complete, from the irregular firing positions of the sensor. Otherwise
+  /// each is known modulo a column only: a uniform grid of columns looks the same when rotated by one column.
   bool azimuths_absolute = false;
 };
 

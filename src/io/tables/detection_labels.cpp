@@ -1,5 +1,7 @@
 #include <algorithm>
 
+#include <mapless/detection/detection.hpp>
+#include <mapless/detection/tracked_object.hpp>
 #include <mapless/io/labels.hpp>
 #include <mapless/io/result_folder.hpp>
 

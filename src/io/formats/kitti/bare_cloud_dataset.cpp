@@ -70,16 +70,16 @@ class BareCloudDataset final : public Dataset {
   [[nodiscard]] std::size_t size() const override { return recording_.scans.size(); }
   [[nodiscard]] std::shared_ptr<const LidarModel> model() const override { return model_; }
   [[nodiscard]] std::optional<ModelEstimate> model_estimate() const override { return estimate_; }
-  [[nodiscard]] Time scan_start(std::size_t k) const override { return recording_.scans.at(k).start; }
-  [[nodiscard]] Time scan_end(std::size_t k) const override { return recording_.scans.at(k).end; }
-  [[nodiscard]] fs::path scan_file(std::size_t k) const override { return recording_.scans.at(k).file; }
+  [[nodiscard]] Time scan_start(std::size_t k) const override { return recording_.scans[checked(k)].start; }
+  [[nodiscard]] Time scan_end(std::size_t k) const override { return recording_.scans[checked(k)].end; }
+  [[nodiscard]] fs::path scan_file(std::size_t k) const override { return recording_.scans[checked(k)].file; }
   [[nodiscard]] std::shared_ptr<const Trajectory> trajectory() const override {
     return recording_.trajectory;
   }
   [[nodiscard]] std::vector<std::string> notes() const override { return notes_; }
 
   [[nodiscard]] LidarScan read(std::size_t k) const override {
-    const BareCloudScan& from = recording_.scans.at(k);
+    const BareCloudScan& from = recording_.scans[checked(k)];
     const Cloud cloud = read_kitti_cloud(from.file);
     LidarScan scan;
     scan.model = model_;
@@ -98,7 +98,7 @@ class BareCloudDataset final : public Dataset {
   }
 
   [[nodiscard]] std::optional<std::vector<std::uint32_t>> read_labels(std::size_t k) const override {
-    const BareCloudScan& from = recording_.scans.at(k);
+    const BareCloudScan& from = recording_.scans[checked(k)];
     if (!from.labels) return std::nullopt;
     return read_label_file(*from.labels, read_kitti_cloud(from.file).size());
   }

@@ -167,13 +167,13 @@ class PcdFolderDataset final : public Dataset {
   [[nodiscard]] std::optional<ModelEstimate> model_estimate() const override {
     return estimated_ ? std::optional(estimated_->estimate) : std::nullopt;
   }
-  [[nodiscard]] Time scan_start(std::size_t k) const override { return starts_.at(k); }
-  [[nodiscard]] Time scan_end(std::size_t k) const override { return starts_.at(k) + turn_; }
-  [[nodiscard]] fs::path scan_file(std::size_t k) const override { return files_.at(k); }
+  [[nodiscard]] Time scan_start(std::size_t k) const override { return starts_[checked(k)]; }
+  [[nodiscard]] Time scan_end(std::size_t k) const override { return starts_[checked(k)] + turn_; }
+  [[nodiscard]] fs::path scan_file(std::size_t k) const override { return files_[checked(k)]; }
   [[nodiscard]] std::vector<std::string> notes() const override { return notes_; }
 
   [[nodiscard]] LidarScan read(std::size_t k) const override {
-    const std::string source = files_.at(k).string();
+    const std::string source = files_[checked(k)].string();
     const PcdPoints points = read_pcd_points(files_[k]);
     LidarScan scan;
     scan.model = model_;
@@ -201,7 +201,7 @@ class PcdFolderDataset final : public Dataset {
   }
 
   [[nodiscard]] std::optional<std::vector<std::uint32_t>> read_labels(std::size_t k) const override {
-    const fs::path file = labels_ / files_.at(k).filename().replace_extension(".label");
+    const fs::path file = labels_ / files_[checked(k)].filename().replace_extension(".label");
     if (!fs::exists(file)) return std::nullopt;
     return read_label_file(file, read_pcd_points(files_[k]).positions.size());
   }
