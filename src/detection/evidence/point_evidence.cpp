@@ -9,7 +9,6 @@
 
 #include "detection/evidence/evidence_collector.hpp"
 #include "detection/evidence/scanline_sampler.hpp"
-#include "detection/evidence/sliding_rows.hpp"
 
 namespace mapless::inline v1 {
 namespace {
@@ -49,7 +48,7 @@ std::vector<PointVotes> collect_votes(const LidarScan& scan, const LocalPoints& 
   const Witnesses witnesses(scan, points, asked, own, parameters);
   std::vector<PointVotes> votes(points.points.size());
   tbb::enumerable_thread_specific<RowVotes> of_thread(std::cref(scan), std::cref(points),
-                                                      std::cref(witnesses), std::cref(parameters));
+                                                      std::cref(witnesses));
   for (const bool between : {false, true}) {
     const std::vector<RowVotes::Row> rows = rows_of(scan, between);
     const std::size_t parts = (rows.size() + kMostRowsAtOnce - 1) / kMostRowsAtOnce;
@@ -58,10 +57,6 @@ std::vector<PointVotes> collect_votes(const LidarScan& scan, const LocalPoints& 
       of_thread.local().vote(std::span(rows).subspan(first, end - first), between, votes);
     });
   }
-  std::vector<RowLine> lines;
-  for (const RowVotes& v : of_thread) lines.insert(lines.end(), v.lines().begin(), v.lines().end());
-  std::sort(lines.begin(), lines.end(), [](const RowLine& a, const RowLine& b) { return a.first < b.first; });
-  hear_sliding_rows(scan, points, lines, RecedingEnds(scan, points, asked, own, parameters), votes);
   return votes;
 }
 

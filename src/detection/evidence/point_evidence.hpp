@@ -34,9 +34,6 @@ struct AskedScan {
 ///   tolerances by then, by how far the hider had been off, or by clearly more than that surface is off the
 ///   point: such a point was uncovered.
 /// - Else it could not see: none.
-///
-/// What slides along itself is heard apart, by its ends (detection/sliding_rows.hpp): its points have
-/// kSlidingVotes in place of all these.
 inline constexpr int kSeenThroughVotes = 4;
 inline constexpr int kSeenPastVotes = 2;
 inline constexpr float kThroughItself_m = 0.07F;
@@ -53,7 +50,7 @@ inline constexpr int kRecentGap = 4;
 struct PointVotes {
   std::int16_t earlier = 0;       ///< of the earlier scans
   std::int16_t later = 0;         ///< of the later scan
-  bool seen_through : 1 = false;  ///< some scan saw through, also the place that a sliding surface has left
+  bool seen_through : 1 = false;  ///< some scan saw through
   bool surface_seen : 1 = false;  ///< some scan saw a surface
   bool recently : 1 = false;  ///< seen through, or vacated, by a scan that tells whether something moves now
   bool vacated : 1 = false;   ///< what hid it from some scan has left

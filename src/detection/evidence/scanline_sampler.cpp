@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstring>
 
-#include "detection/evidence/off_line.hpp"
 #include "detection/freespace/four_lanes.hpp"
 
 namespace mapless::inline v1 {
@@ -30,6 +29,14 @@ bool move(const PointVotes& a, const PointVotes& b) {
 
 bool stands_firmly(const PointVotes& v) { return is_static(v) && v.total() <= -kFirm; }
 
+// Squared distance of a point from the segment between a and b [m^2].
+float distance_to_segment2_m2(const Eigen::Vector3f& q, const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
+  const Eigen::Vector3f chord = b - a;
+  const float length2 = chord.squaredNorm();
+  const float along = length2 > 0 ? std::clamp(chord.dot(q - a) / length2, 0.0F, 1.0F) : 0;
+  return (q - a - along * chord).squaredNorm();
+}
+
 Floats four_from(const float* first) {
   Floats four;
   std::memcpy(&four, first, sizeof(Floats));
@@ -38,13 +45,8 @@ Floats four_from(const float* first) {
 
 }  // namespace
 
-RowVotes::RowVotes(const LidarScan& scan, const LocalPoints& points, const Witnesses& witnesses,
-                   const VotingParameters& parameters)
-    : scan_(scan),
-      points_(points.points),
-      witnesses_(witnesses),
-      image_(scan),
-      lines_(scan, points, parameters) {}
+RowVotes::RowVotes(const LidarScan& scan, const LocalPoints& points, const Witnesses& witnesses)
+    : scan_(scan), points_(points.points), witnesses_(witnesses), image_(scan) {}
 
 void RowVotes::vote(std::span<const Row> rows, bool between, std::vector<PointVotes>& votes) {
   thread_local Room room;
@@ -54,8 +56,6 @@ void RowVotes::vote(std::span<const Row> rows, bool between, std::vector<PointVo
   room_->questions.clear();
   room_->open.clear();
   for (const Row& row : rows) begin(row);
-  for (const Span& span : room_->open) lines_.add(span.left, span.right);
-  lines_.end();
   witnesses_.ask(room_->questions, room_->hearing, votes);
   while (!room_->open.empty()) {
     room_->questions.clear();
@@ -162,7 +162,8 @@ bool RowVotes::known_from_beside(std::size_t i) {
   const PointVotes& lower = (*votes_)[static_cast<std::size_t>(b)];
   if (!stands_firmly(lower) || !stands_firmly((*votes_)[static_cast<std::size_t>(a)])) return false;
   const auto& from = points_[static_cast<std::size_t>(b)];
-  if (off_line2(points_[i], from, points_[static_cast<std::size_t>(a)]) > kOffLine2_m2) return false;
+  if (distance_to_segment2_m2(points_[i], from, points_[static_cast<std::size_t>(a)]) > kOffLine2_m2)
+    return false;
   (*votes_)[i] = lower;
   return true;
 }

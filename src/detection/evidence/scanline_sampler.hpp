@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "detection/evidence/evidence_collector.hpp"
-#include "detection/evidence/row_lines.hpp"
 #include "lidar/aligned_image.hpp"
 
 namespace mapless::inline v1 {
@@ -18,8 +17,7 @@ namespace mapless::inline v1 {
 /// stand.
 class RowVotes {
  public:
-  RowVotes(const LidarScan& scan, const LocalPoints& points, const Witnesses& witnesses,
-           const VotingParameters& parameters);
+  RowVotes(const LidarScan& scan, const LocalPoints& points, const Witnesses& witnesses);
 
   /// A laser's returns.
   struct Row {
@@ -28,8 +26,6 @@ class RowVotes {
   /// Votes of rows, asked together. Where they are `between`, the rows below and above each were asked
   /// before.
   void vote(std::span<const Row> rows, bool between, std::vector<PointVotes>& votes);
-  /// Of the rows so far.
-  [[nodiscard]] const std::vector<RowLine>& lines() const { return lines_.lines(); }
 
  private:
   // Returns of one row: two that were asked, and those between that were not.
@@ -50,7 +46,6 @@ class RowVotes {
   const std::vector<Eigen::Vector3f>& points_;
   const Witnesses& witnesses_;
   AlignedImage image_;
-  RowLines lines_;
   bool between_ = false;
   std::vector<PointVotes>* votes_ = nullptr;
   // A thread keeps it from one scan to the next: nothing is allocated once it is large enough.
