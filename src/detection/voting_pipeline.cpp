@@ -6,8 +6,8 @@
 #include "detection/evidence/point_evidence.hpp"
 #include "detection/evidence/reference_gaps.hpp"
 #include "detection/freespace/range_noise.hpp"
-#include <mapless/core/time.hpp>
 #include "detection/segmentation/evidence_growth.hpp"
+#include <mapless/core/time.hpp>
 
 namespace mapless::inline v1 {
 namespace {

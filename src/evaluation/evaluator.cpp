@@ -118,7 +118,7 @@ Evaluator::Evaluator(ObjectTruth objects, std::optional<double> max_range_m)
 }
 
 void Evaluator::add(const LabelledScan& scan) {
-  require_equal_lengths(scan);
+  require_equal_lengths(scan.number, scan.truth.size(), scan.result.size(), scan.ranges_m.size());
   Counts total;
   std::vector<Counts> by_step(kLimits + 1);
   std::map<std::uint32_t, ObjectInScan> objects;

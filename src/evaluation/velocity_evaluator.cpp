@@ -40,7 +40,7 @@ const ObjectRow& VelocityEvaluator::row_of(std::size_t scan, std::uint32_t numbe
 }
 
 void VelocityEvaluator::add(const LabelledScan& scan, const Eigen::Matrix3d& C_rt) {
-  require_equal_lengths(scan);
+  require_equal_lengths(scan.number, scan.truth.size(), scan.result.size(), scan.ranges_m.size());
   std::map<std::uint32_t, Mover> movers;
   std::vector<std::int64_t> sizes(std::size_t{1} << 16, 0);  // of the result's objects
   for (std::size_t i = 0; i < scan.truth.size(); ++i) {

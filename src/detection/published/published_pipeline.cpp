@@ -8,8 +8,8 @@
 #include "detection/published/prepared_scan.hpp"
 #include "detection/published/region_growth.hpp"
 #include "detection/published/stage_record.hpp"
-#include <mapless/core/time.hpp>
 #include "geometry/nearest_neighbours.hpp"
+#include <mapless/core/time.hpp>
 
 namespace mapless::inline v1 {
 namespace {
