@@ -278,5 +278,13 @@ TEST(Evaluator, TakesTheRangeOfEachRecordFromItsReturn) {
   EXPECT_EQ(ranges[2], 7.5F);
 }
 
+TEST(Evaluator, RefusesARangeLimitThatIsNotPositive) {
+  for (const double limit_m : {0.0, -1.0, std::nan(""), 2e6}) {
+    SCOPED_TRACE(limit_m);
+    EXPECT_THROW(Evaluator(ObjectTruth{}, limit_m), ParameterError);
+    EXPECT_THROW(VelocityEvaluator(ObjectTruth{}, {}, "objects.csv", limit_m), ParameterError);
+  }
+}
+
 }  // namespace MAPLESS_FILE
 }  // namespace mapless

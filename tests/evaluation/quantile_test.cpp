@@ -1,5 +1,8 @@
+#include <cmath>
+
 #include <gtest/gtest.h>
 
+#include <mapless/core/errors.hpp>
 #include <mapless/evaluation/trajectory_evaluation.hpp>
 
 namespace mapless {
@@ -14,6 +17,10 @@ TEST(Quantile, InterpolatesBetweenRanks) {
 }
 
 TEST(Quantile, OfNothingIsAbsent) { EXPECT_FALSE(quantile({}, 0.5)); }
+
+TEST(Quantile, OutsideZeroToOneIsRefused) {
+  for (const double q : {-0.1, 1.1, std::nan("")}) EXPECT_THROW((void)quantile({1, 2}, q), ParameterError);
+}
 
 }  // namespace MAPLESS_FILE
 }  // namespace mapless

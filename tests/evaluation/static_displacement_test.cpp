@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include <mapless/core/errors.hpp>
+
 namespace mapless {
 namespace MAPLESS_FILE {
 
@@ -81,6 +83,12 @@ TEST(StaticDisplacement, IsBetweenTheInstantsThePointIsSeenAt) {
               2 * kApart / (1 + yaw_rate / kHubRate), 2 * half_column);
   EXPECT_NEAR(displacement(30, truth, estimate, SpinDirection::clockwise),
               2 * kApart / (1 - yaw_rate / kHubRate), 2 * half_column);
+}
+
+TEST(StaticDisplacement, RefusesAStrideOfZero) {
+  const LidarScan scan = scan_of_one_point(10, 1, SpinDirection::clockwise);
+  const ScanPoses poses = poses_of(scan, Moving(0, 0), Moving(0, 0));
+  EXPECT_THROW((void)static_displacements(scan, poses, poses, 0), ParameterError);
 }
 
 }  // namespace MAPLESS_FILE

@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include <mapless/core/errors.hpp>
 #include <mapless/evaluation/trajectory_evaluation.hpp>
 #include <mapless/io/trajectory_file.hpp>
 
@@ -156,6 +157,12 @@ TEST(TrajectoryError, AgreesWithEvoAndTheKittiDevkit) {
   EXPECT_NEAR(from_first.rotation_deg.rmse, figures.at("from_first_rotation_deg_rmse"), 1e-6);
   EXPECT_NEAR(drift(pairs)->translation_percent, figures.at("kitti_translation_percent"), 1e-5);
   EXPECT_NEAR(drift(pairs)->rotation_deg_per_100m, figures.at("kitti_rotation_deg_per_100m"), 1e-4);
+}
+
+TEST(TrajectoryError, PairsOutOfOrderAreRefused) {
+  auto pairs = one_percent_too_long(300);
+  std::swap(pairs[10], pairs[11]);
+  EXPECT_THROW((void)drift(pairs), ParameterError);
 }
 
 }  // namespace MAPLESS_FILE

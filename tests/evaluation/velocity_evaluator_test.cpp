@@ -126,5 +126,13 @@ TEST(VelocityEvaluator, RefusesLabelsOfAnotherRun) {
   EXPECT_THROW(report_of({Points().add(3, 0, 7)}, {row(1, 7, {5, 0, 0})}), InputError);
 }
 
+TEST(VelocityEvaluator, RefusesScansOfDifferentLengths) {
+  VelocityEvaluator evaluator({}, {}, "objects.csv");
+  Points points;
+  points.add(3, 1, 1);
+  points.result.pop_back();
+  EXPECT_THROW(evaluator.add(points.scan(0), Matrix3d::Identity()), InputError);
+}
+
 }  // namespace MAPLESS_FILE
 }  // namespace mapless

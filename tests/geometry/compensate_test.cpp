@@ -161,5 +161,10 @@ TEST(Compensate, AnEmptyScanIsAScan) {
   EXPECT_TRUE(compensate(scan, still).points_0.empty());
 }
 
+TEST(Compensate, RefusesANullScan) {
+  EXPECT_THROW((void)compensate(nullptr, StationaryTrajectory()), ParameterError);
+  EXPECT_THROW((void)compensate_locally(nullptr, StationaryTrajectory()), ParameterError);
+}
+
 }  // namespace MAPLESS_FILE
 }  // namespace mapless

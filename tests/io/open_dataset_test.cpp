@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "io/formats/native/native_writer.hpp"
 #include "support/bare_cloud.hpp"
 #include "support/temporary_folder.hpp"
 #include <mapless/core/errors.hpp>
@@ -80,6 +81,22 @@ TEST(OpenDataset, WhatIsBesideARecordingMayBeClosed) {
 TEST(OpenDataset, APathTheSystemRefusesIsNamed) {
   const std::string path(300, 'x');
   EXPECT_THAT(refusal(path), ::testing::AllOf(HasSubstr(path), HasSubstr("too long")));
+}
+
+TEST(Dataset, AScanNumberBeyondTheEndIsRefused) {
+  const TemporaryFolder folder;
+  const LidarModel model = test::make_bare_cloud_model(4, 64);
+  NativeWriter writer(folder / "recording", model);
+  writer.add_scan(Time::from_seconds(0), {});
+  writer.finish({});
+  const auto dataset = open_dataset(folder / "recording");
+  ASSERT_EQ(dataset->size(), 1U);
+  EXPECT_NO_THROW((void)dataset->read(0));
+  EXPECT_THROW((void)dataset->scan_start(1), ParameterError);
+  EXPECT_THROW((void)dataset->scan_end(1), ParameterError);
+  EXPECT_THROW((void)dataset->scan_file(1), ParameterError);
+  EXPECT_THROW((void)dataset->read(1), ParameterError);
+  EXPECT_THROW((void)dataset->read_labels(1), ParameterError);
 }
 
 }  // namespace MAPLESS_FILE

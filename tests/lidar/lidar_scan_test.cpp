@@ -151,5 +151,18 @@ TEST(Organise, EqualsAStableSortOfRandomRecords) {
   }
 }
 
+TEST(Organise, RefusesAScanWithoutAValidModel) {
+  LidarScan scan;
+  scan.columns = 1;
+  scan.column_period = Duration::from_nanoseconds(1);
+  EXPECT_THROW((void)organise(scan, {}, "test"), ParameterError);
+  scan.model = std::make_shared<const LidarModel>();
+  EXPECT_THROW((void)organise(scan, {}, "test"), InputError);
+  scan.model = std::make_shared<const LidarModel>(named_model("VLP-16"));
+  EXPECT_NO_THROW((void)organise(scan, {}, "test"));
+  scan.columns = 1'000'001;
+  EXPECT_THROW((void)organise(scan, {}, "test"), InputError);
+}
+
 }  // namespace MAPLESS_FILE
 }  // namespace mapless

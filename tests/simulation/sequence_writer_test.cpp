@@ -196,5 +196,14 @@ TEST(SequenceWriter, RefusesAFolderThatIsThereAndAnUnknownFormat) {
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "new"));
 }
 
+TEST(SequenceWriter, RefusesToWriteWithoutAValidModel) {
+  const test::TemporaryFolder folder;
+  EXPECT_THROW((void)make_sequence_writer("native", folder / "out", nullptr, Scene{}), ParameterError);
+  EXPECT_THROW(
+      (void)make_sequence_writer("native", folder / "out", std::make_shared<const LidarModel>(), Scene{}),
+      InputError);
+  EXPECT_FALSE(std::filesystem::exists(folder / "out"));
+}
+
 }  // namespace MAPLESS_FILE
 }  // namespace mapless

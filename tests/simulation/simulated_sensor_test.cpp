@@ -5,6 +5,7 @@
 
 #include "support/cast_rays.hpp"
 #include "support/toy_scene.hpp"
+#include <mapless/core/errors.hpp>
 #include <mapless/io/labels.hpp>
 #include <mapless/simulation/scene.hpp>
 #include <mapless/simulation/simulated_sensor.hpp>
@@ -156,6 +157,22 @@ TEST(SimulatedSensor, EveryNamedModelFiresEveryLaserInEveryColumn) {
     std::size_t hits = 0;
     for (const LidarRecord& r : scan.records) hits += r.code == ReturnCode::hit;
     EXPECT_EQ(hits, scan.records.size());
+  }
+}
+
+TEST(SimulatedSensor, RefusesWhatItCannotScanWith) {
+  WorldDescription description;
+  SimulatedWorld world(description);
+  const auto model = std::make_shared<const LidarModel>(named_model("VLP-16"));
+  const auto trajectory = std::make_shared<const StationaryTrajectory>();
+  EXPECT_NO_THROW(SimulatedSensor(model, trajectory, world, {}));
+  EXPECT_THROW(SimulatedSensor(nullptr, trajectory, world, {}), ParameterError);
+  EXPECT_THROW(SimulatedSensor(model, nullptr, world, {}), ParameterError);
+  EXPECT_THROW(SimulatedSensor(std::make_shared<const LidarModel>(), trajectory, world, {}), InputError);
+  for (const double noise_m : {-0.1, std::nan(""), 11.0}) {
+    SensorOptions options;
+    options.range_noise_m = noise_m;
+    EXPECT_THROW(SimulatedSensor(model, trajectory, world, options), ParameterError) << noise_m;
   }
 }
 

@@ -2,6 +2,7 @@
 #include <random>
 
 #include <Eigen/Geometry>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <mapless/core/errors.hpp>
@@ -140,6 +141,54 @@ TEST(SimulatedWorld, RefusesAShapeThatIsNotThere) {
   WorldDescription world = wall_and_box([](Time) { return SE3(); });
   world.statics[0].shape = 2;
   EXPECT_THROW(SimulatedWorld{std::move(world)}, InputError);
+}
+
+std::string refusal(const std::function<void()>& step) {
+  try {
+    step();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(SimulatedWorld, RefusesMoversItCannotLabelOrMove) {
+  const auto still = [](Time) { return SE3(); };
+  const auto with = [&](auto change) {
+    WorldDescription world = wall_and_box(still);
+    change(world.movers[0]);
+    return refusal([&] { SimulatedWorld{world}; });
+  };
+  EXPECT_EQ(with([](Mover&) {}), "");
+  EXPECT_THAT(with([](Mover& m) { m.T_0b = nullptr; }), testing::HasSubstr("T_0b"));
+  EXPECT_THAT(with([](Mover& m) { m.object_id = 0; }), testing::HasSubstr("1 to 65535"));
+  EXPECT_THAT(with([](Mover& m) { m.object_id = 65536; }), testing::HasSubstr("65536"));
+  EXPECT_THAT(with([](Mover& m) { m.radius_m = std::nan(""); }), testing::HasSubstr("radius_m"));
+}
+
+TEST(SimulatedWorld, RefusesRaysItIsNotPreparedFor) {
+  SimulatedWorld world(wall_and_box([](Time) { return SE3(); }));
+  EXPECT_THROW(world.prepare(seconds(1), seconds(0), Vector3d::Zero(), 10), ParameterError);
+  EXPECT_THROW(world.prepare(seconds(0), seconds(1), Vector3d::Zero(), -1), ParameterError);
+  world.prepare(seconds(0), seconds(0.1), Vector3d::Zero(), 120);
+  const TimedRay late{Vector3d::Zero(), Vector3d::UnitX(), seconds(0.2)};
+  const TimedRay ray{Vector3d::Zero(), Vector3d::UnitX(), seconds(0.1)};
+  EXPECT_THAT(refusal([&] { (void)cast_one(world, late); }), testing::HasSubstr("prepared interval"));
+  std::optional<RayHit> hit;
+  EXPECT_THROW(world.cast({&ray, 1}, 120, {&hit, 0}), ParameterError);
+  EXPECT_THROW(world.cast({&ray, 1}, std::nan(""), {&hit, 1}), ParameterError);
+  EXPECT_NO_THROW(world.cast({&ray, 1}, 120, {&hit, 1}));
+}
+
+TEST(Mesh, RefusesShapesThatAreNone) {
+  Mesh mesh;
+  const Material m = Material::wood;
+  EXPECT_THROW(mesh.add_frustum({0, 0, 0}, 1, {0, 0, 1}, 1, 2, m), ParameterError);
+  EXPECT_THROW(mesh.add_frustum({0, 0, 0}, -1, {0, 0, 1}, 1, 8, m), ParameterError);
+  EXPECT_THROW(mesh.add_frustum({0, 0, 1}, 1, {0, 0, 1}, 1, 8, m), ParameterError);
+  EXPECT_THROW(mesh.add_extrusion({{0, 0}, {1, 0}}, 1, m), ParameterError);
+  EXPECT_THROW(mesh.add_ellipsoid({0, 0, 0}, {1, 1, 1}, 1, m), ParameterError);
+  EXPECT_TRUE(mesh.triangles.empty());
 }
 
 }  // namespace MAPLESS_FILE
