@@ -12,13 +12,17 @@
 namespace mapless::inline v1 {
 namespace {
 
-// Of fewer points nothing is concluded, and more need not be looked at.
+// Points a median is taken of: fewer than 100 show nothing, more than 2000 do not change it.
 constexpr std::size_t kFewest = 100, kMost = 2000;
+// Median range over the maximum range. Another unit is a factor of ten and more.
 constexpr double kBeyondRange = 1.1;
-// Recovered columns, and sensors that are not quite as their model, are within a degree.
+// Median angle between points and their beams. Recovered columns and real sensors are within a degree of
+// their model; another sensor, direction or start azimuth is tens of degrees off.
 constexpr double kOffBeam_rad = 3 * std::numbers::pi / 180;
-constexpr double kLeastTurn = 0.25;  // that the columns of the points span
-constexpr double kTooShort = 0.1;    // their times, of the time for that
+// Times are checked if the columns of the points span a quarter of a turn, and are implausible if they span
+// less than a tenth of the time for that: another unit is a factor of 1000.
+constexpr double kLeastTurn = 0.25;
+constexpr double kTooShort = 0.1;
 
 std::vector<const LidarReturn*> some_returns(const LidarScan& scan) {
   std::vector<const LidarReturn*> some;
@@ -42,7 +46,7 @@ double median_off_beam_rad(const LidarScan& scan, const std::vector<const LidarR
   return median(std::move(angles));
 }
 
-/// Seconds from the first to the last of the points: as their times say, and as their columns do.
+/// Time from the first to the last point [s]: by their times, and by their columns.
 struct Spans {
   double times_s, columns_s;
 };
@@ -71,7 +75,7 @@ void PointOddities::add(const LidarScan& scan, std::size_t k) {
               "in another unit?",
               range_m, scan.model->max_range_m));
   }
-  // Compensated points have left their beams.
+  // Motion compensation moves points off their beams.
   const double off_rad = scan.compensated_to ? 0 : median_off_beam_rad(scan, returns);
   if (off_rad > kOffBeam_rad) {
     found("beam", k,

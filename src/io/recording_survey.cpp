@@ -14,9 +14,11 @@
 namespace mapless::inline v1 {
 namespace {
 
-// A pause between scans of more than this many median periods is a gap.
+// A period between scans beyond this many median periods is a gap: one missing scan gives 2, jitter less
+// than 1.5.
 constexpr double kGapPeriods = 1.5;
-// Bare clouds vary in size from scan to scan; by more than this factor from the median is odd.
+// Bare clouds vary in size with the scene. A size that differs from the median by more than this factor is
+// reported.
 constexpr double kSizeFactor = 2.0;
 
 struct ScanSizes {
@@ -141,7 +143,7 @@ void find_unusable_records(const ScanSizes& sizes, RecordingSurvey& survey) {
 class DuplicateFinder {
  public:
   void add(const Dataset& dataset, std::size_t k, std::vector<std::string>& oddities) {
-    // Recordings that keep all scans in one file have no bytes of one scan to compare.
+    // If all scans are in one file, the files of two scans cannot be compared.
     if (dataset.size() > 1 && dataset.scan_file(0) == dataset.scan_file(1)) return;
     const std::size_t hash = std::hash<std::string>()(read_whole_file(dataset.scan_file(k)));
     const auto [earlier, is_new] = by_hash_.emplace(hash, k);

@@ -7,9 +7,9 @@
 
 namespace mapless::inline v1 {
 
-/// Starts of the scans of a recording: decimal seconds, one a line; '#' starts a comment. Throws InputError
-/// naming file, line and value for text that is no time, times that do not increase, and more or fewer of
-/// them than `scan_count`.
+/// Reads the start of every scan from times.txt: decimal seconds, one per line; '#' starts a comment. Throws
+/// InputError naming file, line and value for text that is not a time, times that do not increase, and a
+/// number of times other than `scan_count`.
 [[nodiscard]] std::vector<Time> read_scan_times(const std::filesystem::path& file, std::size_t scan_count);
 
 }  // namespace mapless

@@ -9,7 +9,7 @@ namespace mapless::inline v1 {
 using Eigen::Vector3d;
 
 std::vector<TimedPose> sample_poses(const std::function<SE3(double t_s)>& T_0v, double duration_s) {
-  constexpr std::int64_t kStep_ns = 5'000'000;
+  constexpr std::int64_t kStep_ns = 5'000'000;  // 200 Hz
   const auto last = static_cast<std::int64_t>(std::ceil((duration_s + 0.1) * 1e9 / kStep_ns));
   std::vector<TimedPose> poses;
   for (std::int64_t k = -20; k <= last; ++k) {
@@ -21,7 +21,7 @@ std::vector<TimedPose> sample_poses(const std::function<SE3(double t_s)>& T_0v, 
 
 std::vector<TimedPose> ride(const Track& track, const SE3& T_bv, double duration_s) {
   const auto T_0v = [&](double t) {
-    constexpr double kLag_s = 0.4;  // of the springs
+    constexpr double kLag_s = 0.4;  // over which the suspension averages the acceleration
     const double acceleration = (track.speed(t + kLag_s) - track.speed(t - kLag_s)) / (2 * kLag_s);
     const double s = track.distance_m(t);
     const auto before = track.path().heading(s - 2, 4);

@@ -21,10 +21,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Rings found from elevations: 0.25 is what points of another sensor give. Rings the recording states may fit
-// the nominal elevations less well.
+// Bounds of beam_misfit [steps of elevation] for rings found from elevations (random points give 0.25), and
+// for rings that the recording states: real elevations may differ from the nominal ones by a step.
 constexpr double kLargestMisfitFound = 0.15;
 constexpr double kLargestMisfitStated = 1.0;
+// The rate of a spinning lidar is within 10 % of its nominal one.
+constexpr double kPeriodTolerance = 0.1;
+// A point cannot be measured more than this many turns after the first one of its scan.
+constexpr std::int64_t kMostTurns = 3;
 
 std::vector<fs::path> pcd_files(const fs::path& folder) {
   std::vector<fs::path> files;
@@ -188,7 +192,7 @@ class PcdFolderDataset final : public Dataset {
       const Duration offset = model_->lasers[static_cast<std::size_t>(lasers[i])].firing_offset;
       const auto time_ns = static_cast<std::int32_t>(firings.columns[i] * scan.column_period.nanoseconds() +
                                                      offset.nanoseconds());
-      // Where a point without position was fired is not known: it has no cell.
+      // The direction of a point without position is unknown: it has no cell.
       const ReturnCode code = is_usable(points.positions[i]) ? ReturnCode::hit : ReturnCode::absent;
       records[i] = {points.positions[i], lasers[i], firings.columns[i], time_ns, code};
     }
@@ -221,7 +225,7 @@ class PcdFolderDataset final : public Dataset {
     require_increasing(starts_, files_);
   }
 
-  // The median distance of two scans, where that is about the sensor's turn; scans may have been left out.
+  // The median period between scans, if it is that of the sensor to 10 %; scans may have been removed.
   void find_turn() {
     const double nominal_s = 1 / model_->rotation_rate_hz;
     turn_ = Duration::from_seconds(nominal_s);
@@ -231,7 +235,7 @@ class PcdFolderDataset final : public Dataset {
     const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
     std::nth_element(steps.begin(), middle, steps.end());
     const double ratio = middle->seconds() / nominal_s;
-    if (ratio > 0.9 && ratio < 1.1) turn_ = *middle;
+    if (std::abs(ratio - 1) < kPeriodTolerance) turn_ = *middle;
   }
 
   [[nodiscard]] std::vector<std::int32_t> lasers_of(const PcdPoints& points, LidarScan& scan,
@@ -250,10 +254,10 @@ class PcdFolderDataset final : public Dataset {
     return std::move(found.lasers);
   }
 
-  // The scan then starts with its earliest point.
+  // With times per point the scan starts at its earliest point.
   static void take_times(LidarScan& scan, std::vector<LidarRecord>& records, const PcdPoints& points,
                          std::int64_t first_ns, const std::string& source) {
-    const std::int64_t longest_ns = 3 * scan.columns * scan.column_period.nanoseconds();
+    const std::int64_t longest_ns = kMostTurns * scan.columns * scan.column_period.nanoseconds();
     for (std::size_t i = 0; i < records.size(); ++i) {
       if (records[i].code != ReturnCode::hit) continue;
       const std::int64_t since_first = points.times_ns[i] - first_ns;

@@ -14,9 +14,9 @@
 namespace mapless::inline v1 {
 namespace {
 
-// Eleven days: no scan lasts as long, and no clock that counts from 1970 shows less.
+// Times from 1e15 ns on (11.6 days) are absolute: no scan is as long, and no Unix time is as small.
 constexpr std::int64_t kAbsoluteFromNs = 1'000'000'000'000'000;
-// Differences of times below this cannot overflow.
+// Bound of a time [s]: the difference of two times within it fits an int64 of nanoseconds.
 constexpr double kLargestSeconds = 4e9;
 
 const PcdField* first_of(const PcdCloud& cloud, std::initializer_list<std::string_view> names) {

@@ -20,13 +20,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// Scans the sensor is estimated from, evenly spread over the recording. Chosen: reading more takes longer
+// than the rest.
 constexpr std::size_t kScansForSensor = 8;
+// Bounds of spinning lidars: 16 to 128 lasers, 5 to 20 Hz, with a margin.
 constexpr std::size_t kFewestRings = 4;
 constexpr std::size_t kMostRings = 256;
 constexpr double kSlowest_hz = 1;
 constexpr double kFastest_hz = 100;
+// Default of every named model.
 constexpr double kUsual_hz = 10;
-// Laser spacings; 0.25 is what points give that have nothing to do with the rings.
+// Bound of beam_misfit [steps of elevation]: random points give 0.25.
 constexpr double kLargestMisfit = 0.15;
 
 [[noreturn]] void ask_for_sensor(const std::string& folder, const std::string& why) {
@@ -34,7 +38,7 @@ constexpr double kLargestMisfit = 0.15;
                     "name it with --sensor, or give its calibration file"});
 }
 
-// Scans that cannot be read tell so when they are asked for.
+// A scan that cannot be read is left out here; reading it later throws.
 std::vector<PcdPoints> scans_for_estimate(const std::vector<fs::path>& files) {
   std::set<std::size_t> chosen;
   const std::size_t last = files.size() - 1;
@@ -74,7 +78,7 @@ std::vector<std::int64_t> ring_numbers(const PcdPoints& points, PcdRingSource so
   return numbers;
 }
 
-// Where numbers rise or fall with the elevation, those between two others are of lasers that saw nothing.
+// If the ring numbers increase or decrease with elevation, missing numbers belong to lasers without a return.
 void add_unseen_rings(std::vector<std::int64_t>& rings) {
   const bool rise = std::is_sorted(rings.begin(), rings.end());
   if (!rise && !std::is_sorted(rings.rbegin(), rings.rend())) return;
@@ -85,8 +89,8 @@ void add_unseen_rings(std::vector<std::int64_t>& rings) {
   if (!rise) std::reverse(rings.begin(), rings.end());
 }
 
-// The rings of all scans: from the lowest to the highest, so that a ring's neighbours are those in the list;
-// in stored order where nothing but the order tells them.
+// The rings of all scans from the lowest to the highest, so that neighbours in the list are neighbours in
+// elevation; in stored order if rings come from the order.
 std::vector<std::int64_t> rings_of_scans(const std::vector<PcdPoints>& scans, PcdRingSource source,
                                          const std::string& folder) {
   std::map<std::int64_t, std::vector<float>> slopes;
@@ -116,7 +120,7 @@ std::vector<std::int64_t> rings_of_scans(const std::vector<PcdPoints>& scans, Pc
   return rings;
 }
 
-// Only scans with the most frequent number of rings tell them by their order.
+// Rings come from the order only in scans with the most frequent number of rings.
 void keep_usual_scans(std::vector<PcdPoints>& scans) {
   std::map<std::size_t, int> scans_with;
   for (const PcdPoints& scan : scans) ++scans_with[ring_starts(scan.positions).size()];
@@ -145,7 +149,7 @@ TimedCloud timed_cloud(const PcdPoints& scan, const std::vector<std::int64_t>& r
   return cloud;
 }
 
-// Leaves out what a scan of more than one turn measured a second time.
+// Leaves out points that a scan of more than one turn measured twice.
 void keep_one_turn(TimedCloud& cloud, double rate_hz) {
   if (cloud.times_ns.empty()) return;
   const std::int64_t first_ns = *std::min_element(cloud.times_ns.begin(), cloud.times_ns.end());
