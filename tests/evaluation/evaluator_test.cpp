@@ -72,7 +72,7 @@ TEST(Evaluator, CountsEachPointOnceAndLeavesOutUnknownTruth) {
   EXPECT_EQ(report.false_objects.objects, 1);
 }
 
-TEST(Evaluator, ABandEndsWithItsUpperEdge) {
+TEST(Evaluator, ABandIncludesItsUpperEdge) {
   Points points;
   points.add(1, kLabelDynamic, 1, true, 10).add(2, kLabelDynamic, 1, false, 10.01F);
   points.add(3, kLabelStatic, 0, false, 120).add(4, kLabelStatic, 0, true, 121);
@@ -87,7 +87,7 @@ TEST(Evaluator, ABandEndsWithItsUpperEdge) {
   EXPECT_EQ(report.points.total().points(), 15) << "those without a return count where range does not matter";
 }
 
-TEST(Evaluator, RecallWithinALimitCountsAllThatIsNearer) {
+TEST(Evaluator, RecallWithinALimitCountsAllNearerPoints) {
   Evaluator evaluator(ObjectTruth{});
   Points near;
   near.add(1, kLabelDynamic, 1, true, 4.9F)
@@ -111,7 +111,7 @@ TEST(Evaluator, RecallWithinALimitCountsAllThatIsNearer) {
   EXPECT_EQ(report.within_range[23].points.total().fn, 1) << "the one at 200 m is in no limit";
 }
 
-TEST(Evaluator, AnObjectIsFoundFromHalfOfItsDynamicPointsOn) {
+TEST(Evaluator, AnObjectIsFoundWithHalfOfItsDynamicPoints) {
   Points points;
   points.add(2, kLabelDynamic, 1, true, 5).add(2, kLabelDynamic, 1, false, 5);
   points.add(1, kLabelDynamic, 2, true, 5).add(2, kLabelDynamic, 2, false, 5);
@@ -220,7 +220,7 @@ TEST(Evaluator, AFalseObjectHasMoreStaticThanDynamicPoints) {
   EXPECT_EQ(found.per_scan(), 2.0);
 }
 
-TEST(Evaluator, ResultsWithoutObjectNumbersHaveNoFalseObjectsToCount) {
+TEST(Evaluator, FalseObjectsAreAbsentWithoutObjectNumbers) {
   Points points;
   points.add(3, kLabelStatic, 0, true, 5, 0);
   const FalseObjects found = report_of(points).false_objects;
@@ -229,7 +229,7 @@ TEST(Evaluator, ResultsWithoutObjectNumbersHaveNoFalseObjectsToCount) {
   EXPECT_EQ(report_of(Points().add(3, kLabelStatic, 0, false, 5)).false_objects.per_scan(), 0.0);
 }
 
-TEST(Evaluator, WhatIsNotKnownIsAbsent) {
+TEST(Evaluator, RatesWithoutTablesAreAbsent) {
   const EvaluationReport empty = Evaluator(ObjectTruth{}).report();
   EXPECT_FALSE(empty.objects.share());
   EXPECT_FALSE(empty.evident_movers);
@@ -246,7 +246,7 @@ TEST(Evaluator, WhatIsNotKnownIsAbsent) {
   EXPECT_FALSE(report.evident_movers);
 }
 
-TEST(Evaluator, PointsBeyondTheLimitCountNowhere) {
+TEST(Evaluator, PointsBeyondTheLimitDoNotCount) {
   Points points;
   points.add(10, kLabelDynamic, 1, true, 20).add(15, kLabelDynamic, 1, false, 20.01F);
   points.add(2, kLabelStatic, 0, true, 30, 4).add(1, kLabelStatic, 0, true, kNoReturn, 5);

@@ -16,9 +16,9 @@ TEST(Quantile, InterpolatesBetweenRanks) {
   EXPECT_DOUBLE_EQ(*quantile({1, 9}, 1.0), 9);
 }
 
-TEST(Quantile, OfNothingIsAbsent) { EXPECT_FALSE(quantile({}, 0.5)); }
+TEST(Quantile, IsAbsentForNoValues) { EXPECT_FALSE(quantile({}, 0.5)); }
 
-TEST(Quantile, OutsideZeroToOneIsRefused) {
+TEST(Quantile, RefusesOrdersOutsideZeroToOne) {
   for (const double q : {-0.1, 1.1, std::nan("")}) EXPECT_THROW((void)quantile({1, 2}, q), ParameterError);
 }
 

@@ -69,7 +69,7 @@ TEST(VelocityEvaluator, ErrorsAreLengthsOfDifferences) {
   EXPECT_EQ(r.id_changes, 0);
 }
 
-TEST(VelocityEvaluator, ThoseThatAreSureAreJudgedApart) {
+TEST(VelocityEvaluator, ConfidentVelocitiesAreEvaluatedSeparately) {
   ObjectRow unsure = row(1, 7, {9, 0, 0});
   unsure.velocity_std_0.y() = kConfidentVelocityStd_mps;
   const VelocityReport r = report_of(std::vector(2, Points().add(4, 1, 7)), {row(0, 7, {5, 0, 0.3}), unsure});
@@ -78,14 +78,14 @@ TEST(VelocityEvaluator, ThoseThatAreSureAreJudgedApart) {
   EXPECT_NEAR(r.confident_rms_mps.value(), 0.3, 1e-12);
 }
 
-TEST(VelocityEvaluator, TheObjectThatCoversMostStandsForTheMover) {
+TEST(VelocityEvaluator, AMoverIsMatchedWithTheObjectThatCoversMostOfIt) {
   const std::vector<ObjectRow> rows = {row(0, 3, {0, 0, 0}), row(0, 4, {5, 0, 0})};
   EXPECT_NEAR(report_of({Points().add(2, 1, 3).add(3, 1, 4)}, rows).rms_mps.value(), 0, 1e-12);
   EXPECT_NEAR(report_of({Points().add(2, 1, 3).add(2, 1, 4)}, rows).rms_mps.value(), 5, 1e-12)
       << "the lowest of equals";
 }
 
-TEST(VelocityEvaluator, JudgesWhatIsFoundFastKnownAndItsOwnAlone) {
+TEST(VelocityEvaluator, EvaluatesFoundFastMoversWithTheirOwnObjectOnly) {
   const std::vector<ObjectRow> rows = {row(0, 3, {5, 0, 0}), row(1, 3, {5, 0, 0}, 1)};
   EXPECT_EQ(report_of({Points().add(1, 1, 3).add(2, 1, 0)}, rows).movers, 0) << "a third is found";
   EXPECT_EQ(report_of({Points().add(1, 1, 3).add(1, 1, 0)}, rows).evaluated, 1) << "half is found";
@@ -110,7 +110,7 @@ TEST(VelocityEvaluator, CountsChangesOfId) {
   EXPECT_EQ(r.id_changes, 2) << "3 to 4, and back";
 }
 
-TEST(VelocityEvaluator, LeavesOutWhatIsFartherThanTheLimit) {
+TEST(VelocityEvaluator, LeavesOutPointsBeyondTheLimit) {
   const std::vector<ObjectRow> rows = {row(0, 3, {0, 0, 0}), row(0, 4, {5, 0, 0})};
   const Points points = Points().add(5, 1, 3, 30).add(2, 1, 4, 10);
   EXPECT_NEAR(report_of({points}, rows, 20).rms_mps.value(), 0, 1e-12);

@@ -22,7 +22,7 @@ std::string refusal(const std::vector<double>& starts_s, std::size_t first, std:
   return "";
 }
 
-TEST(TimeOrder, NamesTheScanThatStartsNoLaterThanTheOneBefore) {
+TEST(TimeOrder, NamesTheFirstScanThatDoesNotStartAfterTheOneBefore) {
   EXPECT_EQ(refusal({0, 0.1, 0.2}, 0, 3), "");
   EXPECT_EQ(refusal({5}, 0, 1), "");
   EXPECT_THAT(refusal({0, 0.1, 0.1, 0.2}, 0, 4),
@@ -30,7 +30,7 @@ TEST(TimeOrder, NamesTheScanThatStartsNoLaterThanTheOneBefore) {
   EXPECT_THAT(refusal({0, 0.2, 0.1}, 0, 3), HasSubstr("scan 2"));
 }
 
-TEST(TimeOrder, LooksAtTheChosenScansOnly) {
+TEST(TimeOrder, ChecksTheChosenScansOnly) {
   EXPECT_EQ(refusal({0, 0.2, 0.1, 0.3, 0.25}, 2, 2), "");
   EXPECT_EQ(refusal({0, 0.2, 0.1, 0.3}, 0, 2), "");
 }

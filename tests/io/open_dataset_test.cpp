@@ -31,7 +31,7 @@ TEST(OpenDataset, KnowsTheFormatsOfTheCommandLine) {
               ::testing::UnorderedElementsAre("native", "kitti-raw", "kitti", "mdlidar", "pcd"));
 }
 
-TEST(OpenDataset, AFolderWithoutARecording) {
+TEST(OpenDataset, RefusesAFolderWithoutARecording) {
   const TemporaryFolder folder;
   const std::string text = refusal(folder.path());
   EXPECT_THAT(text, HasSubstr(folder.path().string()));
@@ -39,7 +39,7 @@ TEST(OpenDataset, AFolderWithoutARecording) {
   EXPECT_THAT(text, HasSubstr("--format"));
 }
 
-TEST(OpenDataset, AFolderOfMixedFormats) {
+TEST(OpenDataset, RefusesAFolderWithTwoFormats) {
   const TemporaryFolder folder;
   write_text(folder / "velodyne_points/data/0000000000.bin", "");
   write_text(folder / "velodyne/000000.bin", "");
@@ -51,7 +51,7 @@ TEST(OpenDataset, AFolderOfMixedFormats) {
   EXPECT_THAT(refusal(folder.path(), "kitti"), HasSubstr("times.txt"));
 }
 
-TEST(OpenDataset, UnknownFormatAndMissingFolder) {
+TEST(OpenDataset, RefusesUnknownFormatsAndMissingFolders) {
   const TemporaryFolder folder;
   const std::string text = refusal(folder.path(), "las");
   EXPECT_THAT(text, HasSubstr("las"));
@@ -61,7 +61,7 @@ TEST(OpenDataset, UnknownFormatAndMissingFolder) {
   EXPECT_THAT(refusal(folder / "file"), HasSubstr("not a folder"));
 }
 
-TEST(OpenDataset, ANamedFormatThatIsNotThere) {
+TEST(OpenDataset, RefusesANamedFormatThatTheFolderDoesNotHave) {
   const TemporaryFolder folder;
   for (const std::string& format : dataset_formats()) {
     SCOPED_TRACE(format);
@@ -71,14 +71,14 @@ TEST(OpenDataset, ANamedFormatThatIsNotThere) {
 
 // What lies beside the recording and cannot be looked into, as lost+found at the root of a disk, does not
 // matter.
-TEST(OpenDataset, WhatIsBesideARecordingMayBeClosed) {
+TEST(OpenDataset, IgnoresUnreadableEntriesBesideARecording) {
   const TemporaryFolder folder;
   std::filesystem::create_symlink("loop", folder / "loop");
   EXPECT_THAT(refusal(folder.path()), HasSubstr("no recording here"));
 }
 
 // As a folder one may not look into is; but root may look everywhere.
-TEST(OpenDataset, APathTheSystemRefusesIsNamed) {
+TEST(OpenDataset, NamesAPathThatTheSystemRefuses) {
   const std::string path(300, 'x');
   EXPECT_THAT(refusal(path), ::testing::AllOf(HasSubstr(path), HasSubstr("too long")));
 }

@@ -40,28 +40,28 @@ std::vector<std::string> oddities_of(const std::function<void(LidarRecord&)>& sp
   return oddities.lines();
 }
 
-TEST(PointOddities, OfGoodPointsThereAreNone) {
+TEST(PointOddities, FindsNoneInPlausiblePoints) {
   EXPECT_THAT(oddities_of([](LidarRecord&) {}), IsEmpty());
 }
 
-TEST(PointOddities, NamesMillimetres) {
+TEST(PointOddities, FindsRangesInMillimetres) {
   EXPECT_THAT(
       oddities_of([](LidarRecord& r) { r.position_v *= 1000; }),
       ElementsAre(AllOf(HasSubstr("scan 4 (and 1 others)"), HasSubstr("20000 m"), HasSubstr("unit"))));
 }
 
-TEST(PointOddities, NamesMicroseconds) {
+TEST(PointOddities, FindsTimesInMicroseconds) {
   EXPECT_THAT(oddities_of([](LidarRecord& r) { r.time_ns /= 1000; }),
               ElementsAre(AllOf(HasSubstr("times of the points"), HasSubstr("unit"))));
 }
 
-TEST(PointOddities, NamesASensorThatTurnsTheOtherWay) {
+TEST(PointOddities, FindsTheWrongDirectionOfRotation) {
   EXPECT_THAT(oddities_of([](LidarRecord& r) { r.position_v.y() *= -1; }),
               ElementsAre(AllOf(HasSubstr("off the beams of VLP-16"), HasSubstr("direction"))));
 }
 
 // A compensated point has left its beam.
-TEST(PointOddities, OfCompensatedPointsDoNotSpeakOfBeams) {
+TEST(PointOddities, DoesNotCheckTheBeamsOfCompensatedPoints) {
   LidarScan scan = turn([](LidarRecord& r) { r.position_v.y() *= -1; });
   scan.compensated_to = scan.start;
   PointOddities oddities;

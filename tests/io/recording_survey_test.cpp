@@ -15,7 +15,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-TEST(RecordingSurvey, OfAnOrdinaryRecordingFindsNothingOdd) {
+TEST(RecordingSurvey, FindsNothingIrregularInAnOrdinaryRecording) {
   MemoryDataset dataset(regular_starts(5), 8);
   dataset.labels[2] = {251, 9, 9, 0, 0, 0, 0, 0};
   const RecordingSurvey survey = survey_recording(dataset);
@@ -33,7 +33,7 @@ TEST(RecordingSurvey, OfAnOrdinaryRecordingFindsNothingOdd) {
   EXPECT_EQ(survey.still_points, 2u);
 }
 
-TEST(RecordingSurvey, NamesGapsRepeatedTimesAndWrongOrder) {
+TEST(RecordingSurvey, FindsGapsRepeatedTimesAndWrongOrder) {
   const auto at = [](double s) { return Time::from_seconds(s); };
   const MemoryDataset dataset({at(0), at(0.1), at(0.1), at(0.2), at(0.5), at(0.45), at(0.55), at(0.65)}, 8);
   EXPECT_THAT(survey_recording(dataset).oddities,
@@ -41,7 +41,7 @@ TEST(RecordingSurvey, NamesGapsRepeatedTimesAndWrongOrder) {
                           HasSubstr("scan 5: starts 0.050000 s before scan 4")));
 }
 
-TEST(RecordingSurvey, NamesScansThatCannotBeReadOrHaveAnotherSize) {
+TEST(RecordingSurvey, FindsUnreadableScansAndOtherSizes) {
   MemoryDataset dataset(regular_starts(6), 8);
   dataset.unreadable = {1};
   dataset.sizes[4] = 7;
@@ -51,7 +51,7 @@ TEST(RecordingSurvey, NamesScansThatCannotBeReadOrHaveAnotherSize) {
               ElementsAre(HasSubstr("scan 1: memory: is broken"), HasSubstr("scan 4: 7 records")));
 }
 
-TEST(RecordingSurvey, NamesScansThatLackTheirPoints) {
+TEST(RecordingSurvey, FindsScansWithFewPoints) {
   MemoryDataset dataset(regular_starts(6), 8);
   dataset.missing = {{2, 8}, {3, 5}, {4, 4}};
   const RecordingSurvey survey = survey_recording(dataset);
@@ -61,7 +61,7 @@ TEST(RecordingSurvey, NamesScansThatLackTheirPoints) {
                                            HasSubstr("3 scans: 17 records are no usable points (NaN")));
 }
 
-TEST(RecordingSurvey, NamesScansWithTheSameBytes) {
+TEST(RecordingSurvey, FindsDuplicateScans) {
   const test::TemporaryFolder folder;
   MemoryDataset dataset(regular_starts(3), 8);
   for (const char* bytes : {"first", "other", "first"}) {
@@ -71,7 +71,7 @@ TEST(RecordingSurvey, NamesScansWithTheSameBytes) {
   EXPECT_THAT(survey_recording(dataset).oddities, ElementsAre("scan 2: the same bytes as scan 0"));
 }
 
-TEST(RecordingSurvey, TellsTheInstantOfMotionCompensation) {
+TEST(RecordingSurvey, ReportsTheInstantOfMotionCompensation) {
   MemoryDataset dataset(regular_starts(2), 8);
   dataset.compensated_to = Duration::from_seconds(0.05);
   const RecordingSurvey survey = survey_recording(dataset);

@@ -45,7 +45,7 @@ class TrajectorySourceTest : public testing::Test {
   TrajectoryRequest request;
 };
 
-TEST_F(TrajectorySourceTest, WithoutAnyNamesTheOptionsThatHelp) {
+TEST_F(TrajectorySourceTest, WithoutATrajectoryTheErrorNamesTheOptions) {
   try {
     (void)open_trajectory(dataset, request);
     FAIL();
@@ -71,7 +71,7 @@ TEST_F(TrajectorySourceTest, ReadsAPipe) {
   }
 }
 
-TEST_F(TrajectorySourceTest, TakesTheRecordingsOwnUnlessToldOtherwise) {
+TEST_F(TrajectorySourceTest, UsesTheTrajectoryOfTheRecordingByDefault) {
   dataset.own_trajectory = std::make_shared<StationaryTrajectory>();
   EXPECT_EQ(open_trajectory(dataset, request).conventions.front().second, "recording");
   request.stationary = true;
@@ -81,7 +81,7 @@ TEST_F(TrajectorySourceTest, TakesTheRecordingsOwnUnlessToldOtherwise) {
   EXPECT_EQ(open_trajectory(dataset, request).conventions.front().second, request.file.string());
 }
 
-TEST_F(TrajectorySourceTest, PutsEachRowAtTheInstantAskedFor) {
+TEST_F(TrajectorySourceTest, AssignsEachRowToTheRequestedInstant) {
   request.file = kitti_file(10);
   EXPECT_NEAR(x_at(open_trajectory(dataset, request), 0.25), 2.0, 1e-9);
   request.instant = PoseInstant::start;
@@ -90,7 +90,7 @@ TEST_F(TrajectorySourceTest, PutsEachRowAtTheInstantAskedFor) {
   EXPECT_NEAR(x_at(open_trajectory(dataset, request), 0.25), 1.5, 1e-9);
 }
 
-TEST_F(TrajectorySourceTest, OneRowPerScanIsContinuedOverTheWholeRecording) {
+TEST_F(TrajectorySourceTest, OneRowPerScanIsExtrapolatedOverTheWholeRecording) {
   request.file = kitti_file(10);
   for (const PoseInstant instant : {PoseInstant::start, PoseInstant::middle, PoseInstant::end}) {
     request.instant = instant;
@@ -100,7 +100,7 @@ TEST_F(TrajectorySourceTest, OneRowPerScanIsContinuedOverTheWholeRecording) {
   }
 }
 
-TEST_F(TrajectorySourceTest, NothingIsExtrapolatedWhereTheFileHasTimes) {
+TEST_F(TrajectorySourceTest, AFileWithTimesIsNotExtrapolated) {
   request.file = tum_file(0.0, 0.95);
   const TrajectorySource source = open_trajectory(dataset, request);
   EXPECT_NO_THROW(require_coverage(dataset, *source.trajectory, 0, 9));
@@ -139,7 +139,7 @@ TEST_F(TrajectorySourceTest, CameraPosesNeedTheirCalibration) {
   }
 }
 
-TEST_F(TrajectorySourceTest, RefusesAnExtrapolationThatIsNoLength) {
+TEST_F(TrajectorySourceTest, RefusesANegativeOrNonFiniteExtrapolation) {
   request.file = kitti_file(10);
   for (const double seconds :
        {-0.1, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {

@@ -101,7 +101,7 @@ TEST(SequenceWriter, KittiCloudsHaveOneLabelForEachPointAndAreCompensatedToMidSc
   EXPECT_EQ(scan.compensated_to->nanoseconds(), 150'000'000);
 }
 
-TEST(SequenceWriter, KittiTurnsBeginAtTheRearAsTheirReadersTakeThemTo) {
+TEST(SequenceWriter, KittiTurnsBeginAtTheRear) {
   const test::TemporaryFolder folder;
   const Recording recording = recorded("kitti", "HDL-64E-S2", folder.path() / "out");
   int near = 0;
@@ -148,7 +148,7 @@ Scene two_boxes() {
   return scene;
 }
 
-TEST(SequenceWriter, TellsTheStateOfEveryMoverSeenWhileItGoesOn) {
+TEST(SequenceWriter, WritesTheStateOfEveryVisibleMoverScanByScan) {
   const test::TemporaryFolder folder;
   const Scene scene = two_boxes();
   const auto model = std::make_shared<const LidarModel>(named_model("VLP-16"));
@@ -187,7 +187,7 @@ TEST(SequenceWriter, NativeScansKeepTheIntensityOfEveryReturn) {
   EXPECT_GT(highest, 10);
 }
 
-TEST(SequenceWriter, RefusesAFolderThatIsThereAndAnUnknownFormat) {
+TEST(SequenceWriter, RefusesAnExistingFolderAndAnUnknownFormat) {
   const test::TemporaryFolder folder;
   Scene scene;
   const auto model = std::make_shared<const LidarModel>(named_model("VLP-16"));

@@ -45,7 +45,7 @@ SimulatedScan first_scan(const WorldDescription& description, const SensorOption
   return sensor.scan(number);
 }
 
-TEST(SimulatedSensor, PointsLieOnTheSurfacesOfTheirOwnInstant) {
+TEST(SimulatedSensor, PointsLieOnTheSurfacesAtTheirOwnInstant) {
   const auto model = test::awkward_model(16, 360);
   const auto trajectory = test::drive(3, 0.5);
   const double speed = 5;
@@ -68,7 +68,7 @@ TEST(SimulatedSensor, PointsLieOnTheSurfacesOfTheirOwnInstant) {
   EXPECT_GT(on_cube, 50);
 }
 
-TEST(SimulatedSensor, TruthIsDynamicAboveTwoTenthsOfAMetrePerSecond) {
+TEST(SimulatedSensor, TrueLabelsAreDynamicAbove0Point2MetresPerSecond) {
   for (const double speed : {0.19, 0.21}) {
     const SimulatedScan scan = first_scan(room(speed, Material::brick), exact());
     for (const std::uint32_t label : scan.labels) {
@@ -78,7 +78,7 @@ TEST(SimulatedSensor, TruthIsDynamicAboveTwoTenthsOfAMetrePerSecond) {
   }
 }
 
-TEST(SimulatedSensor, NoiseHasTheDeviationAskedForAndIsTheSameForAnyNumberOfThreads) {
+TEST(SimulatedSensor, NoiseHasTheGivenDeviationAndIsTheSameForAnyNumberOfThreads) {
   SensorOptions noisy = exact();
   noisy.range_noise_m = 0.05;
   const WorldDescription description = room(5, Material::brick);
@@ -132,7 +132,7 @@ TEST(SimulatedSensor, EverySceneIsTheSameForAnyDurationAndNumberOfThreads) {
   }
 }
 
-TEST(SimulatedSensor, TellsFaultyReturnsFromNothingWithinRange) {
+TEST(SimulatedSensor, DistinguishesFaultyReturnsFromNothingWithinRange) {
   WorldDescription glass = room(0, Material::glass);
   SensorOptions options = exact();
   options.faulty = true;
@@ -160,7 +160,7 @@ TEST(SimulatedSensor, EveryNamedModelFiresEveryLaserInEveryColumn) {
   }
 }
 
-TEST(SimulatedSensor, RefusesWhatItCannotScanWith) {
+TEST(SimulatedSensor, RefusesInvalidArguments) {
   WorldDescription description;
   SimulatedWorld world(description);
   const auto model = std::make_shared<const LidarModel>(named_model("VLP-16"));

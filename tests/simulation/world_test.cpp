@@ -103,7 +103,7 @@ TEST(SimulatedWorld, HitsAgreeWithClosedFormGeometryAtTheRaysOwnTime) {
   EXPECT_GT(on_box, 500);
 }
 
-TEST(SimulatedWorld, SurfaceThatPassesTheAxisOfATurnIsSlowThereAndFastOutside) {
+TEST(SimulatedWorld, ARotatingSurfaceIsSlowNearTheAxisAndFastOutside) {
   SimulatedWorld world(wall_and_box([](Time t) { return turn_z(t.seconds(), {10, 0, 0}); }));
   world.prepare(seconds(0), seconds(0.1), Vector3d::Zero(), 120);
   // The face towards us is 1 m from the axis: the speed is the distance from the axis, 1 rad/s.
@@ -115,7 +115,7 @@ TEST(SimulatedWorld, SurfaceThatPassesTheAxisOfATurnIsSlowThereAndFastOutside) {
   EXPECT_EQ(hit->material, Material::paint);
 }
 
-TEST(SimulatedWorld, PartsMoveInTheirBody) {
+TEST(SimulatedWorld, PartsMoveRelativeToTheirBody) {
   WorldDescription description = wall_and_box([](Time t) { return turn_z(0, {10 + t.seconds(), 0, 0}); });
   description.movers[0].parts[0].T_bs = [](Time t) { return turn_z(0, {0, 0, 5 - t.seconds()}); };
   SimulatedWorld world(std::move(description));
@@ -126,7 +126,7 @@ TEST(SimulatedWorld, PartsMoveInTheirBody) {
   EXPECT_LT((hit->velocity_0 - Vector3d(1, 0, -1)).norm(), 1e-6);
 }
 
-TEST(SimulatedWorld, NothingIsHitBeyondTheRangeAsked) {
+TEST(SimulatedWorld, NothingIsHitBeyondTheGivenRange) {
   SimulatedWorld world(wall_and_box([](Time) { return turn_z(0, {1000, 0, 0}); }));
   world.prepare(seconds(0), seconds(0.1), Vector3d::Zero(), 120);
   const TimedRay ray{{0, 0, 0}, {1, 0, 0}, seconds(0)};
@@ -137,7 +137,7 @@ TEST(SimulatedWorld, NothingIsHitBeyondTheRangeAsked) {
   EXPECT_TRUE(hit);
 }
 
-TEST(SimulatedWorld, RefusesAShapeThatIsNotThere) {
+TEST(SimulatedWorld, RefusesAnAbsentShape) {
   WorldDescription world = wall_and_box([](Time) { return SE3(); });
   world.statics[0].shape = 2;
   EXPECT_THROW(SimulatedWorld{std::move(world)}, InputError);
@@ -152,7 +152,7 @@ std::string refusal(const std::function<void()>& step) {
   return "";
 }
 
-TEST(SimulatedWorld, RefusesMoversItCannotLabelOrMove) {
+TEST(SimulatedWorld, RefusesInvalidMovers) {
   const auto still = [](Time) { return SE3(); };
   const auto with = [&](auto change) {
     WorldDescription world = wall_and_box(still);
@@ -166,7 +166,7 @@ TEST(SimulatedWorld, RefusesMoversItCannotLabelOrMove) {
   EXPECT_THAT(with([](Mover& m) { m.radius_m = std::nan(""); }), testing::HasSubstr("radius_m"));
 }
 
-TEST(SimulatedWorld, RefusesRaysItIsNotPreparedFor) {
+TEST(SimulatedWorld, RefusesRaysOutsideThePreparedInterval) {
   SimulatedWorld world(wall_and_box([](Time) { return SE3(); }));
   EXPECT_THROW(world.prepare(seconds(1), seconds(0), Vector3d::Zero(), 10), ParameterError);
   EXPECT_THROW(world.prepare(seconds(0), seconds(1), Vector3d::Zero(), -1), ParameterError);
@@ -180,7 +180,7 @@ TEST(SimulatedWorld, RefusesRaysItIsNotPreparedFor) {
   EXPECT_NO_THROW(world.cast({&ray, 1}, 120, {&hit, 1}));
 }
 
-TEST(Mesh, RefusesShapesThatAreNone) {
+TEST(Mesh, RefusesDegenerateShapes) {
   Mesh mesh;
   const Material m = Material::wood;
   EXPECT_THROW(mesh.add_frustum({0, 0, 0}, 1, {0, 0, 1}, 1, 2, m), ParameterError);

@@ -92,7 +92,7 @@ TEST(SampledTrajectory, VelocityIsTheDerivativeOfThePose) {
 }
 
 // What is beyond single precision would come out of detection as NaN, and be no place in any table.
-TEST(SampledTrajectory, PositionsThatCannotBeMetresAreRefused) {
+TEST(SampledTrajectory, PositionsBeyondTheBoundAreRefused) {
   for (const double far_m : {2e8, -1e20, 1e300, std::nan("")}) {
     SCOPED_TRACE(far_m);
     const SE3 T_v0(Eigen::Matrix3d::Identity(), Eigen::Vector3d(0, far_m, 0));
@@ -143,7 +143,7 @@ TEST(GaussianProcessTrajectory, RefusesVelocitiesThatAreNotFiniteAndSegmentsWith
   EXPECT_THROW(KnotSegment(first, first), ParameterError);
 }
 
-TEST(SampledTrajectory, OutsideItsDomainIsAnErrorThatNamesTheTimes) {
+TEST(SampledTrajectory, OutsideItsDomainThrowsAnErrorThatNamesTheTimes) {
   const SampledTrajectory trajectory({{ms(1000), SE3()}, {ms(2000), SE3()}}, Duration::from_seconds(0.5),
                                      "poses.txt");
   EXPECT_NO_THROW((void)trajectory.at(ms(500)));
@@ -289,7 +289,7 @@ TEST(GaussianProcessTrajectory, InterpolatedStateMinimisesThePriorCostForSmallMo
   EXPECT_LT(gradient(0.1), 0.02 * gradient(1));
 }
 
-TEST(Trajectories, ManyInstantsAtOnceAreAsEachByItself) {
+TEST(Trajectories, SampleAgreesWithAtForEveryInstant) {
   std::mt19937 random(6);
   const auto knots = random_knots(random, 4, ms(0));
   const GaussianProcessTrajectory process(knots, "test");

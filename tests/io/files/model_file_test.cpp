@@ -161,7 +161,7 @@ void expect_rays_of_the_formula(const std::filesystem::path& file) {
   }
 }
 
-TEST(VelodyneCalibration, GivesTheRaysItsOwnFormulaGives) {
+TEST(VelodyneCalibration, AgreesWithTheFormulaOfTheCalibration) {
   const std::vector<std::string> files = {"velodyne_ros/64e_s2.1-sztaki.yaml",
                                           "velodyne_ros/64e_s3-xiesc.yaml",
                                           "velodyne_ros/64e_utexas.yaml",
@@ -184,7 +184,7 @@ TEST(VelodyneCalibration, GivesTheRaysItsOwnFormulaGives) {
   }
 }
 
-TEST(VelodyneCalibration, NamedModelsAreTheirCalibrationFiles) {
+TEST(VelodyneCalibration, NamedModelsAgreeWithTheirCalibrationFiles) {
   const std::vector<std::pair<std::string, std::string>> cases = {
       {"HDL-64E-S2", "velodyne_ros/64e_s2.1-sztaki.yaml"},
       {"HDL-64E-S3", "velodyne_ros/64e_s3-xiesc.yaml"},
@@ -232,7 +232,7 @@ TEST(VelodyneCalibration, BadFilesNameFileLineKeyAndValue) {
               HasSubstr("lasers = 1: no Velodyne sensor"));
 }
 
-TEST(ModelFromNameOrFile, TellsThemApart) {
+TEST(ModelFromNameOrFile, DistinguishesNamesAndFiles) {
   const test::TemporaryFolder folder;
   write_file_atomically(folder / "native.yaml", kSensor);
   write_file_atomically(folder / "velodyne.yaml", sixteen_lasers());
@@ -247,7 +247,7 @@ TEST(ModelFromNameOrFile, TellsThemApart) {
   }
 }
 
-TEST(ModelFromNameOrFile, SaysWhatItReadsWhereAFileIsNeither) {
+TEST(ModelFromNameOrFile, NamesTheKnownFormatsForAnotherFile) {
   const test::TemporaryFolder folder;
   for (const char* text : {"{\"beam_altitude_angles\": [1, 2]}", "Laser id,Elevation,Azimuth\n1,14.8,-1\n"}) {
     write_file_atomically(folder / "other", text);

@@ -11,7 +11,7 @@ namespace MAPLESS_FILE {
 using test::TemporaryFolder;
 using test::write_text;
 
-TEST(NumberedFiles, ByNumberWithoutOthers) {
+TEST(NumberedFiles, FindsFilesByNumberAndIgnoresOthers) {
   const TemporaryFolder folder;
   for (const char* name :
        {"0000000012.bin", "000002.bin", "a.bin", "3.txt", "-1.bin", "1x.bin", "000000.bin"}) {
@@ -24,7 +24,7 @@ TEST(NumberedFiles, ByNumberWithoutOthers) {
   EXPECT_EQ(missing_numbers(files), "1, 3 to 11");
 }
 
-TEST(NumberedFiles, RefusesANumberTwiceAndAFolderThatIsNotThere) {
+TEST(NumberedFiles, RefusesDuplicateNumbersAndMissingFolders) {
   const TemporaryFolder folder;
   write_text(folder / "1.bin", "");
   write_text(folder / "01.bin", "");

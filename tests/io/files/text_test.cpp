@@ -17,7 +17,7 @@ std::int64_t ns(std::string_view text) {
   return time ? time->nanoseconds() : INT64_MIN;
 }
 
-TEST(DecimalSeconds, AreExact) {
+TEST(DecimalSeconds, AreParsedExactly) {
   EXPECT_EQ(ns("1317042272.283701593"), 1'317'042'272'283'701'593);
   EXPECT_EQ(ns("0"), 0);
   EXPECT_EQ(ns("-0.5"), -500'000'000);
@@ -73,7 +73,7 @@ TEST(Text, LinesAndWords) {
   EXPECT_EQ(split_words("   "), Parts{});
 }
 
-TEST(ReadLines, WithoutTheirEndsAndEmptyLinesAtTheEnd) {
+TEST(ReadLines, LeavesOutLineEndsAndEmptyLinesAtTheEnd) {
   const TemporaryFolder folder;
   write_text(folder / "t.txt", "a\r\n\nb\n\n\n");
   EXPECT_EQ(read_lines(folder / "t.txt"), (std::vector<std::string>{"a", "", "b"}));

@@ -77,7 +77,7 @@ TEST_F(TrajectoryFile, ReadsKittiRowsAtTheTimesOfTheScans) {
   EXPECT_LT((T_0v * Eigen::Vector3d(10, 0, 0) - Eigen::Vector3d(1, 12, 3)).norm(), 1e-12);
 }
 
-TEST_F(TrajectoryFile, TheDirectionIsAsStated) {
+TEST_F(TrajectoryFile, UsesTheStatedDirection) {
   const std::string text = "0 1 2 3 0 0 0.70710678118654757 0.70710678118654757\n1 1 2 3 0 0 0 1\n";
   const SE3 T_0v = read(text).poses()[0].T_v0.inverse();
   options_.direction = PoseDirection::sensor_from_world;
@@ -86,7 +86,7 @@ TEST_F(TrajectoryFile, TheDirectionIsAsStated) {
 
 // A camera looks along z with x to the right. A car that drives 5 m ahead moves the camera by 5 m along z;
 // the sensor, x ahead, by 5 m along x; a turn to the left is about -y for the camera, about z for the sensor.
-TEST_F(TrajectoryFile, CameraPosesBecomeThoseOfTheSensor) {
+TEST_F(TrajectoryFile, ConvertsCameraPosesToSensorPoses) {
   scans_at({0, 1, 2});
   Eigen::Matrix3d C_cam_sensor;
   C_cam_sensor << 0, -1, 0, 0, 0, -1, 1, 0, 0;
@@ -124,7 +124,7 @@ TEST_F(TrajectoryFile, RefusesBadQuaternions) {
   EXPECT_THAT(refusal("0 0 0 0 0 0 0 1.1\n1 0 0 0 0 0 0 1\n"), HasSubstr("norm 1.1"));
 }
 
-TEST_F(TrajectoryFile, RefusesWhatIsNotAFiniteNumber) {
+TEST_F(TrajectoryFile, RefusesTextThatIsNotAFiniteNumber) {
   EXPECT_THAT(refusal("0 0 nan 0 0 0 0 1\n1 0 0 0 0 0 0 1\n"),
               AllOf(HasSubstr("pose row 0, number 3 = nan"), HasSubstr("finite")));
   EXPECT_THAT(refusal("0 0 0 0 0 0 0 1\ninf 0 0 0 0 0 0 1\n"), HasSubstr("number 1 = inf"));
@@ -148,7 +148,7 @@ TEST_F(TrajectoryFile, RefusesTimesThatDoNotIncrease) {
               AllOf(HasSubstr("poses.txt:3"), HasSubstr("pose row 1, time")));
 }
 
-TEST_F(TrajectoryFile, RefusesACountOfKittiRowsThatIsNotThatOfTheScans) {
+TEST_F(TrajectoryFile, RefusesANumberOfKittiRowsOtherThanThatOfTheScans) {
   scans_at({0, 0.1, 0.2});
   const std::string row = kIdentityRow;
   EXPECT_THAT(refusal(row + row),
@@ -158,7 +158,7 @@ TEST_F(TrajectoryFile, RefusesACountOfKittiRowsThatIsNotThatOfTheScans) {
   EXPECT_NO_THROW((void)read(row + row + row));
 }
 
-TEST_F(TrajectoryFile, RefusesMatricesThatAreNoRotation) {
+TEST_F(TrajectoryFile, RefusesMatricesThatAreNotRotations) {
   scans_at({0, 0.1});
   const std::string row = kIdentityRow;
   EXPECT_THAT(refusal(row + "1 0 0 0 0 1 0 0 0 0 1.01 0\n"),
@@ -175,7 +175,7 @@ TEST_F(TrajectoryFile, RefusesEmptyAndMissingFilesAndSinglePoses) {
   EXPECT_THROW((void)read_trajectory_file(folder_.path(), options_), InputError);
 }
 
-TEST_F(TrajectoryFile, WhatIsWrittenReadsBackTheSame) {
+TEST_F(TrajectoryFile, ReadsBackTheWrittenPoses) {
   for (unsigned seed = 0; seed < 5; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     std::mt19937 random(seed);
@@ -201,7 +201,7 @@ TEST_F(TrajectoryFile, WhatIsWrittenReadsBackTheSame) {
   }
 }
 
-TEST_F(TrajectoryFile, WritersSayWhenTheyCannot) {
+TEST_F(TrajectoryFile, WritersThrowIfTheyCannotWrite) {
   EXPECT_THROW(write_kitti_poses(folder_ / "no" / "poses.txt", {}), OutputError);
   EXPECT_THROW(write_tum_trajectory(folder_ / "no" / "poses.txt", {}), OutputError);
 }

@@ -31,7 +31,7 @@ std::shared_ptr<const Path> straight(double length) {
   return std::make_shared<Path>(std::vector<Vector2d>{{0, 0}, {length, 0}});
 }
 
-TEST(Scene, EveryOneHasMoversWithNumbersOfTheirOwnAndASensorThatStaysInside) {
+TEST(Scene, EverySceneHasMoversWithUniqueNumbersAndPosesAt200Hz) {
   for (const std::string& name : scene_names()) {
     SCOPED_TRACE(name);
     const Scene scene = make_scene(name, lasting(1));
@@ -50,7 +50,7 @@ TEST(Scene, EveryOneHasMoversWithNumbersOfTheirOwnAndASensorThatStaysInside) {
   }
 }
 
-TEST(Scene, ALongerDurationOnlyContinuesTheShorterOne) {
+TEST(Scene, ALongerDurationContinuesTheShorterOne) {
   for (const std::string& name : scene_names()) {
     SCOPED_TRACE(name);
     const Scene brief = make_scene(name, lasting(2));
@@ -69,7 +69,7 @@ TEST(Scene, ALongerDurationOnlyContinuesTheShorterOne) {
   }
 }
 
-TEST(Scene, AnotherSeedIsAnotherWorld) {
+TEST(Scene, AnotherSeedGivesAnotherWorld) {
   for (const char* name : {"town2", "highway", "tunnel", "flyer"}) {
     SCOPED_TRACE(name);
     const Scene a = make_scene(name, lasting(1, 1));
@@ -81,7 +81,7 @@ TEST(Scene, AnotherSeedIsAnotherWorld) {
   }
 }
 
-TEST(Scene, WorldFrameIsTurnedUnlessAskedOtherwise) {
+TEST(Scene, TheWorldFrameIsRotatedByDefault) {
   SceneOptions options = lasting(1);
   const Scene turned = make_scene("flyer", options);
   options.arbitrary_world = false;
@@ -100,12 +100,12 @@ TEST(Scene, UnknownNamesAndDurationsAreRefused) {
   EXPECT_THROW((void)make_scene("town1", lasting(std::nan(""))), ParameterError);
 }
 
-TEST(Scene, TheTownsHaveTheRoadsOfThePaper) {
+TEST(Scene, TheTownsHaveTheRoadLengthsOfThePaper) {
   EXPECT_DOUBLE_EQ(town1_plan().road_length_m(), 2900);
   EXPECT_DOUBLE_EQ(town2_plan().road_length_m(), 1900);
 }
 
-TEST(Walker, PlantedFootStandsStillAndTheOtherMovesOn) {
+TEST(Walker, ThePlantedFootIsStaticAndTheOtherMoves) {
   constexpr double kStride = 1.4;
   for (double s = 0.01; s < 0.49 * kStride; s += 0.02) {
     const Vector2d before = foot_of_walker(s, kStride, false) + Vector2d(s, 0);

@@ -24,7 +24,7 @@ std::shared_ptr<const Path> straight(double length) {
   return std::make_shared<Path>(std::vector<Vector2d>{{0, 0}, {length, 0}});
 }
 
-TEST(Traffic, FollowersStopBehindAStandingLeaderAndLightsAreObeyed) {
+TEST(Traffic, FollowersStopBehindAStoppedLeaderAndAtRedLights) {
   RoadUser leader{ObjectClass::car, straight(2000), 150, 0.01, 2.7, 0};
   RoadUser follower{ObjectClass::car, straight(2000), 0, 14, 2.7, 0};
   const auto tracks = drive_all({leader, follower}, {}, flat(), 60, 1);
@@ -56,7 +56,7 @@ double closest(const Track& a, const Track& b, double duration_s) {
   return least;
 }
 
-TEST(Traffic, WhoTurnsLeftLetsOncomingTrafficPass) {
+TEST(Traffic, VehiclesThatTurnLeftYieldToOncomingTraffic) {
   const Junction junction{{0, 0}, 10.5, 0};  // green along x for 15 s from the start
   const RoadUser turning{ObjectClass::car, left_turn(), 95, 10, 2.7, 0};
   const auto westwards = std::make_shared<Path>(std::vector<Vector2d>{{150, 1.75}, {-150, 1.75}});
@@ -70,7 +70,7 @@ TEST(Traffic, WhoTurnsLeftLetsOncomingTrafficPass) {
   EXPECT_GT(alone[0]->distance_m(12), tracks[0]->distance_m(12) + 3);
 }
 
-TEST(Traffic, PeopleCrossOnTheirLightAndTurningVehiclesWaitForThem) {
+TEST(Traffic, PedestriansCrossAtGreenAndTurningVehiclesWaitForThem) {
   const Junction junction{{0, 0}, 10.5, 0};
   const RoadUser turning{ObjectClass::car, left_turn(), 95, 10, 2.7, 0};
   // Walks east across the street to the north, 7 m from the middle of the junction.
@@ -89,7 +89,7 @@ TEST(Traffic, PeopleCrossOnTheirLightAndTurningVehiclesWaitForThem) {
   EXPECT_GT(waiting[0]->distance_m(60), 30);
 }
 
-TEST(Traffic, WalkersWhoMeetStepAside) {
+TEST(Traffic, PedestriansWhoMeetEvadeEachOther) {
   const auto east = std::make_shared<Path>(std::vector<Vector2d>{{0, 0}, {60, 0}});
   const auto west = std::make_shared<Path>(std::vector<Vector2d>{{60, 0}, {0, 0}});
   const auto tracks =

@@ -57,7 +57,7 @@ TEST_F(KittiCalibrationFile, RefusesBadCalibrations) {
   EXPECT_THROW((void)read_kitti_calibration(folder_ / "absent.txt"), InputError);
 }
 
-TEST_F(KittiCalibrationFile, ReadsThatOfARealDrive) {
+TEST_F(KittiCalibrationFile, ReadsTheCalibrationOfARealDrive) {
   const auto date = test::shared_data("kitti_raw/2011_09_26");
   const auto file = date / "calib_velo_to_cam.txt";
   MAPLESS_SKIP_WITHOUT(file);

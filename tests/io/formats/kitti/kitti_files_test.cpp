@@ -12,19 +12,19 @@ namespace MAPLESS_FILE {
 using test::TemporaryFolder;
 using test::write_text;
 
-TEST(ParseDateTime, ToTheNanosecond) {
+TEST(ParseDateTime, IsExactToTheNanosecond) {
   // date -u -d '2011-09-26 13:04:32' +%s
   EXPECT_EQ(parse_date_time("2011-09-26 13:04:32.283701593", "f:1").nanoseconds(), 1317042272283701593);
   EXPECT_EQ(parse_date_time("1970-01-01 00:00:00.5", "f:1").nanoseconds(), 500000000);
   EXPECT_EQ(parse_date_time("1970-01-01 00:00:01", "f:1").nanoseconds(), 1000000000);
 }
 
-TEST(ParseDateTime, AcrossMidnightAndTheEndOfFebruary) {
+TEST(ParseDateTime, CrossesMidnightAndTheEndOfFebruary) {
   const Time before = parse_date_time("2012-02-29 23:59:59.999999999", "f:1");
   EXPECT_EQ((parse_date_time("2012-03-01 00:00:00.000000001", "f:2") - before).nanoseconds(), 2);
 }
 
-TEST(ParseDateTime, RefusesAnythingElse) {
+TEST(ParseDateTime, RefusesOtherText) {
   for (const char* text : {"", "2011-09-26", "2011-09-26 13:04", "2011-13-26 13:04:32", "2011-02-30 13:04:32",
                            "2011-09-26 24:04:32", "2011-09-26 13:04:32.", "2011-09-26 13:04:32.1x",
                            "1317042272.28", "2011-09-26 13:04:32.1234567890", "9999-01-01 00:00:00"}) {

@@ -120,7 +120,7 @@ using SensorAndSpin = std::tuple<const char*, SpinDirection>;
 
 class PcdSensorOf : public ::testing::TestWithParam<SensorAndSpin> {};
 
-TEST_P(PcdSensorOf, RingsAndTimesOfTheFilesGiveLasersAndSpin) {
+TEST_P(PcdSensorOf, RingsAndTimesOfTheFilesGiveLasersAndRotation) {
   const auto [name, direction] = GetParam();
   const auto truth = sensor(name, direction);
   Recording recording;
@@ -168,7 +168,7 @@ INSTANTIATE_TEST_SUITE_P(Sensors, PcdSensorOf,
                                             ::testing::Values(SpinDirection::clockwise,
                                                               SpinDirection::counter_clockwise)));
 
-TEST(PcdSensor, ALaserThatSawNothingLiesBetweenItsNeighbours) {
+TEST(PcdSensor, ALaserWithoutReturnsIsPlacedBetweenItsNeighbours) {
   const auto truth = sensor("VLP-16", SpinDirection::clockwise);
   Recording recording;
   record(truth, Stored::with_rings, true, recording);
@@ -188,7 +188,7 @@ TEST(PcdSensor, ALaserThatSawNothingLiesBetweenItsNeighbours) {
   expect_own_rays(dataset->read(0), recording.scans[0], 1e-8);
 }
 
-TEST(PcdSensor, WithoutTimesTheSpinIsClockwiseAndTheNotesSaySo) {
+TEST(PcdSensor, WithoutTimesTheRotationIsClockwiseAndTheNotesSaySo) {
   LidarModel model = named_model("VLP-16");
   model.start_azimuth_rad = kPi;
   Recording recording;
@@ -236,7 +236,7 @@ std::string refusal(const fs::path& folder) {
   return "accepted";
 }
 
-TEST(PcdSensor, AsksForTheSensorWhereNoRingsAreFound) {
+TEST(PcdSensor, SuggestsToNameTheSensorIfNoRingsAreFound) {
   const auto truth = sensor("VLP-16", SpinDirection::clockwise);
   Recording recording;
   record(truth, Stored::in_firing_order, true, recording);

@@ -110,7 +110,7 @@ TEST(Pcd, ReadsCompressed) {
               HasSubstr("44 bytes uncompressed"));
 }
 
-TEST(Pcd, LzfCopiesMayOverlapAndNeverLeaveTheirBounds) {
+TEST(Pcd, LzfHandlesOverlappingCopiesAndStaysWithinBounds) {
   std::string out;
   // "ab", then 6 bytes from 2 back, then 7 + 3 + 2 = 12 bytes from 1 back.
   const std::string in(
@@ -195,7 +195,7 @@ TEST(Pcd, BadHeadersNameFileKeyAndValue) {
   EXPECT_THAT(broken("DATA ascii", "DATA hex"), HasSubstr("DATA = hex"));
 }
 
-TEST(Pcd, CutOffBodiesAreRefused) {
+TEST(Pcd, TruncatedBodiesAreRefused) {
   const std::string ascii = std::string(kHeader) + kAsciiBody, binary = kHeader + binary_body();
   EXPECT_EQ(refusal(binary), "accepted");
   EXPECT_THAT(refusal(binary.substr(0, binary.size() - 1)),
