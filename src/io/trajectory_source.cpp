@@ -23,7 +23,7 @@ std::string name_of(const std::array<std::string_view, N>& names, Enum value) {
   return std::string(names.at(static_cast<std::size_t>(value)));
 }
 
-// KITTI rows are 12 numbers without a time: the first row tells.
+// True for KITTI rows: 12 numbers without a time in the first row.
 bool has_one_row_per_scan(const std::string& text) {
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);) {
@@ -135,7 +135,7 @@ void require_coverage(const Dataset& dataset, const Trajectory& trajectory, std:
   for (std::size_t k = first; k < first + count; ++k) {
     const Time start = dataset.scan_start(k);
     const Time end = dataset.scan_end(k);
-    // The end of a scan is one column after its last firing, which is all that is asked for.
+    // The end of a scan is one column period after its last column, the last instant that is evaluated.
     const Time last_column = end - Duration::from_nanoseconds((end - start).nanoseconds() / columns);
     if (start >= trajectory.begin() && last_column <= trajectory.end()) continue;
     throw TrajectoryDomainError(

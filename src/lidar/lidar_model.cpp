@@ -114,7 +114,7 @@ void validate(const LidarModel& model, const std::string& source) {
     if (i > 0 && model.lasers[i].elevation_rad < model.lasers[i - 1].elevation_rad) {
       refuse(source, fmt::format("laser {} elevation", i),
              fmt::format("{} rad", model.lasers[i].elevation_rad),
-             fmt::format("below the laser before it ({} rad): lasers go by increasing elevation",
+             fmt::format("below the laser before it ({} rad): lasers are sorted by increasing elevation",
                          model.lasers[i - 1].elevation_rad));
     }
   }

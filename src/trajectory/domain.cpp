@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "core/number_text.hpp"
 #include "core/rotation_check.hpp"
 #include <mapless/core/errors.hpp>
 
@@ -11,23 +12,13 @@ namespace {
 // Twice the circumference of the Earth and more: geocentric and map coordinates lie within.
 constexpr double kFarthest_m = 1e8;
 
-// Seconds with all nine decimals.
-std::string seconds_text(Time t) {
-  constexpr std::uint64_t kNanosecondsPerSecond = 1'000'000'000;
-  const std::int64_t ns = t.nanoseconds();
-  // The magnitude of the most negative time does not fit the signed type.
-  const std::uint64_t magnitude = ns < 0 ? -static_cast<std::uint64_t>(ns) : static_cast<std::uint64_t>(ns);
-  return fmt::format("{}{}.{:09}", ns < 0 ? "-" : "", magnitude / kNanosecondsPerSecond,
-                     magnitude % kNanosecondsPerSecond);
-}
-
 }  // namespace
 
 void require_covered(Time t, Time begin, Time end, const std::string& source) {
   if (begin <= t && t <= end) return;
   throw TrajectoryDomainError(
-      {source, "time", seconds_text(t) + " s",
-       fmt::format("the trajectory covers {} s to {} s", seconds_text(begin), seconds_text(end)),
+      {source, "time", decimal_seconds(t) + " s",
+       fmt::format("the trajectory covers {} s to {} s", decimal_seconds(begin), decimal_seconds(end)),
        "give a trajectory of the whole recording, choose fewer scans or allow more extrapolation"});
 }
 
@@ -53,8 +44,8 @@ void PoseChecks::finish() const {
 
 void PoseChecks::require_later(Time t) const {
   if (count_ == 0 || t > last_) return;
-  throw InputError({source_, fmt::format("time of {} {}", item_, count_), seconds_text(t) + " s",
-                    fmt::format("not after the {} before it at {} s", item_, seconds_text(last_)),
+  throw InputError({source_, fmt::format("time of {} {}", item_, count_), decimal_seconds(t) + " s",
+                    fmt::format("not after the {} before it at {} s", item_, decimal_seconds(last_)),
                     fmt::format("give every {} once, in order of time", item_)});
 }
 

@@ -17,7 +17,7 @@ struct Points {
   std::vector<std::uint32_t> truth, result;
   std::vector<float> ranges_m;
 
-  // `count` points of a true object (0: of what stands), called moving as object `number` (0: not).
+  // `count` points of a true object (0: static points), labelled dynamic as object `number` (0: static).
   Points& add(int count, std::uint32_t id, std::uint32_t number, float range_m = 10) {
     for (int i = 0; i < count; ++i) {
       truth.push_back(id != 0 ? kLabelDynamic | id << 16 : kLabelStatic);

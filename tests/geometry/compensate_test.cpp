@@ -32,7 +32,7 @@ ScrewTrajectory fast_turn() {
           kStart + Duration::from_seconds(0.2)};
 }
 
-// Ranges that vary from ray to ray, up to 100 m: compensation does not care what was hit.
+// Ranges that vary from ray to ray, up to 100 m: compensation does not depend on the surfaces.
 std::optional<double> some_range(const Eigen::Vector3d&, const Eigen::Vector3d& direction_0) {
   const double range = 50 + 50 * std::sin(97 * direction_0.x() + 13 * direction_0.y());
   return range < 2 ? std::nullopt : std::optional(range);

@@ -147,7 +147,7 @@ TEST(RestoreMeasuredRays, HandlesLasersOffTheAxisAndLateFirings) {
   }
 }
 
-// Cells that said why nothing came back go on saying so.
+// Cells without a return keep their code.
 TEST(RestoreMeasuredRays, KeepsTheCodesOfEmptyCells) {
   const ScrewTrajectory trajectory = driving(0, 0);
   LidarScan measured = cast_rays(awkward_model(4, 400), kStart, trajectory, some_range);

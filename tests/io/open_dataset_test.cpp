@@ -46,7 +46,7 @@ TEST(OpenDataset, RefusesAFolderWithTwoFormats) {
   const std::string text = refusal(folder.path());
   EXPECT_THAT(text, HasSubstr("kitti-raw, kitti"));
   EXPECT_THAT(text, HasSubstr("--format"));
-  // Named, it is read as what it is said to be.
+  // A named format is read as such.
   EXPECT_THAT(refusal(folder.path(), "kitti-raw"), HasSubstr("timestamps_start.txt"));
   EXPECT_THAT(refusal(folder.path(), "kitti"), HasSubstr("times.txt"));
 }

@@ -127,7 +127,7 @@ TEST(SequenceWriter, NamesEveryObjectOnce) {
 }
 
 /// A car-sized box 10 m ahead of a standing sensor at the origin, one far above it, both 3 m/s along y and
-/// turning about z; told in a frame whose x, y, z are the level y, z, x.
+/// turning about z; the world frame of the recording has x, y, z along the level y, z, x.
 Scene two_boxes() {
   Scene scene;
   scene.world.shapes.resize(1);

@@ -79,7 +79,7 @@ TEST(SimulatedWorld, HitsAgreeWithClosedFormGeometryAtTheRaysOwnTime) {
     const TimedRay ray = random_ray(random);
     const SE3 T_0b = motion(ray.time);
     const auto box = enter_box(T_0b, ray);
-    // A ray within 2 mm of an edge may be told either way.
+    // A ray within 2 mm of an edge may hit or miss.
     TimedRay beside = ray;
     bool sure = true;
     for (const double shift : {-0.002, 0.002}) {

@@ -24,7 +24,8 @@ std::uint64_t splitmix(std::uint64_t x) {
   return x ^ (x >> 31);
 }
 
-/// A standard normal number that depends on the ray alone, so that it is the same whoever computes it.
+/// A standard normal number that depends on the ray alone, so that it does not depend on the order of
+/// computation.
 double normal_number(std::uint64_t seed, int scan, std::size_t record) {
   const std::uint64_t a = splitmix(splitmix(seed ^ splitmix(static_cast<std::uint64_t>(scan))) + record);
   const double u = (static_cast<double>(a >> 11) + 1) * 0x1p-53;

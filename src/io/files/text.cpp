@@ -1,10 +1,7 @@
 #include "io/files/text.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cstdint>
-
-#include <fmt/format.h>
 
 #include <mapless/io/files.hpp>
 
@@ -12,15 +9,6 @@ namespace mapless::inline v1 {
 namespace {
 
 constexpr std::string_view kBlanks = " \t\r\v\f";
-
-template <class Number>
-std::optional<Number> parse_number(std::string_view text) {
-  if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.remove_prefix(1);
-  Number number{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return number;
-}
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
@@ -83,12 +71,6 @@ std::optional<Time> parse_decimal_seconds(std::string_view text) {
   const std::optional<std::int64_t> ns = to_integer(std::move(*decimal));
   if (!ns || *ns > kLargestNs) return std::nullopt;
   return Time::from_nanoseconds(negative ? -*ns : *ns);
-}
-
-std::string decimal_seconds(Time time) {
-  const std::int64_t ns = time.nanoseconds();
-  const std::uint64_t magnitude = ns < 0 ? -static_cast<std::uint64_t>(ns) : static_cast<std::uint64_t>(ns);
-  return fmt::format("{}{}.{:09}", ns < 0 ? "-" : "", magnitude / 1'000'000'000, magnitude % 1'000'000'000);
 }
 
 std::optional<double> parse_double(std::string_view text) { return parse_number<double>(text); }

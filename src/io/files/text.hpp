@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/number_text.hpp"
 #include <mapless/core/time.hpp>
 
 namespace mapless::inline v1 {
@@ -14,8 +15,6 @@ namespace mapless::inline v1 {
 /// round half away from 0. Nothing for text that is not one number, or beyond 126 years. (A double resolves
 /// 0.2 microseconds.)
 [[nodiscard]] std::optional<Time> parse_decimal_seconds(std::string_view text);
-/// The inverse of parse_decimal_seconds, with nine decimals.
-[[nodiscard]] std::string decimal_seconds(Time time);
 
 /// The whole text as a number (inf and nan included), or nothing.
 [[nodiscard]] std::optional<double> parse_double(std::string_view text);

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t kTumNumbers = 8;
 constexpr std::size_t kKittiNumbers = 12;
-// One row of the file, and where it stands, for messages.
+// One row of the file and its position, for messages.
 struct Row {
   std::string where;  // file:line
   std::string field;  // "pose row 17", from 0, as scans are counted

@@ -47,7 +47,7 @@ TEST(AtomicFile, WritesLargeFilesCompletely) {
   bytes.back() = 'y';
   write_file_atomically(folder / "f", bytes);
   EXPECT_EQ(read_whole_file(folder / "f"), bytes);
-  EXPECT_FALSE(read_whole_file("/proc/self/status").empty());  // a file that says its size is 0
+  EXPECT_FALSE(read_whole_file("/proc/self/status").empty());  // a file whose reported size is 0
 }
 
 TEST(AtomicFile, FailureNamesTheFileAndLeavesNothing) {

@@ -107,7 +107,7 @@ TEST(SensorYaml, BadFilesNameFileLineKeyAndValue) {
   EXPECT_THAT(broken("direction: -1", "direction: 0"), HasSubstr("direction = 0"));
   EXPECT_THAT(broken("columns: 360", "columns: 36.5"), HasSubstr("columns = 36.5"));
   EXPECT_THAT(broken("columns: 360", "columns: 99999999999999999999"), HasSubstr("not an integer"));
-  // Memory for a thousand million columns, or a turn of no length, is not asked for.
+  // A thousand million columns, or a turn without duration, are refused before memory is allocated.
   EXPECT_THAT(broken("columns: 360", "columns: 1000000000"), HasSubstr("columns = 1000000000: more than"));
   EXPECT_THAT(broken("rate_hz: 10", "rate_hz: 1e-300"), HasSubstr("rate_hz = 1e-300: not from"));
   EXPECT_THAT(broken("rate_hz: 10", "rate_hz: 1e300"), HasSubstr("rate_hz = 1e+300: not from"));

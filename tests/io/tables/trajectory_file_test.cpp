@@ -213,7 +213,7 @@ TEST_F(TrajectoryFile, ReadsARealDrive) {
   for (int k = 0; k < 50; ++k) options_.row_times.push_back(Time::from_seconds(0.1 * k));
   const SampledTrajectory trajectory = read_trajectory_file(file, options_);
   ASSERT_EQ(trajectory.poses().size(), 50u);
-  // 3 to 7 m/s ahead, says the recording's own note.
+  // 3 to 7 m/s forward, by the note of the recording.
   for (int k = 0; k < 49; ++k) {
     const Vector6d varpi = trajectory.at(Time::from_seconds(0.1 * k + 0.05)).varpi;
     EXPECT_GT(-varpi[0], 2.5) << k;

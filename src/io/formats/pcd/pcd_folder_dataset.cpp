@@ -70,8 +70,8 @@ std::vector<Time> times_of_points(const std::vector<fs::path>& files) {
     const PcdPoints points = read_pcd_points(file);
     const std::optional<std::int64_t> first = points.first_time_ns();
     if (!first || !points.times_are_absolute) {
-      throw InputError({file.string(), "start", "", "nothing says when the scan was recorded",
-                        "put a times.txt beside the scans: the start of one scan in seconds a line"});
+      throw InputError({file.string(), "start", "", "the scan has no time",
+                        "put a times.txt beside the scans: the start of each scan in seconds, one per line"});
     }
     times.push_back(Time::from_nanoseconds(*first));
   }
@@ -113,11 +113,11 @@ void require_fit(double misfit, double largest, const LidarModel& model, const s
   throw InputError(
       {source, "sensor", model.name,
        fmt::format("half of the points lie more than {:.2f} laser spacings off its beams", misfit),
-       "name the sensor the recording is of, or its calibration file"});
+       "name the sensor of the recording, or its calibration file"});
 }
 
-// Moves each column, known but for whole turns, to the turn the point's time tells, with column 0 at the
-// earliest point, and gives the scan a model that starts there: scans may begin anywhere.
+// Moves each column, known modulo a turn, to the turn of the point's time, with column 0 at the earliest
+// point, and gives the scan a model that starts there: scans may begin at any azimuth.
 void unwind(LidarScan& scan, std::vector<LidarRecord>& records, const PcdPoints& points,
             std::int64_t first_ns) {
   const auto model = std::make_shared<LidarModel>(*scan.model);
@@ -156,7 +156,7 @@ class PcdFolderDataset final : public Dataset {
     } else {
       model_ = std::make_shared<LidarModel>(model_from_name_or_file(options.sensor));
     }
-    notes_.push_back("points are taken as measured, not motion-compensated: PCD files do not say");
+    notes_.push_back("points are taken as measured, not motion-compensated: PCD files do not define this");
     find_turn();
     labels_ = options.labels.empty() ? folder / "labels" : options.labels;
     if (!options.labels.empty() && !fs::is_directory(labels_)) {

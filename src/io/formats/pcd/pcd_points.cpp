@@ -52,7 +52,7 @@ std::vector<std::int64_t> seconds_as_ns(const PcdCloud& cloud, const PcdField& f
       refuse("not a time in seconds", "record seconds, or integers of ns");
     out[i] = Duration::from_seconds(seconds[i]).nanoseconds();
     if (field.size == 4 && out[i] >= kAbsoluteFromNs) {
-      refuse("an absolute time in 4 bytes, which cannot tell two seconds apart",
+      refuse("an absolute time in 4 bytes, which does not resolve a second",
              "record times since the scan's start, or 8 bytes");
     }
   }

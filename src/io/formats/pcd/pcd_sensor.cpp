@@ -34,7 +34,7 @@ constexpr double kUsual_hz = 10;
 constexpr double kLargestMisfit = 0.15;
 
 [[noreturn]] void ask_for_sensor(const std::string& folder, const std::string& why) {
-  throw InputError({folder, "sensor", "", "PCD files do not say which sensor they are of, and " + why,
+  throw InputError({folder, "sensor", "", "PCD files do not name their sensor, and " + why,
                     "name it with --sensor, or give its calibration file"});
 }
 
@@ -113,8 +113,7 @@ std::vector<std::int64_t> rings_of_scans(const std::vector<PcdPoints>& scans, Pc
   std::vector<std::int64_t> rings;
   for (const auto& [slope, number] : by_slope) rings.push_back(number);
   if (rings.size() < kFewestRings) {
-    ask_for_sensor(folder,
-                   fmt::format("its points show {} rings, from which it cannot be told", rings.size()));
+    ask_for_sensor(folder, fmt::format("its points show {} rings, too few to estimate it", rings.size()));
   }
   if (source != PcdRingSource::order) add_unseen_rings(rings);
   return rings;
@@ -169,7 +168,7 @@ std::optional<double> rate_of_starts_hz(const std::vector<Time>& starts) {
   return rate >= kSlowest_hz && rate <= kFastest_hz ? std::optional(rate) : std::nullopt;
 }
 
-// Rate and direction, and the note that says where they come from.
+// Sets rate and direction in `options`; returns the note on their source.
 std::string take_spin(const std::vector<TimedCloud>& clouds, const std::vector<Time>& starts,
                       const std::string& folder, ModelEstimationOptions& options) {
   if (const std::optional<double> spin = spin_rate_hz(clouds)) {

@@ -75,7 +75,7 @@ void write_recording(const fs::path& folder, int scans = 2) {
   writer.finish({});
 }
 
-// What is said of a recording after `damage` was done to it.
+// The error of opening and reading a recording after `damage`.
 std::string refusal(const std::function<void(const fs::path&)>& damage, const DatasetOptions& options = {}) {
   const test::TemporaryFolder folder;
   write_recording(folder / "r");

@@ -205,7 +205,7 @@ TEST(PcdSensor, WithoutTimesTheRotationIsClockwiseAndTheNotesSaySo) {
                          1e-9 * recording.scans[1].records[r.input_index].time_ns;
     late += std::abs(off_s) > 2 * scan.column_period.seconds() ? 1 : 0;
   }
-  // A scan's first and last column touch: which of them a point at the seam is of cannot be told.
+  // The first and the last column of a scan are adjacent: a point at the seam may belong to either.
   EXPECT_LE(late, 2 * model.lasers.size());
 }
 

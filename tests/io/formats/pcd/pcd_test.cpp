@@ -125,7 +125,7 @@ TEST(Pcd, LzfHandlesOverlappingCopiesAndStaysWithinBounds) {
   EXPECT_FALSE(lzf_decompress(in, 21, out));
   EXPECT_FALSE(lzf_decompress(std::string_view(in).substr(0, 7), 20, out));
   EXPECT_FALSE(lzf_decompress(std::string("\x20\x05", 2), 3, out));
-  // A size no input can make is refused before memory is asked for: this much there is not.
+  // A size that no input can give is refused before memory is allocated.
   EXPECT_FALSE(lzf_decompress(in, std::size_t{1} << 60, out));
   std::mt19937 rng(3);
   for (int i = 0; i < 2000; ++i) {
