@@ -3,6 +3,10 @@
 #include <stdexcept>
 #include <string>
 
+/// The library is compiled with hidden symbols. Exceptions need visible type information to be caught by type
+/// outside a shared library.
+#define MAPLESS_EXCEPTION __attribute__((visibility("default")))
+
 namespace mapless::inline v1 {
 
 /// What is wrong with one piece of outside input. Every member may be empty except `problem`.
@@ -16,7 +20,7 @@ struct ErrorDetail {
 
 /// Base of every error that outside input can cause. what() is one line without control characters:
 /// "where: field = value: problem; remedy". Parts longer than 200 bytes are shortened there.
-class Error : public std::runtime_error {
+class MAPLESS_EXCEPTION Error : public std::runtime_error {
  public:
   explicit Error(ErrorDetail detail);
   [[nodiscard]] const ErrorDetail& detail() const { return detail_; }
@@ -26,22 +30,22 @@ class Error : public std::runtime_error {
 };
 
 /// A file, scan or trajectory that cannot be used: truncated, not finite, inconsistent, absent.
-class InputError : public Error {
+class MAPLESS_EXCEPTION InputError : public Error {
   using Error::Error;
 };
 
 /// A parameter, argument or option that is unknown, of the wrong type, or out of bounds.
-class ParameterError : public Error {
+class MAPLESS_EXCEPTION ParameterError : public Error {
   using Error::Error;
 };
 
 /// A trajectory evaluated at an instant that it does not cover.
-class TrajectoryDomainError : public Error {
+class MAPLESS_EXCEPTION TrajectoryDomainError : public Error {
   using Error::Error;
 };
 
 /// A result that could not be written: no permission, disk full, file exists.
-class OutputError : public Error {
+class MAPLESS_EXCEPTION OutputError : public Error {
   using Error::Error;
 };
 
