@@ -15,25 +15,21 @@ namespace mapless::inline v1 {
 struct Detection;
 struct TrackedObject;
 
-/// The folder that a run of the detector writes. Scan numbers are those of the recording, from 0, with six
-/// digits:
+/// The folder that a run of the detector writes. Scan numbers are those of the recording, from 0, six digits:
 ///
-///     labels/NNNNNN.label   one uint32 per input record, in input order (io/labels.hpp): 251 for a dynamic
-///     point,
-///                           with the label_number of its object in the high 16 bits; 9 for a static point; 0
-///                           for a record without a return
+///     labels/NNNNNN.label   one uint32 per input record, in input order (io/labels.hpp): 251 for a
+///                           dynamic point, with the label_number of its object in the high 16 bits;
+///                           9 for a static point; 0 for a record without a return
 ///     objects.csv           one row per tracked object and scan: id, position, size, velocity
-///     (io/object_tables.hpp) stages/NNNNNN.stages  one uint8 per input record: bit s is 1 if the point is
-///     dynamic after stage s
-///                           (detection/stages.hpp); 0 for a record without a return
+///                           (io/object_tables.hpp)
+///     stages/NNNNNN.stages  one uint8 per input record: bit s is 1 if the point is dynamic after
+///                           stage s (detection/stages.hpp); 0 for a record without a return
 ///     poses_kitti.txt       T_0v (world from sensor) at the start of each labelled scan, 12 numbers per row
-///     trajectory.txt        TUM rows at the same instants, at nine more within each of these scans, and at
-///     the end
-///                           of the last one
+///     trajectory.txt        TUM rows at the same instants, at nine more within each of these scans, and
+///                           at the end of the last one
 ///     config.yaml           the value of every parameter of the run; `--config` reads it
-///     summary.json          input, parameters and statistics of the run; "complete" is false until the last
-///     scan is
-///                           labelled
+///     summary.json          input, parameters and statistics of the run; "complete" is false until the
+///                           last scan is labelled
 ///
 /// Files are written atomically, except objects.csv: it grows by all rows of a scan at once, before the
 /// labels of that scan are written. If a run is stopped, every file in the folder is complete.

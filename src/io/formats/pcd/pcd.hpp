@@ -37,8 +37,7 @@ struct PcdCloud {
   [[nodiscard]] const PcdField& require(std::string_view name) const;
   /// The first number of a field, for every point.
   [[nodiscard]] std::vector<float> floats(const PcdField& field) const;
-  [[nodiscard]] std::vector<double> doubles(const PcdField& field) const;
-  /// The first number of a field, for every point, exactly. Throws InputError for a value that is no 64-bit
+  /// The first number of a field as an integer, exactly. Throws InputError for a value that is no 64-bit
   /// integer.
   [[nodiscard]] std::vector<std::int64_t> integers(const PcdField& field) const;
 };
