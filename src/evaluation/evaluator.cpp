@@ -117,7 +117,7 @@ Evaluator::Evaluator(ObjectTruth objects, std::optional<double> max_range_m)
   report_.evident_movers.emplace();
 }
 
-void Evaluator::add(const LabelledScan& scan) {
+void Evaluator::add(const ScanLabels& scan) {
   require_equal_lengths(scan.number, scan.truth.size(), scan.result.size(), scan.ranges_m.size());
   Counts total;
   std::vector<Counts> by_step(kLimits + 1);

@@ -60,7 +60,7 @@ class VelocityEvaluation {
     trajectory_.emplace(read_trajectory_file(result.trajectory(), {}));
   }
 
-  void add(const LabelledScan& scan, Time start) {
+  void add(const ScanLabels& scan, Time start) {
     if (evaluator_) evaluator_->add(scan, C_rt(start));
   }
   [[nodiscard]] std::optional<VelocityReport> report() const {

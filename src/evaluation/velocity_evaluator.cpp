@@ -39,7 +39,7 @@ const ObjectRow& VelocityEvaluator::row_of(std::size_t scan, std::uint32_t numbe
                     "the table has no such row", "give labels and table of one run"});
 }
 
-void VelocityEvaluator::add(const LabelledScan& scan, const Eigen::Matrix3d& C_rt) {
+void VelocityEvaluator::add(const ScanLabels& scan, const Eigen::Matrix3d& C_rt) {
   require_equal_lengths(scan.number, scan.truth.size(), scan.result.size(), scan.ranges_m.size());
   std::map<std::uint32_t, Mover> movers;
   std::vector<std::int64_t> sizes(std::size_t{1} << 16, 0);  // of the result's objects

@@ -27,7 +27,7 @@ struct Points {
     }
     return *this;
   }
-  [[nodiscard]] LabelledScan scan(std::size_t number = 0) const { return {number, truth, result, ranges_m}; }
+  [[nodiscard]] ScanLabels scan(std::size_t number = 0) const { return {number, truth, result, ranges_m}; }
 };
 
 EvaluationReport report_of(const Points& points, const ObjectTruth& objects = {},

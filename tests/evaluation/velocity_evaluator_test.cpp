@@ -26,7 +26,7 @@ struct Points {
     }
     return *this;
   }
-  [[nodiscard]] LabelledScan scan(std::size_t number) const { return {number, truth, result, ranges_m}; }
+  [[nodiscard]] ScanLabels scan(std::size_t number) const { return {number, truth, result, ranges_m}; }
 };
 
 ObjectState moving(const Vector3d& velocity) {

@@ -22,7 +22,7 @@
 namespace mapless::inline v1 {
 
 /// Labels of one scan, true and predicted; every span has one entry per input record.
-struct LabelledScan {
+struct ScanLabels {
   std::size_t number = 0;                 ///< of the scan in the recording, from 0
   std::span<const std::uint32_t> truth;   ///< labels (io/labels.hpp)
   std::span<const std::uint32_t> result;  ///< labels to be evaluated
@@ -40,7 +40,7 @@ class Evaluator {
   explicit Evaluator(ObjectTruth objects, std::optional<double> max_range_m = {});
 
   /// Throws InputError if the spans differ in length.
-  void add(const LabelledScan& scan);
+  void add(const ScanLabels& scan);
 
   [[nodiscard]] EvaluationReport report() const;
 
@@ -96,7 +96,7 @@ class VelocityEvaluator {
 
   /// `C_rt` rotates directions from the world frame of the truth (t) to that of the result (r). Throws
   /// InputError for spans of different length, and for a labelled object without a row.
-  void add(const LabelledScan& scan, const Eigen::Matrix3d& C_rt);
+  void add(const ScanLabels& scan, const Eigen::Matrix3d& C_rt);
 
   [[nodiscard]] VelocityReport report() const;
 
