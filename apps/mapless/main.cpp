@@ -54,7 +54,7 @@ int run_verb(CLI::App& command, const int& exit_code, int argc, char** argv) {
     command.parse(argc, argv);
   } catch (const fs::filesystem_error& error) {
     throw mapless::InputError({error.path1().string(), "", "",
-                               "cannot be looked at: " + error.code().message(),
+                               "cannot be accessed: " + error.code().message(),
                                "check the path and its permissions"});
   } catch (const std::system_error& error) {
     // As fmt::print says it, which prints to standard output alone.
@@ -62,7 +62,7 @@ int run_verb(CLI::App& command, const int& exit_code, int argc, char** argv) {
       refuse_output(error.code().message());
     throw;
   } catch (const std::bad_alloc&) {
-    throw mapless::InputError({"", "", "", "not enough memory", "choose fewer scans or threads"});
+    throw mapless::InputError({"", "", "", "not enough memory", "use fewer threads"});
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return command.exit(error);  // --help, --version
     return report(std::string(error.what()) + "; see mapless --help", kUsage);
@@ -76,14 +76,14 @@ int run_verb(CLI::App& command, const int& exit_code, int argc, char** argv) {
 int main(int argc, char** argv) {
   hold_standard_descriptors();
   CLI::App command{
-      "Tells which points of a spinning 3D lidar are moving now, without a map (arXiv 1809.06972).",
+      "Labels every point of a spinning 3D lidar as dynamic (moving now) or static, online and without a map "
+      "(arXiv 1809.06972).",
       "mapless"};
   command.set_version_flag("--version", "mapless " MAPLESS_VERSION);
   command.require_subcommand(0, 1);
   command.footer(
-      "Exit code 0 success, 1 failure, 2 wrong usage, 128 + N ended by signal N (130: interrupted). 'mapless "
-      "VERB --help' has every "
-      "option.");
+      "Exit codes: 0 success, 1 failure, 2 wrong usage, 128 + N ended by signal N (130: interrupted). "
+      "'mapless VERB --help' lists the options of a verb.");
   int exit_code = 0;
   mapless::app::add_detect(command, exit_code);
   mapless::app::add_odometry(command, exit_code);

@@ -20,18 +20,17 @@ std::shared_ptr<const LidarScan> moved(const LidarScan& scan, const Trajectory& 
 
 }  // namespace
 
-DetectorInput withhold_motion(std::shared_ptr<const LidarScan> scan, const Trajectory& trajectory,
-                              Compensation compensation) {
-  const std::shared_ptr<const Trajectory> told(std::shared_ptr<void>(), &trajectory);  // not owned
-  if (compensation == Compensation::full) return {std::move(scan), told};
-  const auto frozen = std::make_shared<const FrozenTrajectory>(trajectory, middle_of(*scan));
+DetectorInput ablate_motion(std::shared_ptr<const LidarScan> scan,
+                            std::shared_ptr<const Trajectory> trajectory, Compensation compensation) {
+  if (compensation == Compensation::full) return {std::move(scan), std::move(trajectory)};
+  const auto frozen = std::make_shared<const FrozenTrajectory>(*trajectory, middle_of(*scan));
   switch (compensation) {
     case Compensation::not_of_clouds:
       // Frame 0 by the trajectory from `moved`: T_v0^-1 T_v0 T_m0^-1 p = T_m0^-1 p.
-      return {moved(*scan, *frozen, trajectory), told};
+      return {moved(*scan, *frozen, *trajectory), std::move(trajectory)};
     case Compensation::not_of_rays:
       // Frame 0 by the frozen pose: T_m0^-1 T_m0 T_v0^-1 p = T_v0^-1 p.
-      return {moved(*scan, trajectory, *frozen), frozen};
+      return {moved(*scan, *trajectory, *frozen), frozen};
     default:
       return {std::move(scan), frozen};
   }

@@ -28,11 +28,12 @@ struct DetectorInput {
   std::shared_ptr<const Trajectory> trajectory;
 };
 
-/// `none`: the sensor stands at its pose in the middle of the scan throughout. `not_of_rays`: the same, but
-/// the points are given so that they come out in frame 0 as if compensated. `not_of_clouds`: the true motion,
-/// but points given so that they come out as they would from the pose in the middle. `trajectory` must
-/// outlive the result.
-[[nodiscard]] DetectorInput withhold_motion(std::shared_ptr<const LidarScan> scan,
-                                            const Trajectory& trajectory, Compensation compensation);
+/// `none`: the sensor keeps its pose at the middle of the scan throughout. `not_of_rays`: the same, with
+/// points moved so that the detector places them in frame 0 as if they were compensated. `not_of_clouds`: the
+/// true motion, with points moved so that the detector places them as from the pose at the middle of the
+/// scan.
+[[nodiscard]] DetectorInput ablate_motion(std::shared_ptr<const LidarScan> scan,
+                                          std::shared_ptr<const Trajectory> trajectory,
+                                          Compensation compensation);
 
 }  // namespace mapless::app

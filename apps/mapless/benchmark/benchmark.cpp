@@ -189,45 +189,49 @@ int benchmark(const BenchmarkOptions& options) {
 
 void add_table_options(CLI::App& verb, PlanOptions& plan) {
   verb.add_flag("--quick", plan.quick,
-                "10 seconds of town1 with a short sweep: under three minutes on two cores");
-  verb.add_option("--scenes", plan.scenes,
-                  "these scenes instead of the declared table (with --sensors and --noise: their product)")
+                "10 s of town1 with a short parameter sweep; takes less than three minutes on two cores");
+  verb.add_option(
+          "--scenes", plan.scenes,
+          "scenes to run in place of the default table (every scene with every one of --sensors and --noise)")
       ->check(CLI::IsMember(scene_names()));
   verb.add_option("--sensors", plan.sensors,
-                  fmt::format("these sensors, of {}", fmt::join(named_models(), ", ")));
-  verb.add_option("--noise", plan.range_noises_m, "these standard deviations of the ranges [m], 0 to 1");
-  verb.add_option("--seeds", plan.seeds, "of the scenes, their traffic and the noise")
+                  fmt::format("sensors to run, of {}", fmt::join(named_models(), ", ")));
+  verb.add_option("--noise", plan.range_noises_m,
+                  "standard deviations of the range noise to run [m], 0 to 1");
+  verb.add_option("--seeds", plan.seeds, "seeds of the random scenes, traffic and noise")
       ->check(whole_number(0))
       ->capture_default_str();
   verb.add_option("--duration-s", plan.duration_s,
-                  "of every recording [s], at most 600 (20 where not given, 10 with --quick)")
+                  "duration of each recording [s], at most 600 (default: 20; 10 with --quick)")
       ->check(positive_number());
   verb.add_flag("--odometry", plan.odometry,
-                "also run every recording with own odometry in place of the true poses, and compare");
+                "also run every recording with lidar odometry in place of the true poses, and compare");
 }
 
 }  // namespace
 
 void add_benchmark(CLI::App& app, int& exit_code) {
   auto* verb = app.add_subcommand(
-      "benchmark", "Simulate a table of scenes, detect, evaluate, and write one page with every figure");
+      "benchmark", "Simulate a table of scenes, detect, evaluate, and write all figures to one page");
   const auto options = std::make_shared<BenchmarkOptions>();
-  verb->add_option("-o,--output", options->output,
-                   "folder for page, plots and figures: new, or of an earlier benchmark, which is continued");
-  add_table_options(*verb, options->plan);
-  auto* speed =
-      verb->add_flag("--speed", options->speed,
-                     "instead: the time of every stage on one thread, and of odometry and detection "
-                     "together on one and two, against building and asking a k-d tree in the same run. With "
-                     "--scenes: the first; --sensors also takes OS1-128x2048 and the like; --output: also "
-                     "speed.json, and plots of time against rays and against up to --threads threads");
-  verb->add_flag("--json", options->json, "the figures of --speed as JSON")->needs(speed);
-  add_parameter_options(*verb, options->plan.parameters);
   verb->add_option(
-      "--recordings", options->recordings,
-      "folder for the simulated recordings, about 30 MB a second of HDL-64E (OUTPUT/recordings)");
+      "-o,--output", options->output,
+      "folder for page, plots and figures: a new one, or that of an earlier benchmark to continue");
+  add_table_options(*verb, options->plan);
+  auto* speed = verb->add_flag(
+      "--speed", options->speed,
+      "measure speed in place of accuracy: the time of each stage on one thread, and of odometry and "
+      "detection together on one and two threads, beside the time of a k-d tree (build, and one "
+      "query per point) in the same run. Uses the first of --scenes; --sensors also takes "
+      "OS1-128x2048 and the like. With --output: writes speed.json, and plots of time against "
+      "rays and against threads, up to --threads");
+  verb->add_flag("--json", options->json, "print the figures of --speed as JSON")->needs(speed);
+  add_parameter_options(*verb, options->plan.parameters);
+  verb->add_option("--recordings", options->recordings,
+                   "folder for the simulated recordings, about 30 MB per second of HDL-64E (default: "
+                   "OUTPUT/recordings)");
   verb->add_option("--threads", options->threads,
-                   "threads used (all cores where not given); the figures are the same")
+                   "number of threads (default: all cores). The figures do not depend on it")
       ->check(CLI::Range(1, 1024));
   verb->callback([options, &exit_code] { exit_code = benchmark(*options); });
 }

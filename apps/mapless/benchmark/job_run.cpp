@@ -14,23 +14,18 @@
 #include "benchmark/movers/mover_views.hpp"
 #include "pictures/scan_picture.hpp"
 #include "reports/evaluation_json.hpp"
-#include "run/motion_source.hpp"
 #include "run/run_summary.hpp"
 #include "terminal/interrupt.hpp"
-#include <mapless/detection/detector.hpp>
 #include <mapless/evaluation/evaluator.hpp>
 #include <mapless/io/dataset.hpp>
 #include <mapless/io/detection_labels.hpp>
 #include <mapless/io/object_truth.hpp>
+#include <mapless/pipeline/online_detector.hpp>
 
 namespace mapless::app {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-MotionSource motion_of(const Job& job, const Dataset& dataset) {
-  return job.odometry ? MotionSource::odometry(dataset) : MotionSource(dataset, {}, 0);
-}
 
 class JobRun {
  public:
@@ -38,8 +33,8 @@ class JobRun {
          const std::function<void()>& scan_done)
       : job_(job),
         dataset_(dataset),
-        motion_(motion_of(job, dataset)),
-        detector_(job.parameters),
+        poses_(job.odometry ? nullptr : dataset.trajectory()),
+        online_({job.parameters, {}}),
         evaluator_(objects),
         scan_done_(scan_done) {}
 
@@ -47,18 +42,11 @@ class JobRun {
   bool run() {
     const std::size_t count = std::min(dataset_.size(), job_.first_scans.value_or(dataset_.size()));
     for (std::size_t k = 0; k < count; ++k) {
-      const auto scans = motion_.add(std::make_shared<const LidarScan>(dataset_.read(k)));
-      leave_out_found();
-      if (!detect(scans)) return false;
-      if (scans.size() > 1) leave_out_found();
-    }
-    leave_out_found();
-    if (!detect(motion_.flush())) return false;
-    for (const Detection& detection : detector_.flush()) {
       if (InterruptGuard::requested()) return false;
-      finish_scan(detection);
+      finish(push(std::make_shared<const LidarScan>(dataset_.read(k))));
     }
-    return true;
+    finish(online_.flush());
+    return !InterruptGuard::requested();
   }
 
   [[nodiscard]] Json result() const {
@@ -73,7 +61,7 @@ class JobRun {
                 {"stages", stages},
                 {"timing", timing_json(seconds_)},
                 {"threads", tbb::this_task_arena::max_concurrency()},
-                {"odometry_trouble", motion_.trouble()}};
+                {"odometry_trouble", online_.odometry_report().trouble()}};
     if (job_.part == Part::table) out["measures"] = to_json(report);
     return out;
   }
@@ -82,23 +70,17 @@ class JobRun {
   [[nodiscard]] const std::optional<Canvas>& scan_picture() const { return scan_picture_; }
 
  private:
-  bool detect(const std::vector<std::shared_ptr<const LidarScan>>& scans) {
-    for (const auto& scan : scans) {
-      if (InterruptGuard::requested()) return false;
-      const DetectorInput input = withhold_motion(scan, motion_.trajectory(), job_.compensation);
-      for (const Detection& detection : detector_.process(input.scan, *input.trajectory))
-        finish_scan(detection);
-    }
-    return true;
+  std::vector<LabelledScan> push(std::shared_ptr<const LidarScan> scan) {
+    if (!poses_) return online_.push(std::move(scan));
+    DetectorInput input = ablate_motion(std::move(scan), poses_, job_.compensation);
+    return online_.push(std::move(input.scan), std::move(input.trajectory));
   }
 
-  // After the next scan's odometry, as DetectionRun does, where the two go side by side.
-  void leave_out_found() {
-    for (const Detection& detection : std::exchange(found_, {})) motion_.leave_out(detection);
+  void finish(const std::vector<LabelledScan>& scans) {
+    for (const LabelledScan& labelled : scans) evaluate(labelled.detection);
   }
 
-  void finish_scan(const Detection& detection) {
-    if (motion_.estimated()) found_.push_back(detection);
+  void evaluate(const Detection& detection) {
     const std::size_t k = detection.sequence_number;
     const auto truth = dataset_.read_labels(k).value();
     for (std::size_t s = 0; s < kStageCount; ++s) {
@@ -136,10 +118,9 @@ class JobRun {
 
   const Job& job_;
   const Dataset& dataset_;
-  MotionSource motion_;
-  Detector detector_;
+  std::shared_ptr<const Trajectory> poses_;  // null: own odometry
+  OnlineDetector online_;
   Evaluator evaluator_;
-  std::vector<Detection> found_;  // since the last scan went through odometry
   const std::function<void()>& scan_done_;
   std::array<PrecisionRecall, kStageCount> after_stage_;
   std::vector<StageSeconds> seconds_;

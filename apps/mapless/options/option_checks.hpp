@@ -4,8 +4,8 @@
 
 namespace mapless::app {
 
-/// For numbers on the command line: each refuses with a line that says what is asked for. CLI11's own checks
-/// let NaN through, take -1 for the largest unsigned number, and print bounds of 300 digits.
+/// Checks of numbers on the command line, with messages that name the bounds. CLI11's own checks accept NaN,
+/// read -1 as the largest unsigned number, and print bounds of 300 digits.
 
 /// A whole number, at least `min`.
 [[nodiscard]] CLI::Validator whole_number(unsigned long long min);

@@ -26,8 +26,7 @@ RunParameters ParameterOptions::all() const {
   for (const std::string& setting : settings) {
     const std::size_t equals = setting.find('=');
     if (equals == std::string::npos || equals == 0) {
-      throw ParameterError(
-          {"--set", "", setting, "must be key=value", "see 'mapless config' for the keys there are"});
+      throw ParameterError({"--set", "", setting, "must be key=value", "'mapless config' lists the keys"});
     }
     assign_parameter(references, setting.substr(0, equals), setting.substr(equals + 1), "--set");
   }
@@ -37,10 +36,12 @@ RunParameters ParameterOptions::all() const {
 
 void add_parameter_options(CLI::App& verb, ParameterOptions& options) {
   verb.add_option("--profile", options.profile,
-                  "parameters to start from: default, or paper (the method as published)")
+                  "parameter set to start from: default, or paper (the method as published)")
       ->capture_default_str();
-  verb.add_option("--config", options.config, "YAML file of parameters, as 'mapless config' prints it");
-  verb.add_option("--set", options.settings, "one parameter, key=value; may be repeated")
+  verb.add_option("--config", options.config,
+                  "YAML file of parameters, in the form that 'mapless config' prints; overrides the profile");
+  verb.add_option("--set", options.settings,
+                  "set one parameter, as key=value; overrides --config; may be repeated")
       ->expected(1)
       ->take_all();
 }

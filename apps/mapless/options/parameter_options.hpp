@@ -10,7 +10,7 @@
 
 namespace mapless::app {
 
-/// Everything a run can be told.
+/// All parameters of a run.
 struct RunParameters {
   DetectorParameters detector;
   OdometryParameters odometry;
@@ -26,7 +26,7 @@ struct ParameterOptions {
   std::vector<std::string> settings;  ///< key=value
   bool causal = false;
 
-  /// All three throw ParameterError, or InputError for the file.
+  /// All three throw ParameterError, or InputError for a file that cannot be read.
   [[nodiscard]] RunParameters all() const;
   [[nodiscard]] DetectorParameters chosen() const { return all().detector; }
   [[nodiscard]] OdometryParameters odometry() const { return all().odometry; }

@@ -30,31 +30,34 @@ CLI::Option* add_path(CLI::App& verb, const std::string& flag, std::filesystem::
       flag, [&path](const std::string& text) { path = text; }, help);
 }
 
-// How the poses of `file` are to be read.
+// Options for reading the poses of `file`.
 void add_reading_options(CLI::App& verb, const std::string& prefix, const std::string& group,
                          CLI::Option* file, TrajectoryRequest& request) {
   add_choice(verb, prefix + "pose-direction", request.direction, {"world_from_sensor", "sensor_from_world"},
-             "which way the poses of the file transform points")
+             "direction of the poses in the file: which frame they map from and to")
       ->group(group)
       ->needs(file);
   auto* frame = add_choice(verb, prefix + "pose-frame", request.frame, {"sensor", "camera"},
-                           "what the poses of the file are of; camera needs " + prefix + "calib")
+                           "the frame whose poses the file holds; camera needs " + prefix + "calib")
                     ->group(group)
                     ->needs(file);
   add_path(verb, prefix + "calib", request.calibration,
-           "for " + prefix + "pose-frame camera: KITTI's calib.txt or calib_velo_to_cam.txt")
+           "camera calibration, needed with " + prefix +
+               "pose-frame camera: KITTI's calib.txt or "
+               "calib_velo_to_cam.txt")
       ->group(group)
       ->needs(frame);
   add_choice(verb, prefix + "pose-instant", request.instant, {"start", "middle", "end"},
-             "the instant of its scan each row of a file with one row per scan is of")
+             "for a file with one row per scan: the instant within the scan that each pose is at")
       ->group(group)
       ->needs(file);
   verb.add_option_function<double>(
           prefix + "max-extrapolation-s",
           [&request](double seconds) { request.max_extrapolation_s = seconds; },
-          "how far beyond its first and last pose the file's trajectory is continued at "
-          "constant velocity (where not given: 0 for TUM rows; for one row per scan, to the "
-          "begin of the first and the end of the last scan)")
+          "time by which the trajectory is extrapolated beyond its first and last pose, at constant velocity "
+          "[s] "
+          "(default: 0 for TUM rows; for one row per scan, up to the start of the first and the end of the "
+          "last scan)")
       ->group(group)
       ->check(number_between(0, 3600))
       ->needs(file);
@@ -65,31 +68,34 @@ void add_reading_options(CLI::App& verb, const std::string& prefix, const std::s
 std::unique_ptr<Dataset> RecordingOptions::open() const { return open_dataset(path, dataset); }
 
 void add_recording_options(CLI::App& verb, RecordingOptions& options) {
-  verb.add_option("IN", options.path, "the folder of the recording")->required();
+  verb.add_option("IN", options.path, "folder of the recording")->required();
   verb.add_option("--format", options.dataset.format,
-                  fmt::format("the recording's format: {} (recognised by itself where not given)",
+                  fmt::format("format of the recording: {} (default: recognised from the files)",
                               fmt::join(dataset_formats(), ", ")))
       ->check(CLI::IsMember(dataset_formats()));
   verb.add_option(
       "--sensor", options.dataset.sensor,
-      fmt::format("geometry of the sensor: {}, or a calibration file: Velodyne's YAML or a sensor.yaml (the "
-                  "recording's own, or estimated from its points, where not given)",
+      fmt::format("sensor model: {}, or a calibration file (Velodyne's YAML or a sensor.yaml). Default: the "
+                  "recording's own, else estimated from its points",
                   fmt::join(named_models(), ", ")));
-  add_path(verb, "--labels", options.dataset.labels, "folder of true labels, instead of the recording's own");
-  add_choice(
-      verb, "--own-pose-direction", options.dataset.pose_direction,
-      {"world_from_sensor", "sensor_from_world"},
-      "which way the poses inside an mdlidar recording transform points; its documentation does not say");
+  add_path(verb, "--labels", options.dataset.labels,
+           "folder of the true labels (default: the recording's own)");
+  add_choice(verb, "--own-pose-direction", options.dataset.pose_direction,
+             {"world_from_sensor", "sensor_from_world"},
+             "direction of the poses in an mdlidar recording, which its documentation does not define");
 }
 
 void add_trajectory_options(CLI::App& verb, TrajectoryRequest& request) {
   const std::string group = "Trajectory";
   auto* file =
-      add_path(verb, "--trajectory", request.file,
-               "poses: TUM rows (t tx ty tz qx qy qz qw) or KITTI rows (12 numbers, one row per scan); the "
-               "recording's own where not given")
+      add_path(
+          verb, "--trajectory", request.file,
+          "file of poses: TUM rows (t tx ty tz qx qy qz qw) or KITTI rows (12 numbers, one row per scan). "
+          "Default: the recording's own, else lidar odometry estimates them")
           ->group(group);
-  verb.add_flag("--stationary", request.stationary, "the sensor does not move")->group(group)->excludes(file);
+  verb.add_flag("--stationary", request.stationary, "the sensor stood still for the whole recording")
+      ->group(group)
+      ->excludes(file);
   add_reading_options(verb, "--", group, file, request);
 }
 
@@ -99,10 +105,11 @@ void add_pose_instant_option(CLI::App& verb, PoseInstant& instant, const std::st
 
 void add_reference_trajectory_options(CLI::App& verb, TrajectoryRequest& request) {
   const std::string group = "True trajectory";
-  auto* file = add_path(verb, "--reference-trajectory", request.file,
-                        "true poses: TUM rows or KITTI rows (one per scan); the recording's own where not "
-                        "given")
-                   ->group(group);
+  auto* file =
+      add_path(verb, "--reference-trajectory", request.file,
+               "file of the true poses: TUM rows or KITTI rows (one per scan). Default: the recording's "
+               "own")
+          ->group(group);
   add_reading_options(verb, "--reference-", group, file, request);
 }
 

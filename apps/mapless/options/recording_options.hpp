@@ -12,7 +12,7 @@
 
 namespace mapless::app {
 
-/// The recording a verb reads, and how.
+/// The recording that a verb reads, and how it is to be read.
 struct RecordingOptions {
   std::string path;
   DatasetOptions dataset;

@@ -10,7 +10,8 @@
 
 namespace mapless::app {
 
-struct LabelledScan {
+/// A scan with the labels to draw, and the true ones where known.
+struct PicturedScan {
   LidarScan scan;
   std::vector<std::uint32_t> labels;
   std::optional<std::vector<std::uint32_t>> truth;
@@ -22,7 +23,7 @@ struct PictureOptions {
   double extent_m = 50;  ///< from the sensor to the left and right edge of the bird's-eye view
   std::string title;
   /// What the bird's-eye view shows instead of the scan; in its frame.
-  std::optional<LabelledScan> from_above = std::nullopt;
+  std::optional<PicturedScan> from_above = std::nullopt;
 };
 
 /// A labelled scan as a picture. Static points are grey. Dynamic ones have the colour of their object; with

@@ -9,13 +9,13 @@
 
 namespace mapless::app {
 
-/// Hands things from one thread to another, in order. At most `capacity` of them wait in it.
+/// Queue from one thread to another, of at most `capacity` elements.
 template <class T>
 class BoundedQueue {
  public:
   explicit BoundedQueue(std::size_t capacity) : capacity_(capacity) {}
 
-  /// Waits while the queue is full. False where it is closed: the thing is not taken.
+  /// Waits while the queue is full. False if it is closed: the element is not taken.
   bool push(T thing) {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [&] { return closed_ || things_.size() < capacity_; });
@@ -25,7 +25,7 @@ class BoundedQueue {
     return true;
   }
 
-  /// Waits while the queue is empty and open. Nothing where it is closed and empty.
+  /// Waits while the queue is empty and open. Nothing if it is closed and empty.
   std::optional<T> pop() {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [&] { return closed_ || !things_.empty(); });
@@ -36,13 +36,18 @@ class BoundedQueue {
     return thing;
   }
 
-  /// Nothing more is taken; what waits still comes out.
+  [[nodiscard]] bool empty() const {
+    const std::lock_guard lock(mutex_);
+    return things_.empty();
+  }
+
+  /// No more elements are taken; those in the queue still come out.
   void close() {
     const std::lock_guard lock(mutex_);
     closed_ = true;
     changed_.notify_all();
   }
-  /// Nothing more is taken, nor comes out.
+  /// No more elements are taken; those in the queue are dropped.
   void abandon() {
     const std::lock_guard lock(mutex_);
     closed_ = true;
@@ -52,7 +57,7 @@ class BoundedQueue {
 
  private:
   std::size_t capacity_;
-  std::mutex mutex_;  // of the rest
+  mutable std::mutex mutex_;  // of the rest
   std::condition_variable changed_;
   std::deque<T> things_;
   bool closed_ = false;

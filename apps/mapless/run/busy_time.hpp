@@ -7,8 +7,8 @@
 
 namespace mapless::app {
 
-/// How long a thread was at some work, and how long of that it computed; the rest of the time it waited for
-/// the disk, or for a processor.
+/// Wall time that a thread spent on a task, and processor time within it; for the rest it waited for the disk
+/// or for a processor.
 struct BusyTime {
   double wall_s = 0;
   double processor_s = 0;
@@ -16,7 +16,7 @@ struct BusyTime {
   [[nodiscard]] double wall_ms() const { return 1e3 * wall_s; }
   [[nodiscard]] double processor_ms() const { return 1e3 * processor_s; }
 
-  /// Adds its own life.
+  /// Adds the time from its construction to its destruction.
   class Measure {
    public:
     explicit Measure(BusyTime& to) : to_(to), wall_(to.wall_s) {}
@@ -37,7 +37,7 @@ struct BusyTime {
   };
 };
 
-/// Runs `step` on this thread and tells how long it took.
+/// Runs `step` on this thread and returns its time.
 template <class Step>
 BusyTime busy_time_of(Step&& step) {
   BusyTime time;

@@ -8,18 +8,18 @@
 
 namespace mapless::app {
 
-/// How reading and writing, which go on beside detection, held it back.
+/// Times that detection waited for reading and writing, which run on threads of their own.
 struct InputOutputReport {
-  double run_s = 0;                 ///< from the first scan asked for to the last file written
-  double waited_for_reading_s = 0;  ///< of that: nothing to detect in, since it was not read yet
-  double waited_for_writing_s = 0;  ///< of that: no room for what was found, or only writing left to do
+  double run_s = 0;                 ///< from the first scan to the last file written
+  double waited_for_reading_s = 0;  ///< of that: the next scan was not read yet
+  double waited_for_writing_s = 0;  ///< of that: the queue of results was full, or only writing was left
   BusyTime reading, writing;        ///< of their threads
 };
 
 [[nodiscard]] nlohmann::ordered_json to_json(const InputOutputReport& report);
 
-/// A line for people on what took more than a tenth of the run, and more than a second, from detection; empty
-/// where nothing did. Says whether the disk is slow or the decoding.
+/// One line on waits of more than a tenth of the run and more than a second, and whether the disk or the
+/// decoding caused them; empty where there were none.
 [[nodiscard]] std::string trouble(const InputOutputReport& report);
 
 }  // namespace mapless::app

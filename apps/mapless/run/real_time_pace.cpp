@@ -14,7 +14,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr auto kLongestSleep = Duration::from_nanoseconds(50'000'000);  // then it looks whether to stop
+// An interrupt is noticed within this time.
+constexpr auto kLongestSleep = Duration::from_nanoseconds(50'000'000);
 
 using SteadyTime = std::chrono::time_point<std::chrono::steady_clock, std::chrono::nanoseconds>;
 
@@ -53,6 +54,8 @@ std::optional<std::size_t> RealTimePace::next(const std::function<bool()>& stop)
   report_.late += waits ? 1 : 0;
   return next_++;
 }
+
+bool RealTimePace::next_is_due() const { return next_ < ends_.size() && due(next_) <= clock_.now(); }
 
 void RealTimePace::answered(std::size_t index) {
   report_.latency_ms.push_back(milliseconds(clock_.now() - due(index)));

@@ -13,26 +13,26 @@
 
 namespace mapless::app {
 
-/// What tells the time to a run that keeps time; a test gives its own.
+/// The clock of a run in real time; tests give their own.
 struct Clock {
   std::function<Time()> now;
   std::function<void(Time)> sleep_until;
 };
 
-/// The steady one of the machine.
+/// The steady clock of the computer.
 [[nodiscard]] Clock machine_clock();
 
-/// How a run kept up with a recording played at its own pace.
+/// How well a run kept up with a recording played at its own pace.
 struct RealTimeReport {
-  std::size_t scans = 0;           ///< that came
-  std::size_t late = 0;            ///< had to wait for the scans before them, and were answered
-  std::size_t dropped = 0;         ///< never looked at: newer ones filled the queue
-  std::vector<double> latency_ms;  ///< from the last ray of a scan to its labels, of those answered
+  std::size_t scans = 0;           ///< arrived
+  std::size_t late = 0;            ///< processed, but after waiting for the scans before them
+  std::size_t dropped = 0;         ///< never processed: newer scans filled the queue
+  std::vector<double> latency_ms;  ///< from the last ray of a scan to its labels, of the scans processed
 };
 
-/// Plays a recording at its own pace: a scan is there when its last ray was measured, counted from the first
-/// scan's start. Scans that come while one is worked on wait in a queue of the last kQueue, as with a ROS
-/// driver of the sensor-data profile: where more come, the oldest waiting is dropped.
+/// Plays a recording at its own pace: a scan arrives when its last ray was measured, counted from the start
+/// of the first scan. Scans that arrive during the processing of another wait in a queue of kQueue, the depth
+/// of ROS 2's sensor-data profile; where it is full, the oldest scan in it is dropped.
 class RealTimePace {
  public:
   static constexpr std::size_t kQueue = 5;
@@ -40,10 +40,12 @@ class RealTimePace {
   /// `ends`: when the last ray of each scan was measured, increasing; `begin`: when the first was.
   RealTimePace(Time begin, std::vector<Time> ends, Clock clock);
 
-  /// Index of the next scan to work on, slept for where none waits. Nothing after the last scan, or once
-  /// `stop` says so. The first call starts the recording.
+  /// Index of the next scan to process; sleeps until it arrives. Nothing after the last scan, or once `stop`
+  /// returns true. The first call starts the recording.
   [[nodiscard]] std::optional<std::size_t> next(const std::function<bool()>& stop);
-  /// The labels of this scan are there.
+  /// True where the next scan has arrived already. After the first `next`.
+  [[nodiscard]] bool next_is_due() const;
+  /// Takes the time at which the labels of this scan are ready.
   void answered(std::size_t index);
 
   [[nodiscard]] const RealTimeReport& report() const { return report_; }
@@ -60,11 +62,11 @@ class RealTimePace {
   RealTimeReport report_;
 };
 
-/// The pace of the scans [first, first + count) on the machine's clock.
+/// The pace of the scans [first, first + count) on machine_clock().
 [[nodiscard]] RealTimePace pace_of(const Dataset& dataset, std::size_t first, std::size_t count);
 
 [[nodiscard]] nlohmann::ordered_json to_json(const RealTimeReport& report);
-/// A line for people.
+/// The same as a line of text.
 [[nodiscard]] std::string text_of(const RealTimeReport& report);
 
 }  // namespace mapless::app

@@ -85,7 +85,7 @@ void RunSummary::set_input(const LidarScan& scan, bool was_compensated) {
   times_ = provenance_text(scan.time_source);
   rings_ = provenance_text(scan.ring_source);
   motion_compensation_ =
-      was_compensated ? "of the recording, undone before detection" : "none in the recording";
+      was_compensated ? "in the recording; undone before detection" : "none in the recording";
 }
 
 void RunSummary::add(const Detection& detection) {
@@ -159,7 +159,7 @@ std::string RunSummary::lines() const {
   const std::vector<double> ms = milliseconds(seconds_, kTimingRows.back());
   const std::string text = fmt::format(
       "{} scans, {} points, {} of them dynamic, {} objects (counted scan by scan; {} over time)\n"
-      "{:.1f} ms a scan (median), {:.1f} ms (95 %), peak memory {:.0f} MB\n",
+      "{:.1f} ms per scan (median), {:.1f} ms (95 %), peak memory {:.0f} MB\n",
       seconds_.size(), points_, dynamic_points_, objects_, newest_id_, quantile(ms, 0.5).value_or(0),
       quantile(ms, 0.95).value_or(0), peak_memory_mb());
   return real_time_ ? text + text_of(*real_time_) : text;

@@ -11,15 +11,15 @@
 
 #include "reports/json_text.hpp"
 #include "run/input_output_report.hpp"
-#include "run/motion_source.hpp"
 #include "run/real_time_pace.hpp"
 #include <mapless/detection/detector.hpp>
 #include <mapless/io/dataset.hpp>
 #include <mapless/io/trajectory_source.hpp>
+#include <mapless/pipeline/odometry_report.hpp>
 
 namespace mapless::app {
 
-/// What a run of `mapless detect` read, used and found: the contents of summary.json.
+/// Input, settings and results of a run of `mapless detect`: the contents of summary.json.
 class RunSummary {
  public:
   RunSummary(const Dataset& dataset, std::string recording, const TrajectorySource& trajectory,
@@ -27,7 +27,7 @@ class RunSummary {
 
   /// Where the times and rings of the scans come from, and whether motion compensation was undone.
   void set_input(const LidarScan& scan, bool was_compensated);
-  /// A scan's detection, its objects, and how long it took to follow them.
+  /// Counts a scan's points, objects and times.
   void add(const Detection& detection);
   void set_odometry(const OdometryReport& report) { odometry_ = report; }
   void set_input_output(const InputOutputReport& report) { input_output_ = report; }
@@ -35,7 +35,7 @@ class RunSummary {
   void set_complete() { complete_ = true; }
   void set_stopped(std::string reason) { stopped_ = std::move(reason); }
 
-  /// A line for people, empty where reading and writing did not hold detection back.
+  /// One line; empty where detection did not wait for reading or writing.
   [[nodiscard]] std::string input_output_trouble() const {
     return input_output_ ? trouble(*input_output_) : "";
   }
@@ -43,7 +43,7 @@ class RunSummary {
   [[nodiscard]] nlohmann::ordered_json json() const;
   /// Text of summary.json.
   [[nodiscard]] std::string text() const { return json_text(json()); }
-  /// A few lines for people.
+  /// A few lines for the terminal.
   [[nodiscard]] std::string lines() const;
 
  private:
@@ -53,7 +53,7 @@ class RunSummary {
   std::size_t first_scan_, selected_scans_;
   std::string times_, rings_, motion_compensation_;
   std::size_t records_ = 0, points_ = 0, dynamic_points_ = 0, objects_ = 0;
-  std::uint32_t newest_id_ = 0;  // of an object: as many there were over time
+  std::uint32_t newest_id_ = 0;  // of an object: ids are counted from 1
   std::vector<StageSeconds> seconds_;
   std::optional<OdometryReport> odometry_;
   std::optional<InputOutputReport> input_output_;

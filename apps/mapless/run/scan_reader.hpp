@@ -13,28 +13,30 @@
 
 namespace mapless::app {
 
-/// A scan as the detector gets it.
+/// A scan as the detector takes it.
 struct InputScan {
   std::shared_ptr<const LidarScan> scan;
-  bool was_compensated = false;  ///< in the recording; here it is undone
+  bool was_compensated = false;  ///< in the recording; undone in `scan`
 };
 
-/// Reads scans ahead of whoever takes them, on a thread of its own. At most two wait.
+/// Reads scans ahead on a thread of its own; at most two wait to be taken.
 class ScanReader {
  public:
   using Read = std::function<InputScan(std::size_t scan)>;
 
   /// Calls `read` for scan `first` and those after it.
   ScanReader(Read read, std::size_t first, std::size_t count);
-  /// Finishes the scan it reads, and no more.
+  /// Finishes reading the current scan.
   ~ScanReader();
   ScanReader(const ScanReader&) = delete;
   ScanReader& operator=(const ScanReader&) = delete;
 
-  /// Scan k, which comes after the one taken before; those between them are passed over, and what reading
-  /// them threw with them. Throws what reading k threw.
+  /// Scan k, after the one taken before; the scans between them are skipped, with the exceptions of reading
+  /// them. Throws what reading k threw.
   [[nodiscard]] InputScan take(std::size_t k);
-  /// Reads no more. Returns once the scan in hand is read.
+  /// True where `take` of the next scan returns at once.
+  [[nodiscard]] bool is_ready() const { return !queue_.empty(); }
+  /// Stops reading. Returns once the current scan is read.
   void stop();
   /// How long reading took; once stopped.
   [[nodiscard]] const BusyTime& busy() const { return busy_; }

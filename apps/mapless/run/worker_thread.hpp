@@ -11,15 +11,15 @@
 
 namespace mapless::app {
 
-/// Does `work` with one thing after another, in the order they come, on a thread of its own. What the first
-/// failure threw is thrown to whoever adds or finishes; nothing is done after it.
+/// Calls `work` for one item after another, in the order added, on a thread of its own. After the first
+/// exception no more items are processed; add() and finish() throw it.
 template <class T>
 class WorkerThread {
  public:
-  /// At most `capacity` things wait to be worked on.
+  /// At most `capacity` items wait to be processed.
   WorkerThread(std::size_t capacity, std::function<void(T&)> work)
       : queue_(capacity), work_(std::move(work)), thread_([this] { run(); }) {}
-  /// Gives up what waits.
+  /// Drops the items that wait.
   ~WorkerThread() {
     queue_.abandon();
     join();
@@ -31,12 +31,12 @@ class WorkerThread {
   void add(T thing) {
     if (!queue_.push(std::move(thing))) finish();
   }
-  /// Waits for the last thing to be done, or the first to fail. Nothing can be added from then on.
+  /// Waits for the last item to be processed, or the first to fail. No items can be added from then on.
   void join() {
     queue_.close();
     if (thread_.joinable()) thread_.join();
   }
-  /// The same, and throws what the first failure threw.
+  /// The same; throws the exception of the first failure.
   void finish() {
     join();
     if (failure_) std::rethrow_exception(failure_);

@@ -2,8 +2,8 @@
 
 namespace mapless::app {
 
-/// While it lives, SIGINT, SIGTERM and SIGHUP do not end the process but are remembered; the second of a kind
-/// ends it as usual. A SIGHUP that was ignored (nohup) stays so.
+/// During its life the first SIGINT, SIGTERM or SIGHUP does not end the process: requested() returns true. A
+/// second signal of the same kind ends the process as usual. A SIGHUP that is ignored (nohup) stays ignored.
 class InterruptGuard {
  public:
   InterruptGuard();
@@ -12,7 +12,7 @@ class InterruptGuard {
   InterruptGuard& operator=(const InterruptGuard&) = delete;
 
   [[nodiscard]] static bool requested();
-  /// 128 + the number of the first signal, as a shell has it for a program that the signal ended.
+  /// 128 + the number of the first signal, the exit code that shells report for a program ended by it.
   [[nodiscard]] static int exit_code();
 };
 

@@ -6,18 +6,18 @@
 
 namespace mapless::app {
 
-/// How far a long piece of work is, on stderr: a bar with rate and time left on a terminal, elsewhere a plain
-/// line at the first step and then about every tenth of the work.
+/// Prints the progress of a long task to stderr: on a terminal a bar with rate and remaining time, elsewhere
+/// a plain line at the first step and at every tenth of the task.
 class Progress {
  public:
-  /// `what` is the unit of the work: "scans".
+  /// `what`: the unit of the count, such as "scans".
   explicit Progress(std::string what);
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
   void update(std::size_t done, std::size_t total);
-  /// Removes the bar, so that something else can be printed.
+  /// Removes the bar, so that other text can be printed.
   void clear();
 
  private:

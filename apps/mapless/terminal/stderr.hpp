@@ -8,8 +8,8 @@
 
 namespace mapless::app {
 
-/// Prints to stderr. Where that cannot be written (closed, a full disk) nothing is said, and the work goes
-/// on: fmt::print would throw.
+/// Prints to stderr. If stderr cannot be written (closed, disk full) the text is lost and the run continues;
+/// fmt::print would throw.
 template <class... Arguments>
 void say(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
   const std::string text = fmt::format(format, std::forward<Arguments>(arguments)...);

@@ -86,10 +86,10 @@ int print_config(const ConfigOptions& options) {
 void add_config(CLI::App& app, int& exit_code) {
   auto* verb = app.add_subcommand(
       "config",
-      "Print every parameter with unit, bounds, default, meaning and source, as a file --config reads");
+      "Print every parameter with its unit, bounds, default, meaning and source, as a file for --config");
   const auto options = std::make_shared<ConfigOptions>();
   add_parameter_options(*verb, options->parameters);
-  verb->add_flag("--json", options->json, "print a JSON schema instead");
+  verb->add_flag("--json", options->json, "print a JSON schema of the parameters");
   verb->callback([options, &exit_code] { exit_code = print_config(*options); });
 }
 

@@ -44,10 +44,10 @@ std::string table_row(std::string_view name, const PrecisionRecall& r) {
 }
 
 std::string table(const ResultEvaluation& e, const std::optional<double>& max_range_m) {
-  std::string out = fmt::format(
-      "{} scans count (label and truth both there) of {} labelled ({} without truth); points {}\n\n",
-      e.scans.size(), e.labelled_scans, e.scans_without_truth,
-      max_range_m ? fmt::format("within {} m of their laser", *max_range_m) : "at all ranges");
+  std::string out =
+      fmt::format("{} scans evaluated of {} labelled ({} have no true labels); points {}\n\n", e.scans.size(),
+                  e.labelled_scans, e.scans_without_truth,
+                  max_range_m ? fmt::format("within {} m of their laser", *max_range_m) : "at all ranges");
   out += fmt::format("{:<22}{:>18}{:>33}{:>16}{:>42}\n", "", "total [0..1]", "average over scans [0..1]",
                      "moving [0..1]", "points");
   out += fmt::format("{:<22}{:>10}{:>8}{:>12}{:>6}{:>9}{:>6}{:>8}{:>8}{:>10}{:>10}{:>10}{:>12}\n", "after",
@@ -80,7 +80,7 @@ Json result_json(const ResultEvaluation& e, const std::optional<double>& max_ran
           {"velocity", e.velocity ? to_json(*e.velocity) : Json(nullptr)}};
 }
 
-// The tables of objects belong to the true labels.
+// The tables of the true objects lie beside the true labels.
 std::filesystem::path objects_folder(const RecordingOptions& recording) {
   if (recording.dataset.labels.empty()) return recording.path;
   return std::filesystem::absolute(recording.dataset.labels / "")
@@ -101,8 +101,8 @@ ResultEvaluation evaluate_labels(const Dataset& dataset, const EvaluateOptions& 
   return evaluation;
 }
 
-// A result of poses alone, or of a recording without true labels, is judged by its trajectory alone.
-bool has_labels_to_judge(const Dataset& dataset, const std::filesystem::path& result) {
+// A result without labels, or of a recording without true labels, is evaluated by its trajectory alone.
+bool has_labels_to_evaluate(const Dataset& dataset, const std::filesystem::path& result) {
   if (!std::filesystem::is_directory(ResultFolder(result).labels())) return false;
   const auto scans = ResultFolder(result).labelled_scans();
   return std::any_of(scans.begin(), scans.end(), [&](std::size_t k) {
@@ -120,7 +120,7 @@ int evaluate(const EvaluateOptions& options) {
   }
   const auto trajectory = compare_trajectory(*dataset, result, options.trajectory);
   std::optional<ResultEvaluation> labels;
-  if (!trajectory || has_labels_to_judge(*dataset, result)) labels = evaluate_labels(*dataset, options);
+  if (!trajectory || has_labels_to_evaluate(*dataset, result)) labels = evaluate_labels(*dataset, options);
   Json figures = labels ? result_json(*labels, options.max_range_m) : Json::object();
   figures["trajectory"] = trajectory ? to_json(*trajectory) : Json(nullptr);
   if (options.json == "-") {
@@ -139,26 +139,26 @@ int evaluate(const EvaluateOptions& options) {
 void add_evaluate(CLI::App& app, int& exit_code) {
   auto* verb = app.add_subcommand(
       "evaluate",
-      "Compare a result with the true labels: precision, recall, F1 and IoU after each "
-      "stage; by range, class, speed and visible points; objects found, and the velocity of those followed "
-      "over time. And its trajectory with the "
-      "true one, where there are both: drift (KITTI), absolute and relative errors (as evo's), "
-      "displacement of static points");
+      "Compare a result with the truth of the recording. Labels: precision, recall, F1 and IoU after each "
+      "stage, and by range, class, speed and number of visible points; objects found; errors of the velocity "
+      "of tracked objects. Trajectory: drift (KITTI), absolute and relative errors (as in evo), displacement "
+      "of static points");
   const auto options = std::make_shared<EvaluateOptions>();
   add_recording_options(*verb, options->recording);
-  verb->add_option("OUT", options->result,
-                   "the result of mapless detect or odometry, a folder with labels/NNNNNN.label, or a "
-                   "trajectory file (TUM rows, or KITTI rows, world from sensor)")
+  verb->add_option(
+          "OUT", options->result,
+          "result of mapless detect or odometry, a folder with labels/NNNNNN.label, or a trajectory file "
+          "(TUM rows or KITTI rows, world from sensor)")
       ->required();
   verb->add_option("--max-range", options->max_range_m,
-                   "points farther than this from their laser do not count [m]")
+                   "leave out points farther than this from their laser [m]")
       ->check(positive_number());
   add_reference_trajectory_options(*verb, options->trajectory.reference);
   add_pose_instant_option(
       *verb, options->trajectory.result_instant,
-      "the instant of its scan each row of OUT is of, where that is a file of KITTI rows");
+      "where OUT is a file of KITTI rows: the instant within the scan that each pose is at");
   verb->add_option("--json", options->json,
-                   "also write the figures to this file; - prints them instead of the table");
+                   "JSON file to write the figures to; - prints JSON in place of the tables");
   verb->callback([options, &exit_code] { exit_code = evaluate(*options); });
 }
 

@@ -82,7 +82,7 @@ std::string trajectory_line(const Json& trajectory, bool compensated) {
     return compensated ? "none: detect needs --trajectory FILE to undo the compensation"
                        : "none: detect estimates it from the points (lidar odometry)";
   if (trajectory.contains("error"))
-    return "not usable for all of it: " + trajectory["error"].get<std::string>();
+    return "does not cover the whole recording, or cannot be read: " + trajectory["error"].get<std::string>();
   return fmt::format("in the recording, {:.3f} to {:.3f} s", trajectory["begin_s"].get<double>(),
                      trajectory["end_s"].get<double>());
 }
@@ -150,10 +150,11 @@ int info(const InfoOptions& options) {
 
 void add_info(CLI::App& app, int& exit_code) {
   auto* verb = app.add_subcommand(
-      "info", "Tell what a recording holds, where its times and rings come from, what is odd");
+      "info",
+      "Print the contents of a recording, where its times and rings come from, and what is unusual in it");
   const auto options = std::make_shared<InfoOptions>();
   add_recording_options(*verb, options->recording);
-  verb->add_flag("--json", options->json, "print it as JSON");
+  verb->add_flag("--json", options->json, "print JSON");
   verb->callback([options, &exit_code] { exit_code = info(*options); });
 }
 

@@ -18,7 +18,7 @@
 #include "options/parameter_options.hpp"
 #include "options/recording_options.hpp"
 #include "reports/json_text.hpp"
-#include "run/motion_source.hpp"
+#include "run/given_motion.hpp"
 #include "run/scan_poses.hpp"
 #include "terminal/interrupt.hpp"
 #include "terminal/progress.hpp"
@@ -28,6 +28,8 @@
 #include <mapless/evaluation/quantile.hpp>
 #include <mapless/io/result_folder.hpp>
 #include <mapless/io/trajectory_file.hpp>
+#include <mapless/odometry/lidar_odometry.hpp>
+#include <mapless/pipeline/odometry_report.hpp>
 
 namespace mapless::app {
 namespace {
@@ -50,18 +52,18 @@ class OutputFiles {
   explicit OutputFiles(fs::path folder)
       : folder_(std::move(folder)), kitti_(folder_ / "poses_kitti.txt"), tum_(folder_ / "trajectory.txt") {}
 
-  // Before hours of work, not after them.
+  // Checked before the run, which may take hours.
   void require_free(bool overwrite) const {
     require_writable();
     if (overwrite) return require_own();
     for (const fs::path& file : {kitti_, tum_}) {
-      if (fs::exists(file)) refuse(file, "is there already", "choose another folder, or --overwrite");
+      if (fs::exists(file)) refuse(file, "exists already", "choose another folder, or give --overwrite");
     }
   }
   void write(const std::vector<TimedPose>& at_instants, const std::vector<TimedPose>& rows) const {
     std::error_code error;
     fs::create_directories(folder_, error);
-    if (error) refuse(folder_, "cannot be made: " + error.message(), "choose a folder you may write to");
+    if (error) refuse(folder_, "cannot be created: " + error.message(), "choose a folder you may write to");
     write_kitti_poses(kitti_, at_instants);
     write_tum_trajectory(tum_, rows);
   }
@@ -72,14 +74,14 @@ class OutputFiles {
     throw OutputError({path.string(), "", "", problem, remedy});
   }
 
-  // A trajectory.txt alone is a recording's own, and with a summary it is of a detection.
+  // A trajectory.txt without poses_kitti.txt belongs to a recording, one with a summary to a detection.
   void require_own() const {
     const bool alone = fs::exists(tum_) && !fs::exists(kitti_);
     if (!alone && !fs::exists(ResultFolder(folder_).summary())) return;
-    refuse(tum_, "is not of an earlier mapless odometry: it is not overwritten", "choose another folder");
+    refuse(tum_, "was not written by mapless odometry, and is not overwritten", "choose another folder");
   }
 
-  // Of a folder that is still to be made, the nearest one there is.
+  // For a folder that does not exist yet: its nearest parent that does.
   void require_writable() const {
     fs::path nearest = fs::absolute(folder_);
     while (!fs::exists(nearest) && nearest.has_relative_path()) nearest = nearest.parent_path();
@@ -98,17 +100,18 @@ Time instant_of(const LidarScan& scan, const std::string& instant) {
   return scan.start + Duration::from_nanoseconds((scan.end() - scan.start).nanoseconds() / 2);
 }
 
-/// What one run found.
+/// The motion over a recording.
 struct Estimate {
-  std::vector<TimedPose> at_instants;  ///< one a scan
-  std::vector<TimedPose> rows;         ///< as many as asked for
+  std::vector<TimedPose> at_instants;  ///< one per scan
+  std::vector<TimedPose> rows;         ///< OdometryOptions::poses_per_scan per scan
   std::vector<double> scan_ms;         ///< odometry alone, without reading
-  std::vector<double> scan_cpu_ms;     ///< the same in time of the process's threads
+  std::vector<double> scan_cpu_ms;     ///< the same in processor time of all threads of the process
+  OdometryReport report;
 };
 
-// The motion as it is known in the end; nothing where interrupted.
-std::optional<Estimate> estimate(const Dataset& dataset, const OdometryOptions& options,
-                                 MotionSource& motion) {
+// The trajectory as it is after the last scan; nothing where interrupted.
+std::optional<Estimate> estimate(const Dataset& dataset, const OdometryOptions& options) {
+  LidarOdometry lidar_odometry(options.parameters.odometry());
   Progress progress("scans");
   Estimate out;
   std::vector<std::pair<Time, Duration>> scans;  // instant and length
@@ -118,14 +121,15 @@ std::optional<Estimate> estimate(const Dataset& dataset, const OdometryOptions& 
     scans.emplace_back(instant_of(*scan, options.instant), scan->end() - scan->start);
     const auto begin = std::chrono::steady_clock::now();
     const std::clock_t cpu_begin = std::clock();
-    (void)motion.add(scan);
+    const OdometryUpdate update = lidar_odometry.process(scan);
     out.scan_ms.push_back(
         std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count());
     out.scan_cpu_ms.push_back(1e3 * static_cast<double>(std::clock() - cpu_begin) / CLOCKS_PER_SEC);
+    out.report.add(*scan, update);
     progress.update(k + 1, dataset.size());
   }
   progress.clear();
-  const Trajectory& trajectory = motion.trajectory();
+  const Trajectory& trajectory = lidar_odometry.trajectory();
   for (const auto& [instant, length] : scans) {
     out.at_instants.push_back({instant, trajectory.at(instant).T_v0});
     append_poses(out.rows, scan_poses(trajectory, instant, instant + length, options.poses_per_scan));
@@ -156,15 +160,15 @@ int odometry(const OdometryOptions& options) {
   const OutputFiles files(options.output);
   files.require_free(options.overwrite);
   const auto dataset = options.recording.open();
-  MotionSource motion = MotionSource::odometry(*dataset, 0, options.parameters.odometry());
+  (void)motion_by_odometry(*dataset, 0);  // refuses a compensated recording
   const InterruptGuard interrupt;
-  const std::optional<Estimate> done = estimate(*dataset, options, motion);
+  const std::optional<Estimate> done = estimate(*dataset, options);
   if (!done) {
     say("mapless: interrupted; nothing is written\n");
     return InterruptGuard::exit_code();
   }
   const Estimate& found = *done;
-  const std::string trouble = motion.trouble();
+  const std::string trouble = found.report.trouble();
   if (!trouble.empty()) say("mapless: {}\n", trouble);
   files.write(found.at_instants, found.rows);
   if (options.json) {
@@ -180,26 +184,27 @@ int odometry(const OdometryOptions& options) {
 }  // namespace
 
 void add_odometry(CLI::App& app, int& exit_code) {
-  auto* verb = app.add_subcommand("odometry", "Estimate the motion of the sensor from the lidar alone");
+  auto* verb = app.add_subcommand("odometry", "Estimate the trajectory of the sensor from the lidar alone");
   const auto options = std::make_shared<OdometryOptions>();
   add_recording_options(*verb, options->recording);
   add_parameter_options(*verb, options->parameters);
-  verb->add_option("-o,--output", options->output,
-                   "folder for poses_kitti.txt and trajectory.txt (TUM), both world from sensor")
+  verb->add_option(
+          "-o,--output", options->output,
+          "folder for poses_kitti.txt (KITTI rows) and trajectory.txt (TUM rows), both world from sensor")
       ->required();
-  verb->add_option("--pose-instant", options->instant, "the instant of its scan each pose is of")
+  verb->add_option("--pose-instant", options->instant, "the instant within each scan whose pose is written")
       ->check(CLI::IsMember({"start", "middle", "end"}))
       ->capture_default_str();
   verb->add_option(
           "--poses-per-scan", options->poses_per_scan,
-          "rows of trajectory.txt per scan, from that instant on; several keep the motion within the "
-          "scan. poses_kitti.txt always has one")
+          "number of poses per scan in trajectory.txt, evenly spaced from --pose-instant on; more than one "
+          "keeps the motion within the scan. poses_kitti.txt always has one per scan")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   verb->add_option("--threads", options->threads,
-                   "threads used (all cores where not given); the result is the same")
+                   "number of threads (default: all cores). The result does not depend on it")
       ->check(CLI::Range(1, 1024));
-  verb->add_flag("--overwrite", options->overwrite, "replace the poses of an earlier run in that folder");
+  verb->add_flag("--overwrite", options->overwrite, "replace the poses of an earlier run in the folder");
   verb->add_flag("--json", options->json, "print a summary with the time per scan as JSON");
   verb->callback([options, &exit_code] { exit_code = odometry(*options); });
 }

@@ -29,15 +29,15 @@ struct RenderOptions {
 };
 
 // Labels of a result, or the recording's own truth where there is none.
-LabelledScan read_labelled(const Dataset& dataset, const std::string& result, std::size_t k) {
-  LabelledScan out{dataset.read(k), {}, dataset.read_labels(k)};
+PicturedScan read_labelled(const Dataset& dataset, const std::string& result, std::size_t k) {
+  PicturedScan out{dataset.read(k), {}, dataset.read_labels(k)};
   if (!result.empty()) {
     out.labels = read_label_file(ResultFolder(result).label_file(k), out.scan.input_size);
     return out;
   }
   if (!out.truth) {
-    throw ParameterError({"OUT", "", "", "neither given, nor has the recording labels of its own",
-                          "give a result of mapless detect"});
+    throw ParameterError(
+        {"OUT", "", "", "not given, and the recording has no labels", "give a result of mapless detect"});
   }
   out.labels = *std::exchange(out.truth, std::nullopt);
   return out;
@@ -54,7 +54,7 @@ Time middle_of(const LidarScan& scan) {
 }
 
 // The points of the other scan at their own instants, as seen from T_m0; labels of both after each other.
-void append(LabelledScan& all, const LabelledScan& other, const Trajectory& trajectory, const SE3& T_m0) {
+void append(PicturedScan& all, const PicturedScan& other, const Trajectory& trajectory, const SE3& T_m0) {
   const std::size_t before = all.labels.size();
   for (LidarReturn r : other.scan.returns) {
     const SE3 T_mv = T_m0 * pose_at(trajectory, other.scan, r).inverse();
@@ -66,19 +66,19 @@ void append(LabelledScan& all, const LabelledScan& other, const Trajectory& traj
   if (all.truth && other.truth) all.truth->insert(all.truth->end(), other.truth->begin(), other.truth->end());
 }
 
-LabelledScan scans_around(const Dataset& dataset, const RenderOptions& options, const LidarScan& middle) {
+PicturedScan scans_around(const Dataset& dataset, const RenderOptions& options, const LidarScan& middle) {
   const auto trajectory = dataset.trajectory();
   if (!trajectory) {
     throw ParameterError({"--around", "", std::to_string(options.around),
-                          "the recording has no trajectory to lay its scans together by", "leave it out"});
+                          "the recording has no trajectory, which places its scans", "leave --around out"});
   }
   const SE3 T_m0 = trajectory->at(middle_of(middle)).T_v0;
-  LabelledScan all{middle, {}, std::nullopt};
+  PicturedScan all{middle, {}, std::nullopt};
   all.scan.returns.clear();
   for (int step = -options.around; step <= options.around; step += options.every) {
     const auto k = static_cast<std::int64_t>(options.scan) + step;
     if (k < 0 || k >= static_cast<std::int64_t>(dataset.size())) continue;
-    const LabelledScan one = read_labelled(dataset, options.result, static_cast<std::size_t>(k));
+    const PicturedScan one = read_labelled(dataset, options.result, static_cast<std::size_t>(k));
     if (all.labels.empty() && one.truth) all.truth.emplace();
     append(all, one, *trajectory, T_m0);
   }
@@ -107,32 +107,36 @@ int render(RenderOptions options) {
 void add_render(CLI::App& app, int& exit_code) {
   auto* verb = app.add_subcommand(
       "render",
-      "Draw a labelled scan: static grey, dynamic by object; with truth green hit, red false, blue missed");
+      "Draw a labelled scan as a picture: static points grey, dynamic points coloured by object; where the "
+      "recording has true labels, true positives green, false positives red, false negatives blue");
   const auto options = std::make_shared<RenderOptions>();
   add_recording_options(*verb, options->recording);
-  verb->add_option("OUT", options->result,
-                   "the result of mapless detect, or a folder with labels/NNNNNN.label; the recording's own "
-                   "truth where left out");
+  verb->add_option(
+      "OUT", options->result,
+      "result of mapless detect, or a folder with labels/NNNNNN.label. Default: the true labels of the "
+      "recording");
   verb->add_option("--scan", options->scan, "number of the scan in the recording, from 0")
       ->required()
       ->check(whole_number(0));
-  verb->add_option("-o,--output", options->picture, "the picture, a PNG file")->required();
+  verb->add_option("-o,--output", options->picture, "PNG file to write")->required();
   verb->add_option("--view", options->view, "bird's-eye view, range image, or both")
       ->check(CLI::IsMember({"both", "bev", "range"}))
       ->capture_default_str();
   verb->add_option("--extent-m", options->drawing.extent_m,
-                   "from the sensor to the left and right edge of the bird's-eye view [m]")
+                   "distance from the sensor to the left and right edge of the bird's-eye view [m]")
       ->check(number_between(1, 1000))
       ->capture_default_str();
   verb->add_option(
           "--around", options->around,
-          "scans before and after it that the bird's-eye view shows too, by the recording's trajectory")
+          "number of scans before and after --scan that the bird's-eye view also shows, placed with the "
+          "recording's trajectory")
       ->check(CLI::Range(0, 10000))
       ->capture_default_str();
-  verb->add_option("--every", options->every, "with --around, one scan of so many")
+  verb->add_option("--every", options->every, "with --around: show only every Nth scan")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  verb->add_option("--reduce", options->reduce, "makes so many by so many pixels one, for a small file")
+  verb->add_option("--reduce", options->reduce,
+                   "reduce the picture by this factor in width and height, for a smaller file")
       ->check(CLI::Range(1, 8))
       ->capture_default_str();
   verb->callback([options, &exit_code] { exit_code = render(*options); });

@@ -43,7 +43,7 @@ void require_new(const std::filesystem::path& folder) {
   }
 }
 
-/// Keeps room on the disk for what is written last, so that a disk that fills up leaves a valid recording.
+/// Reserves disk space for the files that are written last, so that a full disk leaves a valid recording.
 class RoomForTheEnd {
  public:
   RoomForTheEnd(std::filesystem::path file, std::size_t bytes) : file_(std::move(file)) {
@@ -61,12 +61,12 @@ class RoomForTheEnd {
   std::filesystem::path file_;
 };
 
-// Of trajectory, times and poses, generously.
+// Upper bound of trajectory, times and poses: a row of any of them has less than 200 characters.
 std::size_t bytes_at_the_end(const Scene& scene, int scans) {
   return 65536 + 200 * scene.poses.size() + 300 * static_cast<std::size_t>(scans);
 }
 
-/// Scans written; fewer than asked for where it was interrupted. What is written is a recording either way.
+/// Returns the number of scans written, less than `count` where interrupted; a valid recording either way.
 int write_scans(SimulatedSensor& sensor, SequenceWriter& writer, const RoomForTheEnd& room, int count) {
   Progress progress("scans");
   int done = 0;
@@ -132,8 +132,9 @@ int simulate(SimulateOptions options) {
 }  // namespace
 
 void add_simulate(CLI::App& app, int& exit_code) {
-  auto* verb =
-      app.add_subcommand("simulate", "Make a recording of a simulated scene, with truth for every point");
+  auto* verb = app.add_subcommand(
+      "simulate",
+      "Simulate a drive through a scene and write it as a recording, with the true label of every point");
   const auto options = std::make_shared<SimulateOptions>();
   verb->add_option("SCENE", options->scene, fmt::format("one of {}", fmt::join(scene_names(), ", ")))
       ->required()
@@ -142,28 +143,29 @@ void add_simulate(CLI::App& app, int& exit_code) {
   verb->add_option("--sensor", options->sensor,
                    "a named model, or a calibration file: Velodyne's YAML or a sensor.yaml")
       ->capture_default_str();
-  verb->add_option("--duration-s", options->making.duration_s,
-                   "how long [s]; the same seed for longer only goes on, at most 600")
+  verb->add_option(
+          "--duration-s", options->making.duration_s,
+          "duration [s], at most 600. A longer recording of the same seed begins with the shorter one")
       ->check(positive_number())
       ->capture_default_str();
-  verb->add_option("--seed", options->making.seed, "of the scene, the traffic and the noise")
+  verb->add_option("--seed", options->making.seed, "seed of the random scene, traffic and noise")
       ->check(whole_number(0))
       ->capture_default_str();
   verb->add_option("--range-noise-m", options->sensing.range_noise_m, "standard deviation of the ranges [m]")
       ->check(number_between(0, 1))
       ->capture_default_str();
-  verb->add_option("--faulty", options->faulty, "whether glass, dark paint and far ground may give no return")
+  verb->add_option("--faulty", options->faulty,
+                   "simulate missing returns from glass, dark paint and distant ground")
       ->check(CLI::IsMember({"on", "off"}))
       ->capture_default_str();
-  verb->add_option("--format", options->format, "of the recording")
+  verb->add_option("--format", options->format, "format of the recording")
       ->check(CLI::IsMember(sequence_formats()))
       ->capture_default_str();
-  verb->add_option("--world", options->world,
-                   "frame of the trajectory: turned arbitrarily, or level with z up")
+  verb->add_option("--world", options->world, "world frame: rotated arbitrarily, or level with z up")
       ->check(CLI::IsMember({"arbitrary", "level"}))
       ->capture_default_str();
   verb->add_option("--threads", options->threads,
-                   "threads used (all cores where not given); the recording is the same")
+                   "number of threads (default: all cores). The recording does not depend on it")
       ->check(CLI::Range(1, 1024));
   verb->callback([options, &exit_code] { exit_code = simulate(*options); });
 }

@@ -38,8 +38,8 @@ struct InWorld {
 };
 
 InWorld in_world(Compensation compensation) {
-  const SampledTrajectory trajectory = moving();
-  const DetectorInput input = withhold_motion(scan(), trajectory, compensation);
+  const DetectorInput input =
+      ablate_motion(scan(), std::make_shared<const SampledTrajectory>(moving()), compensation);
   const CompensatedScan c = compensate(input.scan, *input.trajectory);
   const auto sensor_x = [&](std::size_t column) { return c.column_T_0v[column].translation().x(); };
   return {c.points_0[0].x(), c.points_0[1].x(), c.points_0[2].x(), sensor_x(0), sensor_x(50), sensor_x(99)};
@@ -57,7 +57,7 @@ void expect_rays(const InWorld& w, bool compensated) {
   EXPECT_NEAR(w.last_ray_x, compensated ? 0.99 : 0.5, 1e-5);
 }
 
-TEST(UntoldMotion, EachAblationTakesPointsOrRaysFromTheMiddleOfTheScan) {
+TEST(AblatedMotion, EachAblationTakesPointsOrRaysFromTheMiddleOfTheScan) {
   const InWorld full = in_world(Compensation::full);
   expect_points(full, true);
   expect_rays(full, true);

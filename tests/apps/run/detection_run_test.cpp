@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "run/given_motion.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/toy_sequence.hpp"
 #include <mapless/core/errors.hpp>
@@ -36,14 +37,17 @@ class DetectionRunThreads : public testing::Test {
   // What `mapless detect` does, and the text of its summary.
   static std::string run(const fs::path& output, Setting setting) {
     const auto dataset = open_dataset(*shared / "street");
-    MotionSource motion = setting.odometry ? MotionSource::odometry(*dataset) : MotionSource(*dataset, {}, 0);
+    const TrajectorySource motion =
+        setting.odometry ? motion_by_odometry(*dataset, 0) : given_motion(*dataset, {}, 0);
     const ResultFolder result(output);
-    RunSummary summary(*dataset, "street", motion.source(), "default", 0, kScans);
+    RunSummary summary(*dataset, "street", motion, "default", 0, kScans);
     const auto make_folder = [&] {
       result.create(false, summary.text());
       setting.after_making(result);
     };
-    DetectionRun detection(*dataset, motion, result, {}, summary, {0, kScans}, setting.side_by_side,
+    OnlineDetectorOptions options;
+    options.side_by_side = setting.side_by_side;
+    DetectionRun detection(*dataset, motion.trajectory, result, options, summary, {0, kScans},
                            std::move(setting.pace), make_folder);
     try {
       EXPECT_TRUE(detection.run());

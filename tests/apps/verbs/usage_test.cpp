@@ -121,7 +121,7 @@ TEST(Usage, PathsTheSystemRefusesAreNamed) {
   const test::TemporaryFolder folder;
   std::filesystem::create_symlink("loop", folder / "loop");
   const std::string loop = folder / "loop";
-  expect_error(run_command({"simulate", "town1", "-o", loop}), 1, {loop + ": cannot be looked at", ";"});
+  expect_error(run_command({"simulate", "town1", "-o", loop}), 1, {loop + ": cannot be accessed", ";"});
   expect_error(run_command({"odometry", "in", "-o", loop}), 1, {loop, "symbolic links", ";"});
 }
 

@@ -76,8 +76,6 @@ const PcdField& PcdCloud::require(std::string_view name) const {
 
 std::vector<float> PcdCloud::floats(const PcdField& field) const { return column<float>(*this, field); }
 
-std::vector<double> PcdCloud::doubles(const PcdField& field) const { return column<double>(*this, field); }
-
 std::vector<std::int64_t> PcdCloud::integers(const PcdField& field) const {
   std::vector<std::int64_t> out(size());
   with_type_of(field, [&](auto zero) {

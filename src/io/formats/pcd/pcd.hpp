@@ -37,8 +37,7 @@ struct PcdCloud {
   [[nodiscard]] const PcdField& require(std::string_view name) const;
   /// The first number of a field for every point.
   [[nodiscard]] std::vector<float> floats(const PcdField& field) const;
-  [[nodiscard]] std::vector<double> doubles(const PcdField& field) const;
-  /// The same, exactly. Throws InputError for a value that is not an integer of 64 bits.
+  /// The same as integers, exactly. Throws InputError for a value that is not an integer of 64 bits.
   [[nodiscard]] std::vector<std::int64_t> integers(const PcdField& field) const;
 };
 

@@ -1,30 +1,27 @@
 #include "io/formats/pcd/pcd_folder_dataset.hpp"
 
 #include <algorithm>
-#include <cmath>
+#include <optional>
+#include <set>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "io/files/text.hpp"
-#include "io/formats/pcd/pcd_points.hpp"
-#include "io/formats/pcd/pcd_sensor.hpp"
+#include "io/formats/pcd/pcd_fields.hpp"
 #include "io/formats/scan_times.hpp"
-#include "lidar/nearest_beam.hpp"
-#include "lidar/ring_recovery.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/io/labels.hpp>
 #include <mapless/io/model_file.hpp>
+#include <mapless/lidar/scan_builder.hpp>
 
 namespace mapless::inline v1 {
 namespace {
 
 namespace fs = std::filesystem;
 
-// Rings found from elevations: 0.25 is what points of another sensor give. Rings the recording states may fit
-// the nominal elevations less well.
-constexpr double kLargestMisfitFound = 0.15;
-constexpr double kLargestMisfitStated = 1.0;
+// Enough for the fit of a cone per laser, few enough to open a recording in a second or two.
+constexpr std::size_t kScansForSensor = 8;
 
 std::vector<fs::path> pcd_files(const fs::path& folder) {
   std::vector<fs::path> files;
@@ -63,13 +60,12 @@ std::optional<std::vector<Time>> times_of_names(const std::vector<fs::path>& fil
 std::vector<Time> times_of_points(const std::vector<fs::path>& files) {
   std::vector<Time> times;
   for (const fs::path& file : files) {
-    const PcdPoints points = read_pcd_points(file);
-    const std::optional<std::int64_t> first = points.first_time_ns();
-    if (!first || !points.times_are_absolute) {
+    const std::optional<Time> first = first_time(read_pcd(file));
+    if (!first) {
       throw InputError({file.string(), "start", "", "nothing says when the scan was recorded",
-                        "put a times.txt beside the scans: the start of one scan in seconds a line"});
+                        "put a times.txt beside the scans, with the start of one scan in seconds per line"});
     }
-    times.push_back(Time::from_nanoseconds(*first));
+    times.push_back(*first);
   }
   return times;
 }
@@ -83,59 +79,30 @@ void require_increasing(const std::vector<Time>& times, const std::vector<fs::pa
   }
 }
 
-std::vector<std::int32_t> stated_lasers(const PcdPoints& points, const LidarModel& model,
-                                        const std::string& source) {
-  const auto count = static_cast<std::int64_t>(model.lasers.size());
-  std::vector<std::int32_t> lasers(points.rings.size(), 0);
-  for (std::size_t i = 0; i < lasers.size(); ++i) {
-    const bool inside = points.rings[i] >= 0 && points.rings[i] < count;
-    if (!inside && is_usable(points.positions[i])) {
-      throw InputError({source, fmt::format("point {} ring", i), std::to_string(points.rings[i]),
-                        fmt::format("not one of the {} lasers of {}", count, model.name),
-                        "name the sensor it is of"});
+// Scans all over the recording. Those that cannot be read say so when they are read.
+std::vector<PcdCloud> scans_for_sensor(const std::vector<fs::path>& files) {
+  std::set<std::size_t> chosen;
+  const std::size_t last = files.size() - 1;
+  for (std::size_t i = 0; i < kScansForSensor; ++i) chosen.insert(i * last / (kScansForSensor - 1));
+  std::vector<PcdCloud> scans;
+  for (const std::size_t k : chosen) {
+    try {
+      PcdCloud cloud = read_pcd(files[k]);
+      (void)first_time(cloud);  // checks rings and times, too
+      scans.push_back(std::move(cloud));
+    } catch (const InputError&) {
+      if (k == last && scans.empty()) throw;
     }
-    if (inside) lasers[i] = static_cast<std::int32_t>(points.rings[i]);
   }
-  // Some vendors count from the top.
-  std::vector<std::int32_t> reversed = lasers;
-  for (std::int32_t& laser : reversed) laser = static_cast<std::int32_t>(count) - 1 - laser;
-  const bool from_top =
-      beam_misfit(points.positions, reversed, model) < beam_misfit(points.positions, lasers, model);
-  return from_top ? reversed : lasers;
+  return scans;
 }
 
-void require_fit(double misfit, double largest, const LidarModel& model, const std::string& source) {
-  if (misfit <= largest) return;
-  throw InputError(
-      {source, "sensor", model.name,
-       fmt::format("half of the points lie more than {:.2f} laser spacings off its beams", misfit),
-       "name the sensor the recording is of, or its calibration file"});
-}
-
-// Moves each column, known but for whole turns, to the turn the point's time tells, with column 0 at the
-// earliest point, and gives the scan a model that starts there: scans may begin anywhere.
-void unwind(LidarScan& scan, std::vector<LidarRecord>& records, const PcdPoints& points,
-            std::int64_t first_ns) {
-  const auto model = std::make_shared<LidarModel>(*scan.model);
-  const int turn = model->columns;
-  std::size_t first = 0;
-  while (!is_usable(points.positions[first]) || points.times_ns[first] != first_ns) ++first;
-  const int first_column = records[first].column;
-  model->start_azimuth_rad = model->hub_angle(first_column);
-  for (std::size_t i = 0; i < records.size(); ++i) {
-    LidarRecord& r = records[i];
-    if (r.code != ReturnCode::hit) {
-      r.column = 0;
-      continue;
-    }
-    const double expected =
-        static_cast<double>(r.time_ns) / static_cast<double>(scan.column_period.nanoseconds());
-    const int column = r.column - first_column;
-    const int turns = static_cast<int>(std::lround((expected - column) / turn));
-    r.column = std::max(0, column + turns * turn);
-    scan.columns = std::max(scan.columns, r.column + 1);
-  }
-  scan.model = model;
+ScanBuilder recovered_builder(const std::vector<fs::path>& files, const std::vector<Time>& starts,
+                              const std::string& folder) {
+  const std::vector<PcdCloud> clouds = scans_for_sensor(files);
+  std::vector<PointFields> scans;
+  for (const PcdCloud& cloud : clouds) scans.push_back(fields_of(cloud));
+  return ScanBuilder::recover(scans, starts, folder);
 }
 
 class PcdFolderDataset final : public Dataset {
@@ -145,13 +112,9 @@ class PcdFolderDataset final : public Dataset {
       throw InputError({folder.string(), "scans", "0", "no *.pcd in it", "give the folder of the scans"});
     }
     find_times(folder);
-    if (options.sensor.empty()) {
-      estimated_ = estimate_pcd_sensor(files_, starts_, folder.string());
-      model_ = std::make_shared<LidarModel>(estimated_->model);
-      notes_.insert(notes_.end(), estimated_->notes.begin(), estimated_->notes.end());
-    } else {
-      model_ = std::make_shared<LidarModel>(model_from_name_or_file(options.sensor));
-    }
+    builder_ = options.sensor.empty() ? recovered_builder(files_, starts_, folder.string())
+                                      : ScanBuilder(model_from_name_or_file(options.sensor));
+    for (std::string& note : builder_->notes()) notes_.push_back(std::move(note));
     notes_.push_back("points are taken as measured, not motion-compensated: PCD files do not say");
     find_turn();
     labels_ = options.labels.empty() ? folder / "labels" : options.labels;
@@ -163,47 +126,22 @@ class PcdFolderDataset final : public Dataset {
 
   [[nodiscard]] std::string format() const override { return "pcd"; }
   [[nodiscard]] std::size_t size() const override { return files_.size(); }
-  [[nodiscard]] std::shared_ptr<const LidarModel> model() const override { return model_; }
-  [[nodiscard]] std::optional<ModelEstimate> model_estimate() const override {
-    return estimated_ ? std::optional(estimated_->estimate) : std::nullopt;
-  }
+  [[nodiscard]] std::shared_ptr<const LidarModel> model() const override { return builder_->model(); }
+  [[nodiscard]] std::optional<ModelEstimate> model_estimate() const override { return builder_->estimate(); }
   [[nodiscard]] Time scan_start(std::size_t k) const override { return starts_.at(k); }
   [[nodiscard]] Time scan_end(std::size_t k) const override { return starts_.at(k) + turn_; }
   [[nodiscard]] fs::path scan_file(std::size_t k) const override { return files_.at(k); }
   [[nodiscard]] std::vector<std::string> notes() const override { return notes_; }
 
   [[nodiscard]] LidarScan read(std::size_t k) const override {
-    const std::string source = files_.at(k).string();
-    const PcdPoints points = read_pcd_points(files_[k]);
-    LidarScan scan;
-    scan.model = model_;
-    scan.start = starts_[k];
-    scan.columns = model_->columns;
-    scan.column_period = Duration::from_nanoseconds(turn_.nanoseconds() / model_->columns);
-    const std::vector<std::int32_t> lasers = lasers_of(points, scan, source);
-    const RecoveredFirings firings =
-        recover_firings(points.positions, lasers, *model_, estimated_ ? estimated_->layout.encoder_steps : 0);
-    std::vector<LidarRecord> records(points.positions.size());
-    for (std::size_t i = 0; i < records.size(); ++i) {
-      const Duration offset = model_->lasers[static_cast<std::size_t>(lasers[i])].firing_offset;
-      const auto time_ns = static_cast<std::int32_t>(firings.columns[i] * scan.column_period.nanoseconds() +
-                                                     offset.nanoseconds());
-      // Where a point without position was fired is not known: it has no cell.
-      const ReturnCode code = is_usable(points.positions[i]) ? ReturnCode::hit : ReturnCode::absent;
-      records[i] = {points.positions[i], lasers[i], firings.columns[i], time_ns, code};
-    }
-    scan.time_source = Provenance::recovered_from_angle;
-    if (const auto first_ns = points.first_time_ns()) {
-      take_times(scan, records, points, *first_ns, source);
-      unwind(scan, records, points, *first_ns);
-    }
-    return organise(std::move(scan), records, source);
+    const PcdCloud cloud = read_pcd(files_.at(k));
+    return builder_->build(fields_of(cloud), starts_[k], files_[k].string());
   }
 
   [[nodiscard]] std::optional<std::vector<std::uint32_t>> read_labels(std::size_t k) const override {
     const fs::path file = labels_ / files_.at(k).filename().replace_extension(".label");
     if (!fs::exists(file)) return std::nullopt;
-    return read_label_file(file, read_pcd_points(files_[k]).positions.size());
+    return read_label_file(file, read_pcd(files_[k]).size());
   }
 
  private:
@@ -223,7 +161,7 @@ class PcdFolderDataset final : public Dataset {
 
   // The median distance of two scans, where that is about the sensor's turn; scans may have been left out.
   void find_turn() {
-    const double nominal_s = 1 / model_->rotation_rate_hz;
+    const double nominal_s = 1 / builder_->model()->rotation_rate_hz;
     turn_ = Duration::from_seconds(nominal_s);
     std::vector<Duration> steps;
     for (std::size_t k = 1; k < starts_.size(); ++k) steps.push_back(starts_[k] - starts_[k - 1]);
@@ -232,47 +170,12 @@ class PcdFolderDataset final : public Dataset {
     std::nth_element(steps.begin(), middle, steps.end());
     const double ratio = middle->seconds() / nominal_s;
     if (ratio > 0.9 && ratio < 1.1) turn_ = *middle;
-  }
-
-  [[nodiscard]] std::vector<std::int32_t> lasers_of(const PcdPoints& points, LidarScan& scan,
-                                                    const std::string& source) const {
-    if (estimated_ || !points.rings.empty()) {
-      std::vector<std::int32_t> lasers =
-          estimated_ ? lasers_by_rings(points, *estimated_, source) : stated_lasers(points, *model_, source);
-      require_fit(beam_misfit(points.positions, lasers, *model_), kLargestMisfitStated, *model_, source);
-      const bool stated = !estimated_ || estimated_->rings_from == PcdRingSource::field;
-      scan.ring_source = stated ? Provenance::sensor : Provenance::recovered_from_order;
-      return lasers;
-    }
-    BeamAssignment found = nearest_beams(points.positions, *model_);
-    require_fit(found.misfit, kLargestMisfitFound, *model_, source);
-    scan.ring_source = Provenance::recovered_from_angle;
-    return std::move(found.lasers);
-  }
-
-  // The scan then starts with its earliest point.
-  static void take_times(LidarScan& scan, std::vector<LidarRecord>& records, const PcdPoints& points,
-                         std::int64_t first_ns, const std::string& source) {
-    const std::int64_t longest_ns = 3 * scan.columns * scan.column_period.nanoseconds();
-    for (std::size_t i = 0; i < records.size(); ++i) {
-      if (records[i].code != ReturnCode::hit) continue;
-      const std::int64_t since_first = points.times_ns[i] - first_ns;
-      if (since_first > longest_ns || since_first > INT32_MAX) {
-        throw InputError({source, fmt::format("point {} time", i), fmt::format("{} ns", points.times_ns[i]),
-                          fmt::format("{} ns after the first point: more than three turns", since_first),
-                          "give times in nanoseconds (integers) or seconds (floating)"});
-      }
-      records[i].time_ns = static_cast<std::int32_t>(since_first);
-    }
-    scan.start = points.times_are_absolute ? Time::from_nanoseconds(first_ns)
-                                           : scan.start + Duration::from_nanoseconds(first_ns);
-    scan.time_source = Provenance::sensor;
+    builder_->set_turn_duration(turn_);
   }
 
   std::vector<fs::path> files_;
   fs::path labels_;
-  std::shared_ptr<const LidarModel> model_;
-  std::optional<PcdSensor> estimated_;
+  std::optional<ScanBuilder> builder_;
   std::vector<Time> starts_;
   Duration turn_;
   std::vector<std::string> notes_;

@@ -252,7 +252,7 @@ TEST(PcdFolder, WhatCannotBeReadIsRefused) {
   EXPECT_THAT(refusal({}, [](const fs::path& r) { fs::resize_file(r / "1.pcd", 0); }), HasSubstr("0 bytes"));
   EXPECT_THAT(refusal({{"ring", 'U', 2, constant(16)}}, nothing), HasSubstr("ring = 16"));
   EXPECT_THAT(refusal({{"ring", 'U', 2, constant(3)}}, nothing), HasSubstr("off its beams"));
-  EXPECT_THAT(refusal({{"t", 'F', 4, constant(NAN)}}, nothing), HasSubstr("point 0 t = nan"));
+  EXPECT_THAT(refusal({{"t", 'F', 4, constant(NAN)}}, nothing), HasSubstr("point 0 time = nan"));
   EXPECT_THAT(refusal({{"t", 'F', 4, constant(1.7e9)}}, nothing), HasSubstr("4 bytes"));
   EXPECT_THAT(refusal({{"t", 'I', 8, constant(-9.1e18)}}, nothing), HasSubstr("not a time in nanoseconds"));
   const auto microseconds_as_seconds = [](const Firing& f) { return 1e-3 * static_cast<double>(f.time_ns); };

@@ -1,5 +1,3 @@
-#include "io/formats/pcd/pcd_sensor.hpp"
-
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -272,7 +270,7 @@ TEST(PcdSensor, RefusesTimesInAnotherUnitAndScansOfOtherRings) {
     write_records(rows.folder / (std::to_string(k) + ".pcd"), some, lasers, Stored::in_rows, true);
   }
   write_file_atomically(rows.folder / "times.txt", "0\n0.1\n0.2\n0.3\n0.4\n0.5\n0.6\n0.7\n0.8\n");
-  EXPECT_THAT(refusal(rows.folder.path()), HasSubstr("HEIGHT = 8"));
+  EXPECT_THAT(refusal(rows.folder.path()), HasSubstr("rows = 8"));
 }
 
 }  // namespace MAPLESS_FILE

@@ -68,7 +68,7 @@ TEST(Pcd, ReadsAscii) {
   const PcdCloud cloud = cloud_of(std::string(kHeader) + kAsciiBody);
   EXPECT_EQ(cloud.width, 2u);
   EXPECT_EQ(cloud.height, 1u);
-  EXPECT_THAT(cloud.doubles(cloud.require("z")), ElementsAre(3.25, -1e-3));
+  EXPECT_THAT(cloud.floats(cloud.require("z")), ElementsAre(3.25F, -1e-3F));
   EXPECT_THAT(cloud.integers(cloud.require("ring")), ElementsAre(63, 0));
   EXPECT_THAT(cloud.integers(cloud.require("t")), ElementsAre(4'000'000'000, 7));
   EXPECT_TRUE(std::isnan(cloud.floats(cloud.require("x"))[1]));
@@ -79,7 +79,7 @@ TEST(Pcd, ReadsAscii) {
 TEST(Pcd, ReadsBinary) {
   const PcdCloud cloud = cloud_of(kHeader + binary_body());
   EXPECT_THAT(cloud.floats(cloud.require("x")), ElementsAre(1, 4));
-  EXPECT_THAT(cloud.doubles(cloud.require("z")), ElementsAre(3.25, 6.5));
+  EXPECT_THAT(cloud.floats(cloud.require("z")), ElementsAre(3.25F, 6.5F));
   EXPECT_THAT(cloud.integers(cloud.require("ring")), ElementsAre(63, 0));
   EXPECT_THAT(cloud.integers(cloud.require("t")), ElementsAre(4'000'000'000, 7));
 }
@@ -102,7 +102,7 @@ TEST(Pcd, ReadsCompressed) {
   const std::string text = header + "DATA binary_compressed\n" + sizes + packed;
   const PcdCloud cloud = cloud_of(text);
   EXPECT_THAT(cloud.floats(cloud.require("y")), ElementsAre(2, 5));
-  EXPECT_THAT(cloud.doubles(cloud.require("z")), ElementsAre(3.25, 6.5));
+  EXPECT_THAT(cloud.floats(cloud.require("z")), ElementsAre(3.25F, 6.5F));
   EXPECT_THAT(cloud.integers(cloud.require("t")), ElementsAre(4'000'000'000, 7));
   EXPECT_THAT(refusal(text.substr(0, text.size() - 1)), HasSubstr("cut off or damaged"));
   EXPECT_THAT(refusal(header + "DATA binary_compressed\n1234"), HasSubstr("DATA = 4 bytes"));

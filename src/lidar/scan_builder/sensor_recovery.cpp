@@ -1,4 +1,4 @@
-#include "io/formats/pcd/pcd_sensor.hpp"
+#include "lidar/scan_builder/sensor_recovery.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,58 +11,41 @@
 
 #include <fmt/format.h>
 
-#include "io/formats/pcd/pcd_spin.hpp"
 #include "lidar/nearest_beam.hpp"
+#include "lidar/scan_builder/spin_recovery.hpp"
 #include <mapless/core/errors.hpp>
 
 namespace mapless::inline v1 {
 namespace {
 
-namespace fs = std::filesystem;
-
-constexpr std::size_t kScansForSensor = 8;
+// Chosen wide: spinning lidars on sale have 16 to 128 lasers and turn 5 to 20 times a second.
 constexpr std::size_t kFewestRings = 4;
 constexpr std::size_t kMostRings = 256;
 constexpr double kSlowest_hz = 1;
 constexpr double kFastest_hz = 100;
-constexpr double kUsual_hz = 10;
-// Laser spacings; 0.25 is what points give that have nothing to do with the rings.
+constexpr double kUsual_hz = 10;  // the default of all drivers
+// In spacings between lasers. Points spread evenly between two beams have a median distance of 0.25 to the
+// nearer one; this is well below it.
 constexpr double kLargestMisfit = 0.15;
 
-[[noreturn]] void ask_for_sensor(const std::string& folder, const std::string& why) {
-  throw InputError({folder, "sensor", "", "PCD files do not say which sensor they are of, and " + why,
+[[noreturn]] void refuse(const std::string& source, const std::string& why) {
+  throw InputError({source, "sensor", "", "the points do not say which sensor measured them, and " + why,
                     "name it with --sensor, or give its calibration file"});
 }
 
-// Scans that cannot be read tell so when they are asked for.
-std::vector<PcdPoints> scans_for_estimate(const std::vector<fs::path>& files) {
-  std::set<std::size_t> chosen;
-  const std::size_t last = files.size() - 1;
-  for (std::size_t i = 0; i < kScansForSensor; ++i) chosen.insert(i * last / (kScansForSensor - 1));
-  std::vector<PcdPoints> scans;
-  for (const std::size_t k : chosen) {
-    try {
-      scans.push_back(read_pcd_points(files[k]));
-    } catch (const InputError&) {
-      if (k == last && scans.empty()) throw;
-    }
-  }
-  return scans;
-}
-
-PcdRingSource ring_source(const std::vector<PcdPoints>& scans) {
+RingSource ring_source(const std::vector<RawPoints>& scans) {
   const auto all = [&](auto holds) { return std::all_of(scans.begin(), scans.end(), holds); };
-  if (all([](const PcdPoints& p) { return !p.rings.empty(); })) return PcdRingSource::field;
+  if (all([](const RawPoints& p) { return !p.rings.empty(); })) return RingSource::field;
   const std::size_t rows = scans.front().rows;
-  if (rows > 1 && all([rows](const PcdPoints& p) { return p.rows == rows; })) return PcdRingSource::rows;
-  return PcdRingSource::order;
+  if (rows > 1 && all([rows](const RawPoints& p) { return p.rows == rows; })) return RingSource::rows;
+  return RingSource::order;
 }
 
 // Number of the ring of every point, as the file has it.
-std::vector<std::int64_t> ring_numbers(const PcdPoints& points, PcdRingSource source) {
-  if (source == PcdRingSource::field) return points.rings;
+std::vector<std::int64_t> ring_numbers(const RawPoints& points, RingSource from) {
+  if (from == RingSource::field) return points.rings;
   std::vector<std::int64_t> numbers(points.positions.size(), 0);
-  if (source == PcdRingSource::rows) {
+  if (from == RingSource::rows) {
     const std::size_t width = std::max<std::size_t>(1, numbers.size() / points.rows);
     for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] = static_cast<std::int64_t>(i / width);
     return numbers;
@@ -87,16 +70,16 @@ void add_unseen_rings(std::vector<std::int64_t>& rings) {
 
 // The rings of all scans: from the lowest to the highest, so that a ring's neighbours are those in the list;
 // in stored order where nothing but the order tells them.
-std::vector<std::int64_t> rings_of_scans(const std::vector<PcdPoints>& scans, PcdRingSource source,
-                                         const std::string& folder) {
+std::vector<std::int64_t> rings_of_scans(const std::vector<RawPoints>& scans, RingSource from,
+                                         const std::string& source) {
   std::map<std::int64_t, std::vector<float>> slopes;
-  for (const PcdPoints& scan : scans) {
-    const std::vector<std::int64_t> numbers = ring_numbers(scan, source);
+  for (const RawPoints& scan : scans) {
+    const std::vector<std::int64_t> numbers = ring_numbers(scan, from);
     for (std::size_t i = 0; i < numbers.size(); ++i) {
       const Eigen::Vector3f& p = scan.positions[i];
       if (!is_usable(p)) continue;
       slopes[numbers[i]].push_back(p.z() / p.head<2>().norm());
-      if (slopes.size() > kMostRings) ask_for_sensor(folder, "its points are not in rings");
+      if (slopes.size() > kMostRings) refuse(source, "they are not in rings");
     }
   }
   std::vector<std::pair<float, std::int64_t>> by_slope;
@@ -105,31 +88,30 @@ std::vector<std::int64_t> rings_of_scans(const std::vector<PcdPoints>& scans, Pc
     std::nth_element(s.begin(), middle, s.end());
     by_slope.emplace_back(*middle, number);
   }
-  if (source != PcdRingSource::order) std::sort(by_slope.begin(), by_slope.end());
+  if (from != RingSource::order) std::sort(by_slope.begin(), by_slope.end());
   std::vector<std::int64_t> rings;
   for (const auto& [slope, number] : by_slope) rings.push_back(number);
   if (rings.size() < kFewestRings) {
-    ask_for_sensor(folder,
-                   fmt::format("its points show {} rings, from which it cannot be told", rings.size()));
+    refuse(source, fmt::format("they show {} rings, too few to tell", rings.size()));
   }
-  if (source != PcdRingSource::order) add_unseen_rings(rings);
+  if (from != RingSource::order) add_unseen_rings(rings);
   return rings;
 }
 
 // Only scans with the most frequent number of rings tell them by their order.
-void keep_usual_scans(std::vector<PcdPoints>& scans) {
+void keep_usual_scans(std::vector<RawPoints>& scans) {
   std::map<std::size_t, int> scans_with;
-  for (const PcdPoints& scan : scans) ++scans_with[ring_starts(scan.positions).size()];
+  for (const RawPoints& scan : scans) ++scans_with[ring_starts(scan.positions).size()];
   const auto usual = std::max_element(scans_with.begin(), scans_with.end(),
                                       [](const auto& a, const auto& b) { return a.second <= b.second; });
   const std::size_t count = usual->first;
-  std::erase_if(scans, [count](const PcdPoints& s) { return ring_starts(s.positions).size() != count; });
+  std::erase_if(scans, [count](const RawPoints& s) { return ring_starts(s.positions).size() != count; });
 }
 
-TimedCloud timed_cloud(const PcdPoints& scan, const std::vector<std::int64_t>& rings, PcdRingSource source) {
+TimedCloud timed_cloud(const RawPoints& scan, const std::vector<std::int64_t>& rings, RingSource from) {
   std::map<std::int64_t, std::int32_t> index;
   for (const std::int64_t ring : rings) index.emplace(ring, static_cast<std::int32_t>(index.size()));
-  const std::vector<std::int64_t> numbers = ring_numbers(scan, source);
+  const std::vector<std::int64_t> numbers = ring_numbers(scan, from);
   std::vector<std::pair<double, std::size_t>> by_azimuth;
   for (std::size_t i = 0; i < numbers.size(); ++i) {
     const Eigen::Vector3d p = scan.positions[i].cast<double>();
@@ -155,7 +137,7 @@ void keep_one_turn(TimedCloud& cloud, double rate_hz) {
   }
 }
 
-std::optional<double> rate_of_starts_hz(const std::vector<Time>& starts) {
+std::optional<double> rate_of_starts_hz(std::span<const Time> starts) {
   std::vector<double> steps;
   for (std::size_t k = 1; k < starts.size(); ++k) steps.push_back((starts[k] - starts[k - 1]).seconds());
   if (steps.empty()) return std::nullopt;
@@ -166,13 +148,13 @@ std::optional<double> rate_of_starts_hz(const std::vector<Time>& starts) {
 }
 
 // Rate and direction, and the note that says where they come from.
-std::string take_spin(const std::vector<TimedCloud>& clouds, const std::vector<Time>& starts,
-                      const std::string& folder, ModelEstimationOptions& options) {
+std::string take_spin(const std::vector<TimedCloud>& clouds, std::span<const Time> starts,
+                      const std::string& source, ModelEstimationOptions& options) {
   if (const std::optional<double> spin = spin_rate_hz(clouds)) {
     options.rotation_rate_hz = std::abs(*spin);
     options.direction = *spin < 0 ? SpinDirection::clockwise : SpinDirection::counter_clockwise;
     if (options.rotation_rate_hz < kSlowest_hz || options.rotation_rate_hz > kFastest_hz) {
-      throw InputError({folder, "times of the points", fmt::format("{:g} turns a second", std::abs(*spin)),
+      throw InputError({source, "times of the points", fmt::format("{:g} turns a second", std::abs(*spin)),
                         fmt::format("no lidar turns so: not from {:g} to {:g}", kSlowest_hz, kFastest_hz),
                         "give times in nanoseconds (integers) or seconds (floating)"});
     }
@@ -186,7 +168,8 @@ std::string take_spin(const std::vector<TimedCloud>& clouds, const std::vector<T
       options.rotation_rate_hz, rate ? "from the starts of the scans" : "as is usual");
 }
 
-void require_fit(const std::vector<TimedCloud>& clouds, const PcdSensor& sensor, const std::string& folder) {
+void require_fit(const std::vector<TimedCloud>& clouds, const RecoveredSensor& sensor,
+                 const std::string& source) {
   for (const TimedCloud& cloud : clouds) {
     std::vector<std::int32_t> lasers;
     for (const std::int32_t ring : cloud.rings) {
@@ -197,15 +180,15 @@ void require_fit(const std::vector<TimedCloud>& clouds, const PcdSensor& sensor,
       if (cloud.rings[i] < 0) points[i].setZero();  // unusable
     }
     if (beam_misfit(points, lasers, sensor.model) > kLargestMisfit) {
-      ask_for_sensor(folder, "its points are not stored in rings that lie on the beams of a spinning lidar");
+      refuse(source, "they are not stored in rings that lie on the beams of a spinning lidar");
     }
   }
 }
 
-std::string sensor_note(const PcdSensor& sensor) {
+std::string sensor_note(const RecoveredSensor& sensor) {
   const char* from = "the order of the points";
-  if (sensor.rings_from == PcdRingSource::field) from = "the ring field";
-  if (sensor.rings_from == PcdRingSource::rows) from = "the rows of the clouds";
+  if (sensor.rings_from == RingSource::field) from = "the ring field";
+  if (sensor.rings_from == RingSource::rows) from = "the rows of the clouds";
   const ModelEstimate& e = sensor.estimate;
   return fmt::format(
       "sensor: {} lasers from {}; their elevations and vertical origins estimated from {} scans, to {:.2f} "
@@ -216,7 +199,7 @@ std::string sensor_note(const PcdSensor& sensor) {
       sensor.model.max_range_m);
 }
 
-std::string azimuth_note(const PcdSensor& sensor) {
+std::string azimuth_note(const RecoveredSensor& sensor) {
   const ModelEstimate& e = sensor.estimate;
   const std::string grid =
       e.encoder_steps == 0
@@ -229,31 +212,30 @@ std::string azimuth_note(const PcdSensor& sensor) {
 
 }  // namespace
 
-PcdSensor estimate_pcd_sensor(const std::vector<fs::path>& files, const std::vector<Time>& starts,
-                              const std::string& folder) {
-  PcdSensor sensor;
-  std::vector<PcdPoints> scans = scans_for_estimate(files);
+RecoveredSensor recover_sensor(std::vector<RawPoints> scans, std::span<const Time> starts,
+                               const std::string& source) {
+  RecoveredSensor sensor;
   sensor.rings_from = ring_source(scans);
-  if (sensor.rings_from == PcdRingSource::order) keep_usual_scans(scans);
+  if (sensor.rings_from == RingSource::order) keep_usual_scans(scans);
   sensor.rows = scans.front().rows;
-  sensor.ring_numbers = rings_of_scans(scans, sensor.rings_from, folder);
+  sensor.ring_numbers = rings_of_scans(scans, sensor.rings_from, source);
   std::vector<TimedCloud> clouds;
-  for (const PcdPoints& scan : scans) {
+  for (const RawPoints& scan : scans) {
     clouds.push_back(timed_cloud(scan, sensor.ring_numbers, sensor.rings_from));
   }
   ModelEstimationOptions options;
   options.name = "estimated from the points";
-  const std::string spin_note = take_spin(clouds, starts, folder, options);
+  const std::string spin_note = take_spin(clouds, starts, source, options);
   std::vector<RingedCloud> ringed;
   for (TimedCloud& cloud : clouds) {
     keep_one_turn(cloud, options.rotation_rate_hz);
     ringed.push_back({cloud.points, cloud.rings});
   }
-  EstimatedModel estimated = estimate_model_of_rings(ringed, sensor.ring_numbers.size(), options, folder);
+  EstimatedModel estimated = estimate_model_of_rings(ringed, sensor.ring_numbers.size(), options, source);
   sensor.model = std::move(estimated.model);
   sensor.layout = std::move(estimated.layout);
   sensor.estimate = estimated.estimate;
-  require_fit(clouds, sensor, folder);
+  require_fit(clouds, sensor, source);
   if (!sensor.estimate.azimuths_absolute) {
     sensor.estimate.azimuths_absolute = find_whole_offsets(clouds, sensor.layout.row_of_ring, sensor.model);
   }
@@ -261,18 +243,18 @@ PcdSensor estimate_pcd_sensor(const std::vector<fs::path>& files, const std::vec
   return sensor;
 }
 
-std::vector<std::int32_t> lasers_by_rings(const PcdPoints& points, const PcdSensor& sensor,
+std::vector<std::int32_t> lasers_by_rings(const RawPoints& points, const RecoveredSensor& sensor,
                                           const std::string& source) {
   const auto other = [&](const char* field, const std::string& value) {
     return InputError({source, field, value, "not as in the scans the sensor was estimated from",
                        "name the sensor with --sensor, or give its calibration file"});
   };
-  if (sensor.rings_from == PcdRingSource::order) {
+  if (sensor.rings_from == RingSource::order) {
     return recover_lasers(points.positions, sensor.model, sensor.layout, source);
   }
-  if (sensor.rings_from == PcdRingSource::field && points.rings.empty()) throw other("ring", "");
-  if (sensor.rings_from == PcdRingSource::rows && points.rows != sensor.rows) {
-    throw other("HEIGHT", std::to_string(points.rows));
+  if (sensor.rings_from == RingSource::field && points.rings.empty()) throw other("ring", "");
+  if (sensor.rings_from == RingSource::rows && points.rows != sensor.rows) {
+    throw other("rows", std::to_string(points.rows));
   }
   std::map<std::int64_t, std::int32_t> row_of;
   for (std::size_t i = 0; i < sensor.ring_numbers.size(); ++i) {

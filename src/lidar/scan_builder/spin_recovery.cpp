@@ -1,4 +1,4 @@
-#include "io/formats/pcd/pcd_spin.hpp"
+#include "lidar/scan_builder/spin_recovery.hpp"
 
 #include <algorithm>
 #include <array>

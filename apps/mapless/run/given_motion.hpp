@@ -1,0 +1,19 @@
+#pragma once
+
+#include <cstddef>
+
+#include <mapless/io/trajectory_source.hpp>
+
+namespace mapless::app {
+
+/// The trajectory a run is given: the one requested, else the recording's own. Where there is neither, and
+/// scan `first` is not motion-compensated, `trajectory` is null: lidar odometry estimates it. Throws what
+/// open_trajectory throws.
+[[nodiscard]] TrajectorySource given_motion(const Dataset& dataset, const TrajectoryRequest& request,
+                                            std::size_t first);
+
+/// No trajectory: lidar odometry estimates it, whatever the recording brings. Throws InputError where scan
+/// `first` is motion-compensated.
+[[nodiscard]] TrajectorySource motion_by_odometry(const Dataset& dataset, std::size_t first);
+
+}  // namespace mapless::app

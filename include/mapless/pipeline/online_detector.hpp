@@ -1,0 +1,103 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include <mapless/core/se3.hpp>
+#include <mapless/detection/detector.hpp>
+#include <mapless/lidar/lidar_scan.hpp>
+#include <mapless/odometry/lidar_odometry.hpp>
+#include <mapless/pipeline/odometry_report.hpp>
+#include <mapless/trajectory/trajectory.hpp>
+
+namespace mapless::inline v1 {
+
+/// Settings of an OnlineDetector.
+struct OnlineDetectorOptions {
+  DetectorParameters detection;
+  OdometryParameters odometry;  ///< not used where poses are given
+  /// Runs the detection of a scan at the same time as the odometry of the next scan, on a second thread.
+  /// The labels are the same, but they come with the next call (see OnlineDetector::catch_up).
+  bool side_by_side = false;
+  /// Threads of the detection where it runs side by side; 0: all that oneTBB has.
+  int detection_threads = 0;
+};
+
+/// One scan with the label of every point and the motion of its sensor. Owns everything that it refers to: it
+/// may be kept, and used on another thread, while the detector goes on or after the detector has gone.
+struct LabelledScan {
+  /// Labels per return of the scan, and the objects. `detection.sequence_number` counts the scans pushed,
+  /// from 0.
+  Detection detection;
+  /// T_v0(t) over the whole scan: the one given, or what odometry had estimated when the labels were made.
+  std::shared_ptr<const Trajectory> trajectory;
+  /// What odometry found with this scan; null where poses were given. trouble_of() puts it into words.
+  std::shared_ptr<const OdometryUpdate> odometry;
+
+  [[nodiscard]] const LidarScan& scan() const { return *detection.scan; }
+  /// Sensor to world at the scan's start.
+  [[nodiscard]] SE3 T_0v() const { return trajectory->at(scan().start).T_v0.inverse(); }
+  /// Per record of the input, in its order and length (LidarScan::input_size): the number of the moving
+  /// object the point belongs to, 0 for static points and for records without a return.
+  [[nodiscard]] std::vector<std::uint16_t> object_by_input() const;
+};
+
+/// The whole method, online: scans in, labelled scans with poses out (arXiv 1809.06972).
+///
+///     mapless::OnlineDetector online;
+///     for (std::size_t k = 0; k < recording->size(); ++k)
+///       for (const mapless::LabelledScan& found : online.push(recording->read(k))) use(found);
+///     for (const mapless::LabelledScan& found : online.flush()) use(found);
+///
+/// For each scan: (1) lidar odometry extends the trajectory, unless poses are given; (2) the detector labels
+/// the points; (3) the points labelled dynamic are removed from the map of the odometry. Step 3 waits until
+/// the odometry of the next scan is done, whether or not the two run side by side: results are the same, byte
+/// for byte, for any number of threads.
+///
+/// Labelled scans come out in the order pushed, `latency()` scans late. The first ones come together:
+/// odometry needs five to ten scans to find the motion during the first (LidarOdometry::started), and the
+/// detector VotingParameters::start_scans.
+///
+/// Not thread-safe: one call at a time.
+class OnlineDetector {
+ public:
+  /// Throws ParameterError for a parameter out of bounds.
+  explicit OnlineDetector(const OnlineDetectorOptions& options = {});
+  ~OnlineDetector();
+  OnlineDetector(OnlineDetector&&) noexcept;
+  OnlineDetector& operator=(OnlineDetector&&) noexcept;
+
+  /// Takes the next scan and returns the labelled scans that are ready.
+  ///
+  /// `given`: T_v0(t), covering the scan; null: lidar odometry estimates it, with world 0 the sensor frame at
+  /// the start of the first scan. Either every scan has given poses or none. A scan that was already motion-
+  /// compensated is taken back to the measured rays (restore_measured_rays), for which poses must be given.
+  ///
+  /// Throws InputError for a scan that does not start after the one before, for a compensated scan without
+  /// given poses, and where given poses follow estimated ones or the reverse; TrajectoryDomainError where
+  /// `given` does not cover the scan. The scan is then not taken, and the detector can go on with another.
+  [[nodiscard]] std::vector<LabelledScan> push(std::shared_ptr<const LidarScan> scan,
+                                               std::shared_ptr<const Trajectory> given = nullptr);
+  [[nodiscard]] std::vector<LabelledScan> push(LidarScan scan,
+                                               std::shared_ptr<const Trajectory> given = nullptr);
+
+  /// Runs now, on the calling thread, the detection that the next push would run side by side with odometry,
+  /// and returns its labelled scans; nothing without OnlineDetectorOptions::side_by_side. For a live sensor:
+  /// call it where the next scan has not arrived yet.
+  [[nodiscard]] std::vector<LabelledScan> catch_up();
+
+  /// Labels the scans that are still held back, with what is known now. The detector can then go on.
+  [[nodiscard]] std::vector<LabelledScan> flush();
+
+  /// Scans between a scan and its labels, once started: forward_gap, without side_by_side.
+  [[nodiscard]] int latency() const;
+  /// Outcomes of the odometry so far; all zero where poses are given.
+  [[nodiscard]] const OdometryReport& odometry_report() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace mapless

@@ -1,0 +1,221 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "lidar/nearest_beam.hpp"
+#include "lidar/ring_recovery.hpp"
+#include "lidar/scan_builder/raw_points.hpp"
+#include "lidar/scan_builder/sensor_recovery.hpp"
+#include <mapless/core/errors.hpp>
+#include <mapless/lidar/scan_builder.hpp>
+
+namespace mapless::inline v1 {
+namespace {
+
+// Median distance of the points from the beams of their lasers, in spacings between lasers. Points spread
+// evenly between two beams have 0.25 to the nearer one.
+constexpr double kLargestMisfitFound = 0.15;
+// Rings the points come with are of a sensor whose elevations may differ from the nominal ones by a spacing.
+constexpr double kLargestMisfitStated = 1.0;
+// Drivers that send packets rather than turns put up to two and a bit into a scan.
+constexpr int kMostTurns = 3;
+// Points that all have one time, over more of a turn than this, have no times of their own.
+constexpr double kLargestShareAtOnce = 0.1;
+
+// Rows for rings counted from 0, from the lowest or the highest laser: whichever fits the points better.
+std::vector<std::int32_t> stated_lasers(const RawPoints& points, const LidarModel& model,
+                                        const std::string& source) {
+  const auto count = static_cast<std::int64_t>(model.lasers.size());
+  std::vector<std::int32_t> lasers(points.rings.size(), 0);
+  for (std::size_t i = 0; i < lasers.size(); ++i) {
+    const bool inside = points.rings[i] >= 0 && points.rings[i] < count;
+    if (!inside && is_usable(points.positions[i])) {
+      throw InputError({source, fmt::format("point {} ring", i), std::to_string(points.rings[i]),
+                        fmt::format("not one of the {} lasers of {}", count, model.name),
+                        "name the sensor that measured the points"});
+    }
+    if (inside) lasers[i] = static_cast<std::int32_t>(points.rings[i]);
+  }
+  std::vector<std::int32_t> reversed = lasers;
+  for (std::int32_t& laser : reversed) laser = static_cast<std::int32_t>(count) - 1 - laser;
+  const bool from_top =
+      beam_misfit(points.positions, reversed, model) < beam_misfit(points.positions, lasers, model);
+  return from_top ? reversed : lasers;
+}
+
+void require_fit(double misfit, double largest, const LidarModel& model, const std::string& source) {
+  if (misfit <= largest) return;
+  throw InputError(
+      {source, "sensor", model.name,
+       fmt::format("half of the points lie more than {:.2f} laser spacings off its beams", misfit),
+       "name the sensor that measured the points, or give its calibration file"});
+}
+
+// Moves each column, known but for whole turns, to the turn that the point's time tells, with column 0 at the
+// earliest point, and gives the scan a model that starts there: scans may begin anywhere.
+void unwind(LidarScan& scan, std::vector<LidarRecord>& records, const RawPoints& points,
+            std::int64_t first_ns) {
+  const auto model = std::make_shared<LidarModel>(*scan.model);
+  const int turn = model->columns;
+  std::size_t first = 0;
+  while (!is_usable(points.positions[first]) || points.times_ns[first] != first_ns) ++first;
+  const int first_column = records[first].column;
+  model->start_azimuth_rad = model->hub_angle(first_column);
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    LidarRecord& r = records[i];
+    if (r.code != ReturnCode::hit) {
+      r.column = 0;
+      continue;
+    }
+    const double expected =
+        static_cast<double>(r.time_ns) / static_cast<double>(scan.column_period.nanoseconds());
+    const int column = r.column - first_column;
+    const int turns = static_cast<int>(std::lround((expected - column) / turn));
+    r.column = std::max(0, column + turns * turn);
+    scan.columns = std::max(scan.columns, r.column + 1);
+  }
+  scan.model = model;
+}
+
+// A driver without times fills the field with one value.
+void require_own_times(const std::vector<LidarRecord>& records, const RawPoints& points, int columns,
+                       const std::string& source) {
+  int first = std::numeric_limits<int>::max(), last = -1;
+  std::optional<std::int64_t> time_ns;
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    if (records[i].code != ReturnCode::hit) continue;
+    if (points.times_ns[i] != time_ns.value_or(points.times_ns[i])) return;
+    time_ns = points.times_ns[i];
+    first = std::min(first, records[i].column);
+    last = std::max(last, records[i].column);
+  }
+  if (!time_ns || last - first < kLargestShareAtOnce * columns) return;
+  throw InputError({source, "time", fmt::format("{} ns", *time_ns),
+                    fmt::format("all points have it, over {} columns of {}", last - first + 1, columns),
+                    "leave the times out where the driver gives none: the azimuths tell them"});
+}
+
+// The scan then starts with its earliest point.
+void take_times(LidarScan& scan, std::vector<LidarRecord>& records, const RawPoints& points,
+                std::int64_t first_ns, const std::string& source) {
+  require_own_times(records, points, scan.columns, source);
+  const std::int64_t longest_ns = kMostTurns * scan.columns * scan.column_period.nanoseconds();
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    if (records[i].code != ReturnCode::hit) continue;
+    const std::int64_t since_first = points.times_ns[i] - first_ns;
+    if (since_first > longest_ns || since_first > INT32_MAX) {
+      throw InputError({source, fmt::format("point {} time", i), fmt::format("{} ns", points.times_ns[i]),
+                        fmt::format("{} ns after the first point: more than three turns", since_first),
+                        "name the unit that the times have (integers of a file are nanoseconds, floating "
+                        "numbers seconds)"});
+    }
+    records[i].time_ns = static_cast<std::int32_t>(since_first);
+  }
+  scan.start = points.times_are_absolute ? Time::from_nanoseconds(first_ns)
+                                         : scan.start + Duration::from_nanoseconds(first_ns);
+  scan.time_source = Provenance::sensor;
+}
+
+}  // namespace
+
+struct ScanBuilder::State {
+  explicit State(const LidarModel& m) : model(std::make_shared<const LidarModel>(m)) {
+    validate(*model, "sensor");
+    turn = Duration::from_seconds(1 / model->rotation_rate_hz);
+  }
+
+  [[nodiscard]] std::vector<std::int32_t> lasers_of(const RawPoints& points, LidarScan& scan,
+                                                    const std::string& source) const;
+  [[nodiscard]] std::vector<LidarRecord> records_of(const RawPoints& points, LidarScan& scan,
+                                                    const std::string& source) const;
+
+  std::shared_ptr<const LidarModel> model;
+  std::optional<RecoveredSensor> recovered;
+  Duration turn;
+};
+
+std::vector<std::int32_t> ScanBuilder::State::lasers_of(const RawPoints& points, LidarScan& scan,
+                                                        const std::string& source) const {
+  if (recovered || !points.rings.empty()) {
+    std::vector<std::int32_t> lasers =
+        recovered ? lasers_by_rings(points, *recovered, source) : stated_lasers(points, *model, source);
+    require_fit(beam_misfit(points.positions, lasers, *model), kLargestMisfitStated, *model, source);
+    const bool stated = !recovered || recovered->rings_from == RingSource::field;
+    scan.ring_source = stated ? Provenance::sensor : Provenance::recovered_from_order;
+    return lasers;
+  }
+  BeamAssignment found = nearest_beams(points.positions, *model);
+  require_fit(found.misfit, kLargestMisfitFound, *model, source);
+  scan.ring_source = Provenance::recovered_from_angle;
+  return std::move(found.lasers);
+}
+
+// Times by the column; where the points have times, take_times replaces them.
+std::vector<LidarRecord> ScanBuilder::State::records_of(const RawPoints& points, LidarScan& scan,
+                                                        const std::string& source) const {
+  const std::vector<std::int32_t> lasers = lasers_of(points, scan, source);
+  const RecoveredFirings firings =
+      recover_firings(points.positions, lasers, *model, recovered ? recovered->layout.encoder_steps : 0);
+  std::vector<LidarRecord> records(points.positions.size());
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    const Duration offset = model->lasers[static_cast<std::size_t>(lasers[i])].firing_offset;
+    const auto time_ns = static_cast<std::int32_t>(firings.columns[i] * scan.column_period.nanoseconds() +
+                                                   offset.nanoseconds());
+    // Where a point without position was fired is not known: it has no cell.
+    const ReturnCode code = is_usable(points.positions[i]) ? ReturnCode::hit : ReturnCode::absent;
+    records[i] = {points.positions[i], lasers[i], firings.columns[i], time_ns, code};
+  }
+  scan.time_source = Provenance::recovered_from_angle;
+  return records;
+}
+
+ScanBuilder::ScanBuilder(const LidarModel& model) : ScanBuilder(std::make_unique<State>(model)) {}
+ScanBuilder::ScanBuilder(std::unique_ptr<State> state) : state_(std::move(state)) {}
+ScanBuilder::~ScanBuilder() = default;
+ScanBuilder::ScanBuilder(ScanBuilder&&) noexcept = default;
+ScanBuilder& ScanBuilder::operator=(ScanBuilder&&) noexcept = default;
+
+ScanBuilder ScanBuilder::recover(std::span<const PointFields> scans, std::span<const Time> stamps,
+                                 const std::string& source) {
+  std::vector<RawPoints> points;
+  for (const PointFields& fields : scans) points.push_back(read_points(fields, source));
+  if (points.empty()) {
+    throw InputError({source, "scans", "0", "a sensor cannot be recovered from no scan", "give about eight"});
+  }
+  RecoveredSensor sensor = recover_sensor(std::move(points), stamps, source);
+  auto state = std::make_unique<State>(sensor.model);
+  state->recovered = std::move(sensor);
+  return ScanBuilder(std::move(state));
+}
+
+void ScanBuilder::set_turn_duration(Duration turn) { state_->turn = turn; }
+
+LidarScan ScanBuilder::build(const PointFields& fields, Time stamp, const std::string& source) const {
+  const RawPoints points = read_points(fields, source);
+  LidarScan scan;
+  scan.model = state_->model;
+  scan.start = stamp;
+  scan.columns = scan.model->columns;
+  scan.column_period = Duration::from_nanoseconds(state_->turn.nanoseconds() / scan.columns);
+  std::vector<LidarRecord> records = state_->records_of(points, scan, source);
+  if (const auto first_ns = points.first_time_ns()) {
+    take_times(scan, records, points, *first_ns, source);
+    unwind(scan, records, points, *first_ns);
+  }
+  return organise(std::move(scan), records, source);
+}
+
+const std::shared_ptr<const LidarModel>& ScanBuilder::model() const { return state_->model; }
+
+std::optional<ModelEstimate> ScanBuilder::estimate() const {
+  return state_->recovered ? std::optional(state_->recovered->estimate) : std::nullopt;
+}
+
+std::vector<std::string> ScanBuilder::notes() const {
+  return state_->recovered ? state_->recovered->notes : std::vector<std::string>();
+}
+
+}  // namespace mapless
