@@ -3,8 +3,7 @@
 #include <optional>
 #include <string>
 
-#include <mapless/evaluation/evaluation_report.hpp>
-#include <mapless/evaluation/velocity_evaluator.hpp>
+#include <mapless/evaluation/evaluator.hpp>
 
 namespace mapless::app {
 
