@@ -1,3 +1,5 @@
+#include "detection/freespace/freespace_probe.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -8,7 +10,6 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-#include "detection/freespace/freespace_probe.hpp"
 #include "oracle/freespace_probe_oracle.hpp"
 #include "support/toy_scene.hpp"
 
