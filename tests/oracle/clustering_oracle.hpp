@@ -5,8 +5,8 @@
 
 #include <Eigen/Core>
 
+#include <mapless/detection/detection.hpp>
 #include <mapless/detection/parameters.hpp>
-#include <mapless/detection/stages.hpp>
 
 namespace mapless::test {
 

@@ -5,8 +5,8 @@
 #include <Eigen/Core>
 
 #include "oracle/ray_search_oracle.hpp"
+#include <mapless/detection/detection.hpp>
 #include <mapless/detection/parameters.hpp>
-#include <mapless/detection/stages.hpp>
 
 namespace mapless::test {
 

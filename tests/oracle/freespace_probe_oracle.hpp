@@ -5,8 +5,8 @@
 #include <Eigen/Core>
 
 #include <mapless/core/se3.hpp>
+#include <mapless/detection/detection.hpp>
 #include <mapless/detection/parameters.hpp>
-#include <mapless/detection/stages.hpp>
 #include <mapless/lidar/lidar_scan.hpp>
 #include <mapless/trajectory/trajectory.hpp>
 

@@ -19,7 +19,7 @@
 #include "terminal/progress.hpp"
 #include "verbs/verbs.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/detection/stages.hpp>
+#include <mapless/detection/detection.hpp>
 #include <mapless/evaluation/evaluator.hpp>
 #include <mapless/io/files.hpp>
 

@@ -10,8 +10,8 @@
 #include <Eigen/Core>
 
 #include "detection/freespace/ray_image.hpp"
+#include <mapless/detection/detection.hpp>
 #include <mapless/detection/parameters.hpp>
-#include <mapless/detection/stages.hpp>
 
 namespace mapless::inline v1 {
 

@@ -2,8 +2,8 @@
 
 #include <vector>
 
+#include <mapless/detection/detection.hpp>
 #include <mapless/detection/parameters.hpp>
-#include <mapless/detection/stages.hpp>
 #include <mapless/lidar/lidar_scan.hpp>
 
 namespace mapless::inline v1 {

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "detection/published/prepared_scan.hpp"
+#include <mapless/detection/detection.hpp>
 #include <mapless/detection/parameters.hpp>
-#include <mapless/detection/stages.hpp>
 
 namespace mapless::inline v1 {
 

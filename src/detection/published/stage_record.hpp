@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include <mapless/detection/stages.hpp>
+#include <mapless/detection/detection.hpp>
 
 namespace mapless::inline v1 {
 

@@ -5,8 +5,8 @@
 
 #include "detection/evidence/point_evidence.hpp"
 #include "detection/segmentation/object_evidence.hpp"
+#include <mapless/detection/detection.hpp>
 #include <mapless/detection/parameters.hpp>
-#include <mapless/detection/stages.hpp>
 
 namespace mapless::inline v1 {
 

@@ -5,8 +5,8 @@
 
 #include "detection/segmentation/object_evidence.hpp"
 #include <mapless/core/time.hpp>
+#include <mapless/detection/detection.hpp>
 #include <mapless/detection/parameters.hpp>
-#include <mapless/detection/tracked_object.hpp>
 
 namespace mapless::inline v1 {
 

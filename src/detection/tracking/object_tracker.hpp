@@ -4,7 +4,6 @@
 #include <vector>
 
 #include <mapless/detection/detection.hpp>
-#include <mapless/detection/tracked_object.hpp>
 #include <mapless/trajectory/trajectory.hpp>
 
 namespace mapless::inline v1 {

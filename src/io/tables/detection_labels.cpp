@@ -1,7 +1,6 @@
 #include <algorithm>
 
 #include <mapless/detection/detection.hpp>
-#include <mapless/detection/tracked_object.hpp>
 #include <mapless/io/labels.hpp>
 #include <mapless/io/result_folder.hpp>
 
