@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <nanoflann.hpp>
 #include <numeric>
-#include <optional>
 #include <utility>
 
 namespace mapless::inline v1 {
@@ -135,7 +135,7 @@ struct NearestNeighbours::Tree {
   explicit Tree(std::vector<Eigen::Vector3d> all) : points{std::move(all)}, original(points.values.size()) {
     std::iota(original.begin(), original.end(), 0);
     drop_what_is_not_finite();
-    index.emplace(3, points, nanoflann::KDTreeSingleIndexAdaptorParams(kLeafSize));
+    index = std::make_unique<Index>(3, points, nanoflann::KDTreeSingleIndexAdaptorParams(kLeafSize));
   }
 
   // A NaN would break the splitting of the tree.
@@ -147,7 +147,7 @@ struct NearestNeighbours::Tree {
 
   Points points;
   std::vector<std::int32_t> original;  // index, in the points given, of point i of the tree
-  std::optional<Index> index;          // whose constructor builds it: nanoflann 1.4.2 cannot do that later
+  std::unique_ptr<Index> index;        // whose constructor builds it: nanoflann 1.4.2 cannot do that later
 };
 
 NearestNeighbours::NearestNeighbours(std::vector<Eigen::Vector3d> points)
