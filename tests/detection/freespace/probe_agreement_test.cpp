@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 #include <tbb/parallel_for.h>
 
-#include "detection/freespace/ray_image.hpp"
+#include "detection/freespace/freespace_probe.hpp"
 #include "oracle/freespace_probe_oracle.hpp"
 #include "support/toy_scene.hpp"
 
@@ -85,7 +85,7 @@ std::vector<Vector3d> queries_of(const CompensatedScan& scan, const FreespacePro
 
 FreespaceVerdict ask(const FreespaceProbe& probe, const Vector3d& origin_0, const Vector3d& q_0,
                      float column) {
-  return probe.ask((q_0 - origin_0).cast<float>(), column);
+  return probe.verdict((q_0 - origin_0).cast<float>(), column);
 }
 
 /// A turning sensor sees a direction near its seam twice, or not at all.
@@ -117,7 +117,7 @@ FreespaceProbe::Points points_of(const FreespaceProbe& probe, const Vector3d& or
     points.z[k] = q.z();
   }
   points.near = static_cast<float>(first % 900);
-  if (first % (2 * kAtOnce) == 0) (void)probe.look({points.x[0], points.y[0], points.z[0]}, points.near);
+  if (first % (2 * kAtOnce) == 0) (void)probe.observe({points.x[0], points.y[0], points.z[0]}, points.near);
   return points;
 }
 
@@ -153,7 +153,7 @@ std::vector<FreespaceVerdict> ask_side_by_side(const FreespaceProbe& probe, cons
   std::vector<FreespaceVerdict> verdicts(queries.size());
   for (std::size_t i = 0; i < queries.size(); i += kAtOnce) {
     FreespaceProbe::Points points = points_of(probe, origin_0, queries, i);
-    const auto answers = probe.look(points);
+    const auto answers = probe.observe(points);
     for (std::size_t k = 0; k < kAtOnce; ++k) verdicts[i + k] = answers[k].verdict;
   }
   return verdicts;
@@ -213,8 +213,8 @@ TEST_P(ProbeAgreement, OfVectorsOfEightWithVectorsOfFour) {
   for (std::size_t i = 0; i < queries.size(); i += kAtOnce) {
     FreespaceProbe::Points fours = points_of(probe, origin_0, queries, i);
     FreespaceProbe::Points eights = fours;
-    const auto expected = probe.look(fours, Vectors::of_four);
-    const auto answers = probe.look(eights, Vectors::of_eight);
+    const auto expected = probe.observe(fours, Vectors::of_four);
+    const auto answers = probe.observe(eights, Vectors::of_eight);
     ASSERT_EQ(answers.verdict, expected.verdict) << "queries from " << i;
     ASSERT_EQ(answers.laser, expected.laser) << "queries from " << i;
     ASSERT_EQ(answers.column, expected.column) << "queries from " << i;
@@ -240,10 +240,10 @@ TEST_P(ProbeAgreement, OfManyAtOnceWithEightAlone) {
     }
     std::vector<FreespaceProbe::Points> alone = many;
     std::vector<FreespaceProbe::Answers> answers(many.size());
-    probe.look(many, answers, vectors);
+    probe.observe(many, answers, vectors);
     for (std::size_t n = 0; n < alone.size(); ++n) {
       if (n > 0) alone[n].near += alone[n - 1].column[kAtOnce - 1] - alone[n - 1].near_last;
-      const auto expected = probe.look(alone[n], vectors);
+      const auto expected = probe.observe(alone[n], vectors);
       ASSERT_EQ(many[n].column, alone[n].column) << "eight " << n;
       ASSERT_EQ(answers[n].verdict, expected.verdict) << "eight " << n;
       ASSERT_EQ(answers[n].laser, expected.laser) << "eight " << n;

@@ -1,5 +1,3 @@
-#include "detection/freespace/ray_image.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -10,6 +8,7 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
+#include "detection/freespace/freespace_probe.hpp"
 #include "oracle/freespace_probe_oracle.hpp"
 #include "support/toy_scene.hpp"
 
@@ -23,7 +22,7 @@ constexpr double kDegree = std::numbers::pi / 180;
 
 FreespaceVerdict ask(const FreespaceProbe& probe, const Vector3d& origin_0, const Vector3d& q_0,
                      float column) {
-  return probe.ask((q_0 - origin_0).cast<float>(), column);
+  return probe.verdict((q_0 - origin_0).cast<float>(), column);
 }
 
 // Where a ray of a moving sensor ended, from its laser's own pose at its own instant in double precision.
@@ -59,7 +58,7 @@ TEST(FreespaceProbe, NamesTheFiringThatPassesNearest) {
   for (std::size_t i = 0; i < scan->returns.size(); i += 997) {
     const LidarReturn& r = scan->returns[i];
     float column = 0;
-    const auto answer = probe.look(probe.endpoint(r.laser, r.column), column);
+    const auto answer = probe.observe(probe.endpoint(r.laser, r.column), column);
     EXPECT_EQ(answer.verdict, FreespaceVerdict::border);
     EXPECT_EQ(answer.laser, r.laser);
     EXPECT_EQ(answer.column, r.column);
@@ -82,7 +81,7 @@ TEST(FreespaceProbe, TellsHowFarTheFiringPasses) {
     for (const auto& [aside_m, above_m] : {std::pair(0.006F, 0.002F), {-0.006F, 0.0F}, {0.002F, -0.03F}}) {
       const Eigen::Vector3f q = 5 * along + aside_m * left + above_m * up;
       float column = 0;
-      const auto alone = probe.look(q, column);
+      const auto alone = probe.observe(q, column);
       if (alone.laser != r.laser) continue;  // above the highest laser, or below the lowest
       FreespaceProbe::Points eight{};
       eight.x.fill(q.x());
@@ -90,7 +89,7 @@ TEST(FreespaceProbe, TellsHowFarTheFiringPasses) {
       eight.z.fill(q.z());
       const float expected_m = std::max(std::abs(aside_m), std::abs(above_m));
       EXPECT_NEAR(alone.aside_m, expected_m, 5e-4F);
-      EXPECT_NEAR(probe.look(eight)[3].aside_m, expected_m, 5e-4F);
+      EXPECT_NEAR(probe.observe(eight)[3].aside_m, expected_m, 5e-4F);
       ++asked;
     }
   }
@@ -316,12 +315,12 @@ TEST(FreespaceProbe, AnyGuessWillDo) {
   for (std::size_t i = 0; i < scan->returns.size(); i += 997) {
     const Eigen::Vector3f q = compensated.points_0[i].cast<float>();
     float found = static_cast<float>(scan->returns[i].column);
-    const FreespaceVerdict verdict = probe.ask(q, found);
+    const FreespaceVerdict verdict = probe.verdict(q, found);
     EXPECT_EQ(verdict, FreespaceVerdict::border);
     const int from_seam = std::min(scan->returns[i].column, scan->columns - scan->returns[i].column);
     if (from_seam < 100) continue;
     for (float guess : {-1e6F, -3.0F, 0.0F, 700.0F, 5000.0F, 1e6F}) {
-      EXPECT_EQ(probe.ask(q, guess), verdict);
+      EXPECT_EQ(probe.verdict(q, guess), verdict);
       EXPECT_NEAR(guess, found, 0.05F);
     }
   }

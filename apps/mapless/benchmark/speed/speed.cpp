@@ -156,7 +156,8 @@ Json rows(const SensorRun& run) {
                                   Stage{"comparison", &StageSeconds::comparison},
                                   Stage{"backward", &StageSeconds::backward},
                                   Stage{"forward", &StageSeconds::forward},
-                                  Stage{"box filter", &StageSeconds::box_filter},
+                                  Stage{"evidence", &StageSeconds::evidence},
+                                  Stage{"filter", &StageSeconds::filter},
                                   Stage{"region growth", &StageSeconds::region_growth},
                                   Stage{"tracking", &StageSeconds::tracking}};
   for (const auto& [name, stage] : kStages) {
