@@ -4,7 +4,7 @@ PREFIX ?= /usr/local
 OUT ?= out/demo
 export JOBS RECORDING ARGS OUT
 
-.PHONY: help build demo test lint peers install clean
+.PHONY: help build demo test lint docs peers install clean
 .NOTPARALLEL:
 
 help:
@@ -13,6 +13,7 @@ help:
 	@echo 'make test      everything that is checked: formatting, lint, tests, sanitizers, the installed package'
 	@echo 'make build     the release command alone: build/mapless'
 	@echo 'make lint      formatting, layers, documents, clang-tidy'
+	@echo 'make docs      the reference of the public headers: build/reference/index.html'
 	@echo 'make peers     KISS-ICP beside our odometry and DUFOMap beside our detection, their tables into docs/odometry.md and'
 	@echo '               docs/accuracy.md; ARGS="--kitti DRIVE" for that drive too, in the odometry'
 	@echo 'make install   library, headers and command to PREFIX ($(PREFIX))'
@@ -30,17 +31,21 @@ demo: build
 
 # The sanitizer builds, the linters and the installed package are tests of the one ctest run at the end.
 test:
-	@scripts/install_dependencies.sh test
+	@scripts/install_dependencies.sh test docs
 	@cmake --preset release -DMAPLESS_BUILD_TESTS=ON -DMAPLESS_BUILD_BENCHMARKS=ON -DMAPLESS_BUILD_CHECKS=ON
 	@cmake --build --preset release -j $(JOBS)
 	@ln -sfn release/apps/mapless/mapless build/mapless
 	@ctest --preset release -j $(JOBS)
 
 lint:
-	@scripts/install_dependencies.sh test
+	@scripts/install_dependencies.sh test docs
 	@cmake --preset release -DMAPLESS_BUILD_TESTS=ON -DMAPLESS_BUILD_BENCHMARKS=ON -DMAPLESS_BUILD_CHECKS=ON
-	@cmake --build --preset release -j $(JOBS) --target mapless
 	@ctest --preset release -j $(JOBS) -R '^lint\.'
+
+docs:
+	@scripts/install_dependencies.sh docs
+	@mkdir -p build
+	@doxygen docs/Doxyfile
 
 # Python packages of others, from PyPI, in a folder of their own; needs python3-venv.
 peers: build

@@ -50,14 +50,14 @@ struct Street {
   Street() {
     const auto comparison = compare_pointclouds(query, earlier, parameters.comparison);
     for (std::size_t i = 0; i < comparison.size(); ++i)
-      if (comparison[i] == ComparisonVerdict::dynamic) moved.push_back(static_cast<std::int32_t>(i));
+      if (comparison[i] == CandidateVerdict::dynamic) moved.push_back(static_cast<std::int32_t>(i));
     dynamic.assign(comparison.size(), 0);
     mark(moved, check_freespace(query, moved, earlier.compensated, parameters.freespace.backward_threshold_m,
                                 parameters.freespace));
     mark(outside, check_freespace(query, outside, later.compensated, parameters.freespace.forward_threshold_m,
                                   parameters.freespace));
     const auto boxes = filter_boxes(query.scan(), dynamic, parameters.box_filter);
-    for (const BoxVerdict verdict : boxes) kept.push_back(verdict == BoxVerdict::kept ? 1 : 0);
+    for (const FilterVerdict verdict : boxes) kept.push_back(verdict == FilterVerdict::kept ? 1 : 0);
   }
   [[nodiscard]] PreparedScan prepared(int number) const {
     return test::prepare(test::cast_scan(scene, number).scan, *scene.trajectory, parameters.normals);
@@ -145,7 +145,8 @@ struct VotingStreet {
   std::vector<AskedScan> asked = asked_scans();
   std::vector<PointVotes> votes =
       collect_votes(Street::instance().query.scan(), points, asked, own, parameters);
-  std::vector<BoxVerdict> seeds = filter_evidence(Street::instance().query.scan(), points, votes, parameters);
+  std::vector<FilterVerdict> seeds =
+      filter_evidence(Street::instance().query.scan(), points, votes, parameters);
 
   static const VotingStreet& instance() {
     static const VotingStreet street;

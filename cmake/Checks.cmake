@@ -1,7 +1,8 @@
 # What is checked beside the unit tests, as tests of the same ctest run, so that one summary tells all.
 find_package(Python3 REQUIRED COMPONENTS Interpreter)
-find_program(MAPLESS_CLANG_FORMAT NAMES clang-format clang-format-14 REQUIRED)
-find_program(MAPLESS_RUN_CLANG_TIDY NAMES run-clang-tidy run-clang-tidy-14 REQUIRED)
+find_program(MAPLESS_CLANG_FORMAT NAMES clang-format-14 clang-format REQUIRED)
+find_program(MAPLESS_RUN_CLANG_TIDY NAMES run-clang-tidy-14 run-clang-tidy REQUIRED)
+find_program(MAPLESS_DOXYGEN doxygen REQUIRED)
 set(scripts ${PROJECT_SOURCE_DIR}/scripts)
 
 function(mapless_check name)
@@ -15,11 +16,27 @@ function(mapless_parallel_check name)
   set_tests_properties(${name} PROPERTIES RUN_SERIAL ON)
 endfunction()
 
-mapless_check(lint.format ${scripts}/check_format.sh ${MAPLESS_CLANG_FORMAT})
+# Each version of clang-format has a taste of its own.
+execute_process(COMMAND ${MAPLESS_CLANG_FORMAT} --version OUTPUT_VARIABLE clang_format_version)
+if(clang_format_version MATCHES "version 14[.]")
+  mapless_check(lint.format ${scripts}/check_format.sh ${MAPLESS_CLANG_FORMAT})
+else()
+  message(STATUS "left out, because ${MAPLESS_CLANG_FORMAT} is not version 14: lint.format")
+endif()
 mapless_check(lint.layers ${Python3_EXECUTABLE} ${scripts}/check_layers.py)
 mapless_check(lint.documents ${Python3_EXECUTABLE} ${scripts}/check_documents.py)
+mapless_check(lint.filters ${Python3_EXECUTABLE} ${scripts}/check_test_filters.py)
 mapless_check(lint.checks ${Python3_EXECUTABLE} -m unittest discover -s tests/scripts -p "*_test.py")
 mapless_parallel_check(lint.tidy ${scripts}/check_tidy.sh ${MAPLESS_RUN_CLANG_TIDY} ${PROJECT_SOURCE_DIR}/build/tidy)
+
+mapless_parallel_check(lint.headers ${Python3_EXECUTABLE} ${scripts}/check_headers.py --compiler ${CMAKE_CXX_COMPILER}
+                       --generated ${PROJECT_BINARY_DIR}/src)
+mapless_check(docs.reference ${MAPLESS_DOXYGEN} docs/Doxyfile)
+
+# Recordings are simulated: without the simulator there is nothing to compare.
+if(MAPLESS_SIMULATOR)
+  mapless_parallel_check(regression.digests ${Python3_EXECUTABLE} ${scripts}/check_digests.py $<TARGET_FILE:mapless_command>)
+endif()
 
 mapless_parallel_check(package.example ${scripts}/check_package.sh ${PROJECT_BINARY_DIR}
                        $<$<TARGET_EXISTS:mapless_make_scene>:$<TARGET_FILE:mapless_make_scene>>)

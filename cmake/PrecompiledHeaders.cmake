@@ -10,7 +10,12 @@ target_compile_options(mapless_options INTERFACE -Wno-array-bounds -Wno-stringop
 
 set(slow_headers <Eigen/Dense> <algorithm> <filesystem> <functional> <memory> <optional> <string> <vector>
                  <fmt/format.h> <oneapi/tbb/parallel_for.h>)
-target_precompile_headers(mapless PRIVATE ${slow_headers})
+target_precompile_headers(mapless_core PRIVATE ${slow_headers})
+foreach(layer IN LISTS MAPLESS_LAYERS)
+  if(NOT layer STREQUAL core)
+    target_precompile_headers(mapless_${layer} REUSE_FROM mapless_core)
+  endif()
+endforeach()
 target_precompile_headers(mapless_verbs PRIVATE ${slow_headers} <CLI/CLI.hpp> <nlohmann/json.hpp>)
 target_precompile_headers(mapless_command REUSE_FROM mapless_verbs)
 if(MAPLESS_BUILD_TESTS)

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Checks that each header compiles by itself: the unity builds, which read many into one unit, hide a missing include.
+"""Checks that headers compile by themselves: the unity builds, which read many into one unit, hide a missing include.
 
-usage: check_headers.py [--compiler COMPILER] [--include FOLDER ...] [--jobs N] [FOLDER ...]
+The public headers each by itself alone; the private ones after the headers of other libraries that take longest to
+read, precompiled once, which takes a quarter of the time and hides no missing include of ours.
 
-FOLDER: where the headers are, from the root (default: include, src and apps/mapless). --include adds folders to those
-of the project, for generated headers.
+usage: check_headers.py [--compiler COMPILER] [--generated FOLDER] [--jobs N]
 """
 
 import argparse
@@ -13,36 +13,54 @@ import os
 import pathlib
 import subprocess
 import sys
+import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-FOLDERS = ["include", "src", "apps/mapless"]
+PUBLIC = ROOT / "include"
+PRIVATE = [ROOT / "src", ROOT / "apps" / "mapless"]
 # System headers: their warnings are not ours.
-SYSTEM = ["/usr/include/eigen3"]
+EIGEN = "/usr/include/eigen3"
+SLOW = """#include <Eigen/Dense>
+#include <fmt/format.h>
+#include <oneapi/tbb/parallel_for.h>
+"""
 
 
-def fault(header, compiler, include):
-    """What the compiler says of a unit that holds the header alone; empty where it has nothing to say."""
-    command = [compiler, "-std=c++20", "-fsyntax-only", "-x", "c++", "-"]
-    command += [f"-I{folder}" for folder in include] + [f"-isystem{folder}" for folder in SYSTEM]
-    unit = f'#include "{header}"\n#include "{header}"\n'
+def compile_unit(command, unit):
+    """What the compiler says of a unit; empty where it takes it."""
     done = subprocess.run(command, input=unit, capture_output=True, text=True, check=False)
     return done.stderr if done.returncode != 0 else ""
+
+
+def precompile(command, folder):
+    """Options that read the slow headers from a file made in `folder`."""
+    (folder / "slow.hpp").write_text(SLOW, encoding="utf-8")
+    subprocess.run([*command, "-x", "c++-header", folder / "slow.hpp", "-o", folder / "slow.hpp.gch"], check=True)
+    return ["-include", folder / "slow.hpp"] if "clang" not in command[0] else ["-include-pch", folder / "slow.hpp.gch"]
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--compiler", default=os.environ.get("CXX", "c++"))
-    parser.add_argument("--include", nargs="*", default=[], metavar="FOLDER")
+    parser.add_argument("--generated", metavar="FOLDER", help="where the build puts generated headers")
     parser.add_argument("--jobs", type=int, default=int(os.environ.get("JOBS", os.cpu_count())))
-    parser.add_argument("folders", nargs="*", default=FOLDERS, metavar="FOLDER")
     options = parser.parse_args()
 
-    headers = sorted(file for folder in options.folders for file in (ROOT / folder).rglob("*.hpp"))
-    include = [ROOT / folder for folder in FOLDERS] + options.include
-    with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
-        faults = list(filter(None, pool.map(lambda header: fault(header, options.compiler, include), headers)))
-    print("\n".join(faults) if faults else f"each of {len(headers)} headers compiles by itself")
-    return 1 if faults or not headers else 0
+    public = sorted(PUBLIC.rglob("*.hpp"))
+    private = sorted(file for folder in PRIVATE for file in folder.rglob("*.hpp"))
+    command = [options.compiler, "-std=c++20", f"-isystem{EIGEN}", f"-I{PUBLIC}"]
+    within = [f"-I{folder}" for folder in PRIVATE]
+    within += [f"-isystem{options.generated}"] if options.generated else []
+    with tempfile.TemporaryDirectory() as folder, concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
+        slow = precompile(command, pathlib.Path(folder))
+        check = ["-fsyntax-only", "-x", "c++", "-"]
+        units = [([*command, *check], header) for header in public]
+        units += [([*command, *slow, *within, *check], header) for header in private]
+        # Twice: the guard is there.
+        said = pool.map(lambda unit: compile_unit(unit[0], f'#include "{unit[1]}"\n' * 2), units)
+        faults = list(filter(None, said))
+    print("\n".join(faults) if faults else f"each of {len(public) + len(private)} headers compiles by itself")
+    return 1 if faults or not public else 0
 
 
 if __name__ == "__main__":

@@ -1,41 +1,77 @@
 #!/bin/sh
-# Installs the Debian packages that building (and, with "test", testing) needs. Asks dpkg first, so that it needs
-# neither root nor a network where everything is there already.
-# usage: scripts/install_dependencies.sh [test]
+# Installs the packages that building needs, on Debian 12 and 13 and on Ubuntu 22.04 and 24.04; with "test" also those
+# that testing needs, with "docs" those of the reference. Only what is missing is installed: it needs neither root nor
+# a network where all is there. On other systems it says what to install.
+# usage: scripts/install_dependencies.sh [test] [docs]
 set -eu
 
 packages="cmake g++ ninja-build pkg-config
-  libeigen3-dev libtbb-dev libnanoflann-dev libyaml-cpp-dev libfmt-dev libspdlog-dev
-  libprotobuf-dev protobuf-compiler libembree-dev libcli11-dev nlohmann-json3-dev libpng-dev"
-if [ "${1:-}" = test ]; then
-  packages="$packages libgtest-dev libgmock-dev libbenchmark-dev libceres-dev clang-format clang-tidy python3"
-fi
+  libeigen3-dev libtbb-dev libnanoflann-dev libyaml-cpp-dev libfmt-dev
+  libprotobuf-dev protobuf-compiler libcli11-dev nlohmann-json3-dev libpng-dev"
+# Without it the simulator is left out.
+optional="libembree-dev"
 
 fail() {
   echo "scripts/install_dependencies.sh: $*" >&2
   exit 1
 }
 
-if ! command -v dpkg-query >/dev/null; then
-  echo "not a Debian system: these packages, or your system's own, are needed:" $packages
+system=unknown
+[ ! -r /etc/os-release ] || system=$(. /etc/os-release && echo "${ID:-unknown} ${VERSION_ID:-}")
+case $system in
+"debian 12" | "ubuntu 22.04") clang_tools="clang-format clang-tidy" ;; # version 14, as .clang-format wants it
+"ubuntu 24.04") clang_tools="clang-format-14 clang-tidy-14" ;;
+*) clang_tools="clang-format clang-tidy" ;; # another version: the check of the formatting is left out
+esac
+
+for purpose in "$@"; do
+  case $purpose in
+  test) packages="$packages libgtest-dev libgmock-dev libbenchmark-dev libceres-dev $clang_tools python3 binutils" ;;
+  docs) packages="$packages doxygen" ;;
+  *) fail "$purpose: no such purpose; use test, docs, both or none" ;;
+  esac
+done
+
+if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
+  echo "scripts/install_dependencies.sh knows Debian 12 and 13 and Ubuntu 22.04 and 24.04; this is $system." >&2
+  echo "Install what these Debian packages hold, then go on (CMake names what it does not find):" $packages $optional >&2
   exit 0
 fi
+case $system in
+"debian 12" | "debian 13" | "ubuntu 22.04" | "ubuntu 24.04") ;;
+*) echo "scripts/install_dependencies.sh: $system is not tried; taking the package names of Debian 12" >&2 ;;
+esac
 
-missing=
-for package in $packages; do
-  status=$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null || true)
-  [ "$status" = installed ] || missing="$missing $package"
-done
-[ -n "$missing" ] || exit 0
+missing_of() {
+  for package in "$@"; do
+    status=$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null || true)
+    [ "$status" = installed ] || printf ' %s' "$package"
+  done
+}
+# shellcheck disable=SC2086  # lists of packages
+missing=$(missing_of $packages)
+# shellcheck disable=SC2086
+missing_optional=$(missing_of $optional)
+[ -n "$missing$missing_optional" ] || exit 0
 
 as_root=
 if [ "$(id -u)" -ne 0 ]; then
-  command -v sudo >/dev/null || fail "missing packages:$missing; become root, or install sudo, and run it again"
+  if ! command -v sudo >/dev/null; then
+    [ -n "$missing" ] || exit 0
+    fail "missing packages:$missing; become root, or install sudo, and run it again"
+  fi
   as_root=sudo
 fi
 
-echo "installing:$missing"
 apt="$as_root env DEBIAN_FRONTEND=noninteractive apt-get -q -o Dpkg::Use-Pty=0"
-$apt update || fail "'apt-get update' failed (its reason is above); missing packages:$missing"
-$apt install -y --no-install-recommends $missing ||
+echo "installing:$missing$missing_optional"
+if ! $apt update; then
+  [ -n "$missing" ] || exit 0
+  fail "'apt-get update' failed (its reason is above); missing packages:$missing"
+fi
+# shellcheck disable=SC2086
+[ -z "$missing_optional" ] || $apt install -y --no-install-recommends $missing_optional ||
+  echo "without$missing_optional: the build will have no simulator" >&2
+# shellcheck disable=SC2086
+[ -z "$missing" ] || $apt install -y --no-install-recommends $missing ||
   fail "'apt-get install' failed (its reason is above); missing packages:$missing"

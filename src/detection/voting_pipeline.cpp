@@ -12,9 +12,9 @@
 namespace mapless::inline v1 {
 namespace {
 
-ComparisonVerdict compared(const PointVotes& v) {
-  if (v.seen_through || v.vacated) return ComparisonVerdict::dynamic;
-  return v.surface_seen ? ComparisonVerdict::matched : ComparisonVerdict::not_compared;
+CandidateVerdict compared(const PointVotes& v) {
+  if (v.seen_through || v.vacated) return CandidateVerdict::dynamic;
+  return v.surface_seen ? CandidateVerdict::matched : CandidateVerdict::not_compared;
 }
 
 FreespaceVerdict freespace(int votes) {
@@ -22,7 +22,8 @@ FreespaceVerdict freespace(int votes) {
   return votes > 0 ? FreespaceVerdict::inside : FreespaceVerdict::border;
 }
 
-std::vector<StageTrace> recorded(const std::vector<PointVotes>& votes, const std::vector<BoxVerdict>& seeds,
+std::vector<StageTrace> recorded(const std::vector<PointVotes>& votes,
+                                 const std::vector<FilterVerdict>& seeds,
                                  const std::vector<GrowthVerdict>& growth) {
   std::vector<StageTrace> trace(votes.size());
   for (std::size_t i = 0; i < trace.size(); ++i) {

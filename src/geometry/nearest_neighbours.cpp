@@ -59,11 +59,14 @@ double pruning_bound(double squared_distance) {
   return std::max(squared_distance * kPruningSlack, std::numeric_limits<double>::min());
 }
 
+// Results are in the order wanted as they come; nanoflann 1.5 and later ask for DistanceType and sort().
 class NearestOne {
  public:
+  using DistanceType = double;
   explicit NearestOne(const std::vector<std::int32_t>& original) : original_(original) {}
   [[nodiscard]] bool full() const { return best_.index >= 0; }
   [[nodiscard]] double worstDist() const { return bound_; }
+  void sort() const {}
   bool addPoint(double squared_distance, std::uint32_t i) {
     const Candidate candidate{squared_distance, original_[i]};
     if (candidate < best_) {
@@ -82,6 +85,7 @@ class NearestOne {
 
 class NearestSeveral {
  public:
+  using DistanceType = double;
   NearestSeveral(const std::vector<std::int32_t>& original, std::size_t k) : original_(original), k_(k) {
     best_.reserve(k + 1);
   }
@@ -89,6 +93,7 @@ class NearestSeveral {
   [[nodiscard]] double worstDist() const {
     return full() ? pruning_bound(best_.back().squared_distance) : kInfinity;
   }
+  void sort() const {}
   bool addPoint(double squared_distance, std::uint32_t i) {
     const Candidate candidate{squared_distance, original_[i]};
     if (full() && !(candidate < best_.back())) return true;
@@ -106,10 +111,12 @@ class NearestSeveral {
 
 class AllWithin {
  public:
+  using DistanceType = double;
   AllWithin(const std::vector<std::int32_t>& original, double squared_radius, std::vector<std::int32_t>& out)
       : original_(original), squared_radius_(squared_radius), out_(out) {}
   [[nodiscard]] bool full() const { return true; }
   [[nodiscard]] double worstDist() const { return pruning_bound(squared_radius_); }
+  void sort() const {}
   bool addPoint(double squared_distance, std::uint32_t i) {
     if (squared_distance <= squared_radius_) out_.push_back(original_[i]);
     return true;

@@ -3,7 +3,11 @@
 #include <cmath>
 
 #include <Eigen/Geometry>
+#if MAPLESS_EMBREE_MAJOR >= 4
+#include <embree4/rtcore.h>
+#else
 #include <embree3/rtcore.h>
+#endif
 #include <fmt/format.h>
 
 #include <mapless/core/errors.hpp>
@@ -53,6 +57,21 @@ std::array<float, 12> column_major(const SE3& T) {
 void set_pose(RTCGeometry instance, unsigned step, const SE3& T) {
   const std::array<float, 12> matrix = column_major(T);
   rtcSetGeometryTransform(instance, step, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, matrix.data());
+}
+
+// The rays of a query start near each other and point the same way: coherent.
+void intersect(const int* valid, RTCScene scene, RTCRayHit8& query) {
+#if MAPLESS_EMBREE_MAJOR >= 4
+  RTCIntersectArguments arguments;
+  rtcInitIntersectArguments(&arguments);
+  arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;
+  rtcIntersect8(valid, scene, &query, &arguments);
+#else
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  rtcIntersect8(valid, scene, &context, &query);
+#endif
 }
 
 RTCScene shape_scene(RTCDevice device, const Mesh& mesh) {
@@ -225,9 +244,6 @@ RayHit SimulatedWorld::exact_hit(const TimedRay& ray, double range_m, unsigned i
 void SimulatedWorld::cast(std::span<const TimedRay> rays, double max_range_m,
                           std::span<std::optional<RayHit>> hits) const {
   constexpr std::size_t kLanes = 8;
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
   for (std::size_t first = 0; first < rays.size(); first += kLanes) {
     const std::size_t count = std::min(kLanes, rays.size() - first);
     alignas(32) RTCRayHit8 query{};
@@ -247,7 +263,7 @@ void SimulatedWorld::cast(std::span<const TimedRay> rays, double max_range_m,
       query.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
       query.hit.instID[0][k] = RTC_INVALID_GEOMETRY_ID;
     }
-    rtcIntersect8(valid.data(), scenes_->top(), &context, &query);
+    intersect(valid.data(), scenes_->top(), query);
     for (std::size_t k = 0; k < count; ++k) {
       hits[first + k].reset();
       if (query.hit.geomID[k] == RTC_INVALID_GEOMETRY_ID) continue;

@@ -157,9 +157,9 @@ TEST(Detector, AScanAloneIsStaticAndNobodySaysOtherwise) {
   const auto detections = test::detect_all(scans, *scene.trajectory, {});
   ASSERT_EQ(detections.size(), 1u);
   for (const StageTrace& t : detections[0].trace) {
-    EXPECT_EQ(t.comparison, ComparisonVerdict::not_compared);
-    EXPECT_EQ(t.backward, FreespaceVerdict::unobserved);
-    EXPECT_EQ(t.box, BoxVerdict::not_asked);
+    EXPECT_EQ(t.candidate, CandidateVerdict::not_compared);
+    EXPECT_EQ(t.past, FreespaceVerdict::unobserved);
+    EXPECT_EQ(t.filtered, FilterVerdict::not_evaluated);
   }
 }
 

@@ -9,7 +9,7 @@
 #include "support/toy_scene.hpp"
 #include <mapless/odometry/lidar_odometry.hpp>
 
-// Places and moments in which odometry has little to go by, and must say so rather than go wrong.
+// Scenes in which the points constrain the motion poorly: the odometry must report it and not diverge.
 namespace mapless {
 namespace MAPLESS_FILE {
 
@@ -28,7 +28,8 @@ double position_error_m(const LidarOdometry& odometry, const ToyScene& scene, Ti
   return (odometry.trajectory().at(t).T_v0.inverse().translation() - T_true.inverse().translation()).norm();
 }
 
-// Straight on at 3 m/s, then, within a scan, a turn at 75 deg/s: more than the prior thinks likely.
+// Straight ahead at 3 m/s; then, within a scan, a turn at 75 deg/s begins, which the motion prior finds
+// unlikely.
 class SuddenTurn final : public Trajectory {
  public:
   [[nodiscard]] Time begin() const override { return before_->begin(); }
@@ -57,8 +58,8 @@ TEST(HardPlaces, ASuddenTurnIsFollowed) {
   }
 }
 
-// Boxes at the beginning give the speed; then there is nothing but the ground.
-TEST(HardPlaces, AnOpenFieldIsReportedAndHeldByThePrior) {
+// Boxes at the beginning determine the speed; then the ground is the only surface.
+TEST(HardPlaces, AnOpenFieldIsReportedAndExtrapolatedWithThePrior) {
   ToyScene field = test::toy_room("VLP-16", test::drive(10, 0));
   field.world = {test::toy_ground(-1.8)};
   for (const double x : {-6., 4., 9., 14.})
@@ -75,12 +76,12 @@ TEST(HardPlaces, AnOpenFieldIsReportedAndHeldByThePrior) {
     EXPECT_EQ(update.degeneracy.unconstrained, 2) << "along the ground";
     EXPECT_LT(std::abs(update.degeneracy.directions_v.leftCols<2>().row(2).norm()), 0.1);
     const auto& knot = update.knots.back();
-    EXPECT_NEAR(knot.varpi.head<3>().norm(), 10, 1.5) << "the speed it had";
-    EXPECT_NEAR(knot.T_v0.inverse().translation().z(), 0, 0.05) << "the ground holds the height";
+    EXPECT_NEAR(knot.varpi.head<3>().norm(), 10, 1.5) << "the speed of the prior";
+    EXPECT_NEAR(knot.T_v0.inverse().translation().z(), 0, 0.05) << "the ground constrains the height";
   }
 }
 
-TEST(HardPlaces, AScanOfFewReturnsIsCarriedByThePrior) {
+TEST(HardPlaces, AScanOfFewReturnsIsExtrapolatedWithThePrior) {
   const ToyScene street = test::toy_street("VLP-16");
   Scans scans = cast(street, 11);
   LidarScan few = *scans[8];
@@ -96,8 +97,9 @@ TEST(HardPlaces, AScanOfFewReturnsIsCarriedByThePrior) {
   }
 }
 
-// A room seen from its own place holds everything; from 3 m aside, points of one wall lie before the other.
-TEST(HardPlaces, OnlyAWrongMotionSeesThroughWalls) {
+// With the right motion no point of a room lies in free space; from a pose 3 m aside, points of one wall lie
+// in front of another.
+TEST(HardPlaces, OnlyAWrongMotionHasFreespaceViolations) {
   const ToyScene room = test::toy_room("VLP-16", test::drive(0, 0));
   const auto scan = cast_scan(room, 0).scan;
   const std::vector<ScanPoint> points = thin(*scan, {});

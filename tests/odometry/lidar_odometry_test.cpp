@@ -52,7 +52,7 @@ Errors errors_of(const Drive& drive, const ToyScene& scene, const Scans& scans, 
   const Trajectory& truth = *scene.trajectory;
   const SE3 T_first = truth.at(scans[0]->start).T_v0;
   for (std::size_t k = from; k < scans.size(); ++k) {
-    // As known in the end: the knots of the first scans change until the odometry has started.
+    // The final estimate: the knots of the first scans change until the odometry has started.
     const Time end = drive.updates[k].knots.back().time;
     const TrajectoryState knot = drive.odometry.trajectory().at(end);
     const TrajectoryState expected = truth.at(end);
@@ -69,8 +69,7 @@ Errors errors_of(const Drive& drive, const ToyScene& scene, const Scans& scans, 
   return out;
 }
 
-/// How far a point that stands still moves between scans 4 apart because of the trajectory alone (method.md,
-/// end of section 6), 95th percentile.
+/// How far the trajectory alone moves a static point between scans 4 apart [m], 95th percentile.
 double displacement_m(const Drive& drive, const ToyScene& scene, const Scans& scans) {
   std::vector<double> displacements;
   const Trajectory& estimate = drive.odometry.trajectory();
@@ -128,8 +127,8 @@ TEST(LidarOdometry, StandsStill) {
   Drive drive;
   drive.process(scans);
   const Errors errors = errors_of(drive, scene, scans);
-  // Sixteen rays a column hardly see floor or ceiling, and standing still the same lines of them in every
-  // scan: the height during the first scan is what is known worst.
+  // Sixteen rays per column hardly hit floor and ceiling, and at rest always along the same lines: the height
+  // during the first scan is the most uncertain.
   for (const double error : errors.position_m) EXPECT_LT(error, 0.03);
   EXPECT_LT(root_mean_square(errors.speed), 0.1);
 }
@@ -155,7 +154,7 @@ TEST(LidarOdometry, ADroppedScanIsBridged) {
   Drive drive;
   drive.process(scans);
   for (const double error : errors_of(drive, street, scans).position_m) EXPECT_LT(error, 0.10);
-  // A knot at the end of the gap, too.
+  // The gap also ends with a knot.
   const auto& knots = drive.updates[9].knots;
   ASSERT_GE(knots.size(), 2u);
   EXPECT_EQ(knots[knots.size() - 2].time, scans[9]->start);
@@ -169,7 +168,7 @@ std::shared_ptr<const LidarScan> without_returns(const LidarScan& scan) {
   return std::make_shared<const LidarScan>(empty);
 }
 
-TEST(LidarOdometry, AnEmptyScanIsCarriedByThePriorAndReported) {
+TEST(LidarOdometry, AnEmptyScanIsExtrapolatedWithThePriorAndReported) {
   const ToyScene street = test::toy_street("VLP-16");
   Scans scans = cast(street, 0, 16);
   scans[8] = without_returns(*scans[8]);
@@ -194,7 +193,7 @@ TEST(LidarOdometry, BeginsWithTheFirstScanThatHasPoints) {
   for (const double error : errors_of(drive, street, scans, 2).position_m) EXPECT_LT(error, 0.15);
 }
 
-TEST(LidarOdometry, AScanDeliveredTwiceIsNoticed) {
+TEST(LidarOdometry, AScanDeliveredTwiceIsReported) {
   const ToyScene street = test::toy_street("VLP-16");
   Scans scans = cast(street, 0, 14);
   LidarScan repeated = *scans[6];
@@ -206,7 +205,7 @@ TEST(LidarOdometry, AScanDeliveredTwiceIsNoticed) {
   for (const double error : errors_of(drive, street, scans).position_m) EXPECT_LT(error, 0.15);
 }
 
-TEST(LidarOdometry, RefusesWhatItCannotUseAndGoesOn) {
+TEST(LidarOdometry, RefusesInvalidScansAndContinues) {
   const ToyScene street = test::toy_street("VLP-16");
   const Scans scans = cast(street, 0, 4);
   LidarOdometry odometry;
@@ -215,6 +214,7 @@ TEST(LidarOdometry, RefusesWhatItCannotUseAndGoesOn) {
   const auto knots = odometry.knots().size();
   EXPECT_THROW((void)odometry.process(scans[1]), InputError);
   EXPECT_THROW((void)odometry.process(scans[0]), InputError);
+  EXPECT_THROW((void)odometry.process(nullptr), InputError);
   LidarScan compensated = *scans[2];
   compensated.compensated_to = compensated.start;
   EXPECT_THROW((void)odometry.process(std::make_shared<const LidarScan>(compensated)), InputError);
@@ -222,8 +222,8 @@ TEST(LidarOdometry, RefusesWhatItCannotUseAndGoesOn) {
   EXPECT_EQ(odometry.process(scans[2]).outcome, ScanOutcome::registered);
 }
 
-// Returns at random: nothing of it may enter the map, and nothing that is not a number the state.
-TEST(LidarOdometry, NoiseIsReportedAndSurvived) {
+// Random returns: none may enter the map, and the state must stay finite.
+TEST(LidarOdometry, RandomReturnsAreReported) {
   const ToyScene street = test::toy_street("VLP-16");
   Scans scans = cast(street, 0, 14);
   for (const std::size_t k : {6u, 7u}) {
@@ -248,7 +248,7 @@ TEST(LidarOdometry, NoiseIsReportedAndSurvived) {
   for (const double error : errors_of(drive, street, scans).position_m) EXPECT_LT(error, 0.2);
 }
 
-// The same sensor, turning at another rate.
+// The same sensor with other rotation rates.
 TEST(LidarOdometry, FollowsSensorsOfAnyRateAndAnyNumberOfLasers) {
   for (const auto& [sensor, rate_hz] : {std::pair("VLP-16", 5.), {"VLP-16", 20.}, {"OS1-128", 10.}}) {
     SCOPED_TRACE(sensor + std::to_string(rate_hz));
@@ -307,8 +307,8 @@ TEST(LidarOdometry, RemovesDynamicPointsFromTheMap) {
   EXPECT_EQ(undisturbed.knots().back().T_v0.matrix(), before.T_v0.matrix());
 }
 
-// A tunnel of the same section everywhere: its points tell nothing of the way along it.
-TEST(LidarOdometry, AFeaturelessTunnelIsReportedAndHeldByThePrior) {
+// A tunnel with a constant cross-section: its points do not constrain the motion along it.
+TEST(LidarOdometry, AFeaturelessTunnelIsReportedAndExtrapolatedWithThePrior) {
   ToyScene tunnel = room(10, 0);
   for (auto& body : tunnel.world) body = test::toy_box({0, 0, 0}, {1, 1, 1});
   tunnel.world.clear();
@@ -316,14 +316,14 @@ TEST(LidarOdometry, AFeaturelessTunnelIsReportedAndHeldByThePrior) {
     tunnel.world.push_back(test::toy_box({0, side * 4, 0}, {2000, 0.5, 4}));
     tunnel.world.push_back(test::toy_box({0, 0, side * 3}, {2000, 5, 0.5}));
   }
-  // Two pillars at the beginning, which give the speed; then nothing.
+  // Pillars at the beginning determine the speed; then nothing does.
   tunnel.world.push_back(test::toy_box({7, 3, 0}, {0.5, 0.5, 3}));
   tunnel.world.push_back(test::toy_box({4, -3, 0}, {0.5, 0.5, 3}));
   tunnel.world.push_back(test::toy_box({-6, 3, 0}, {0.5, 0.5, 3}));
   const Scans scans = cast(tunnel, 0, 45);
   OdometryParameters parameters;
-  // Pillars half a metre wide are seen from 60 m, and hold the speed: the map is to lose them before the
-  // scans here end, 45 m on.
+  // The pillars, half a metre wide, constrain the speed from up to 60 m: with this radius the map has lost
+  // them before scan 35, 35 m on.
   parameters.map_radius_m = 20;
   Drive drive = {LidarOdometry(parameters), {}};
   drive.process(scans);
@@ -334,9 +334,9 @@ TEST(LidarOdometry, AFeaturelessTunnelIsReportedAndHeldByThePrior) {
     EXPECT_EQ(degeneracy.unconstrained, 1);
     EXPECT_GT(std::abs(degeneracy.directions_v.col(0).x()), 0.99);
     const auto& knot = drive.updates[k].knots.back();
-    EXPECT_NEAR(-knot.varpi[0], 10, 1.5) << "the speed it had";
+    EXPECT_NEAR(-knot.varpi[0], 10, 1.5) << "the speed of the prior";
     const Vector3d p_0 = knot.T_v0.inverse().translation();
-    EXPECT_LT((p_0 - p_30).tail<2>().norm(), 0.05) << "across, the walls hold it";
+    EXPECT_LT((p_0 - p_30).tail<2>().norm(), 0.05) << "the walls constrain the other directions";
   }
 }
 

@@ -39,8 +39,9 @@ Eigen::Matrix3Xd read_points(const std::filesystem::path& file) {
       .cast<double>();
 }
 
-/// One hand-held OS1-64 scan: points as measured, their times, and where somebody else's inertial sensor
-/// moved them. The reference is in the frame of that sensor, turned and shifted as the OS1's data sheet says.
+/// One hand-held OS1-64 scan: points as measured, their times, and the same points as an inertial sensor's
+/// motion compensated them. The reference is in the frame of that sensor, turned and shifted as the OS1's
+/// data sheet says.
 struct NewerCollegeScan {
   explicit NewerCollegeScan(int number) {
     const std::string name = fmt::format("newer_college_gtsam_points/newer_06/{{}}_{:02}.bin", number);
@@ -58,7 +59,7 @@ struct NewerCollegeScan {
   std::vector<float> times_s;
 };
 
-/// A scan of the points (but every fifth, from `left_out` on), `start_s` after the beginning.
+/// A scan of the points, `start_s` after the first, without every fifth point from number `left_out` on.
 std::shared_ptr<const LidarScan> make_scan(const Eigen::Matrix3Xd& points, const std::vector<float>& times_s,
                                            double start_s, int left_out) {
   auto scan = std::make_shared<LidarScan>();
@@ -80,7 +81,8 @@ std::shared_ptr<const LidarScan> make_scan(const Eigen::Matrix3Xd& points, const
   return scan;
 }
 
-/// The reference cloud as seen by a sensor that moves with `varpi` and is at its place `until_s` later.
+/// The reference cloud as a sensor measures it that moves with `varpi` and reaches the reference pose
+/// `until_s` later.
 Eigen::Matrix3Xd seen_before(const NewerCollegeScan& data, const Vector6d& varpi, double until_s) {
   Eigen::Matrix3Xd points(3, data.reference.cols());
   for (Eigen::Index i = 0; i < points.cols(); ++i) {
@@ -118,8 +120,8 @@ Found compensated_after(const NewerCollegeScan& data, const Vector6d& varpi) {
   return found;
 }
 
-/// The motion before the scan is taken from the scan itself: in a few passes, each with what the one before
-/// found, begun at several turn rates. Where most points match is right.
+/// The motion before the scan is estimated from the scan itself, in a few passes from several initial turn
+/// rates. The pass with the highest inlier ratio is kept.
 Found compensated(const NewerCollegeScan& data) {
   Found best;
   for (const double yaw_rate : {0.0, -0.6, 0.6, -1.2, 1.2}) {  // [rad/s]
@@ -134,7 +136,7 @@ Found compensated(const NewerCollegeScan& data) {
   return best;
 }
 
-/// Distances to the reference, point by point, once the whole cloud is laid upon it.
+/// Distances to the reference, point by point, after one rigid alignment of the whole cloud.
 std::vector<double> distances(const Eigen::Matrix3Xd& points, const Eigen::Matrix3Xd& reference) {
   const Eigen::Matrix4d T = Eigen::umeyama(points, reference, false);
   const Eigen::Matrix3Xd aligned =
@@ -143,9 +145,9 @@ std::vector<double> distances(const Eigen::Matrix3Xd& points, const Eigen::Matri
   return {d.begin(), d.end()};
 }
 
-/// Three scans of unrelated moments, each to be found in its own reference cloud, as its authors' tests do.
-/// Nothing goes before them; so the sensor is made to have moved before as it did within the scan (see
-/// compensated). The reference motion has no part in it.
+/// Three scans of unrelated moments, each registered to its own reference cloud, as its authors' tests do. No
+/// scan precedes them: the sensor is taken to have moved before as it did within the scan (see
+/// compensated()). The reference motion is not used.
 TEST(NewerCollege, CompensationAgreesWithTheReference) {
   MAPLESS_SKIP_WITHOUT(test::shared_data("newer_college_gtsam_points/newer_06/raw_00.bin"));
   for (int number = 0; number < 3; ++number) {

@@ -14,7 +14,7 @@ inline Vector12d random_step(std::mt19937& generator, double pose, double veloci
   return out;
 }
 
-/// Knots a tenth of a second apart of a sensor that moves, turns, and changes both a little.
+/// Knots 0.1 s apart of a sensor that translates and rotates, both at slightly changing rates.
 inline std::vector<TrajectoryKnot> moving_knots(int count, std::mt19937& generator) {
   Vector6d varpi;
   varpi << -8, 0.3, -0.1, 0.1, -0.2, -0.6;
@@ -28,7 +28,7 @@ inline std::vector<TrajectoryKnot> moving_knots(int count, std::mt19937& generat
   return knots;
 }
 
-/// Derivative of f to the 24 perturbations of two knots, by central differences.
+/// Derivative of f with respect to the 24 perturbations of two knots, by central differences.
 template <class Function>
 Eigen::MatrixXd numerical_jacobian(const TrajectoryKnot& k1, const TrajectoryKnot& k2, Function&& f) {
   constexpr double h = 1e-6;

@@ -37,16 +37,16 @@ bool EvidenceGrowthOracle::linked(std::size_t i, std::size_t j, int rows, int co
   return distance <= std::min(link_m(a), link_m(b));
 }
 
-std::vector<BoxVerdict> EvidenceGrowthOracle::filter(const std::vector<PointVotes>& votes) const {
-  std::vector<BoxVerdict> verdicts;
+std::vector<FilterVerdict> EvidenceGrowthOracle::filter(const std::vector<PointVotes>& votes) const {
+  std::vector<FilterVerdict> verdicts;
   for (std::size_t i = 0; i < votes.size(); ++i) {
     int score = votes[i].total();
     for (std::size_t j = 0; j < votes.size(); ++j)
       if (j != i && linked(i, j, 1, 2)) score += votes[j].total();
     if (votes[i].total() <= 0) {
-      verdicts.push_back(BoxVerdict::not_asked);
+      verdicts.push_back(FilterVerdict::not_evaluated);
     } else {
-      verdicts.push_back(score >= parameters_.seed_score ? BoxVerdict::kept : BoxVerdict::removed);
+      verdicts.push_back(score >= parameters_.seed_score ? FilterVerdict::kept : FilterVerdict::removed);
     }
   }
   return verdicts;
@@ -67,45 +67,45 @@ std::vector<std::size_t> EvidenceGrowthOracle::sets(const std::vector<char>& cho
   return lowest;
 }
 
-void EvidenceGrowthOracle::fill(const std::vector<PointVotes>& votes, int least, std::vector<char>& dynamic,
-                                EvidenceGrowthResult& result) const {
+void EvidenceGrowthOracle::fill(const std::vector<PointVotes>& votes, int min_votes,
+                                std::vector<char>& dynamic, EvidenceGrowthResult& result) const {
   const std::vector<char> before = dynamic;
   for (std::size_t i = 0; i < votes.size(); ++i) {
     int neighbours = 0;
     for (std::size_t j = 0; j < votes.size(); ++j)
       if (j != i && before[j] && linked(i, j, 1, 2)) ++neighbours;
-    if (before[i] || votes[i].total() < least || neighbours < 5) continue;
+    if (before[i] || votes[i].total() < min_votes || neighbours < 5) continue;
     dynamic[i] = 1;
     result.verdict[i] = GrowthVerdict::grown;
   }
 }
 
-void EvidenceGrowthOracle::slide(const std::vector<PointVotes>& votes, std::vector<char>& dynamic,
-                                 EvidenceGrowthResult& result) const {
+void EvidenceGrowthOracle::add_surfaces(const std::vector<PointVotes>& votes, std::vector<char>& dynamic,
+                                        EvidenceGrowthResult& result) const {
   const std::vector<char> found = dynamic;
-  const std::vector<std::size_t> things = sets(found);
+  const std::vector<std::size_t> objects = sets(found);
   for (std::size_t first = 0; first < votes.size(); ++first) {
-    if (!found[first] || things[first] != first) continue;
-    std::vector<std::size_t> thing;
+    if (!found[first] || objects[first] != first) continue;
+    std::vector<std::size_t> object;
     for (std::size_t i = first; i < votes.size(); ++i)
-      if (found[i] && things[i] == first) thing.push_back(i);
-    const std::vector<char> sides = sides_of(thing, votes, dynamic);
-    const auto size = static_cast<std::size_t>(std::count(sides.begin(), sides.end(), 1));
-    const Ends ends = ends_of(sides, votes);
-    if (size > 8 * thing.size() || ends.free <= 3 * ends.held) continue;
+      if (found[i] && objects[i] == first) object.push_back(i);
+    const std::vector<char> surface = surfaces_of(object, votes, dynamic);
+    const auto size = static_cast<std::size_t>(std::count(surface.begin(), surface.end(), 1));
+    const Ends ends = ends_of(surface, votes);
+    if (size > 8 * object.size() || ends.free <= 3 * ends.static_points) continue;
     for (std::size_t i = 0; i < votes.size(); ++i) {
-      if (!sides[i]) continue;
+      if (!surface[i]) continue;
       dynamic[i] = 1;
       result.verdict[i] = GrowthVerdict::grown;
     }
   }
 }
 
-std::vector<char> EvidenceGrowthOracle::sides_of(const std::vector<std::size_t>& thing,
-                                                 const std::vector<PointVotes>& votes,
-                                                 const std::vector<char>& dynamic) const {
-  std::vector<char> whole(votes.size(), 0), sides(votes.size(), 0);
-  for (const std::size_t i : thing) whole[i] = 1;
+std::vector<char> EvidenceGrowthOracle::surfaces_of(const std::vector<std::size_t>& object,
+                                                    const std::vector<PointVotes>& votes,
+                                                    const std::vector<char>& dynamic) const {
+  std::vector<char> whole(votes.size(), 0), surface(votes.size(), 0);
+  for (const std::size_t i : object) whole[i] = 1;
   for (bool changed = true; changed;) {
     changed = false;
     for (std::size_t i = 0; i < votes.size(); ++i) {
@@ -113,24 +113,24 @@ std::vector<char> EvidenceGrowthOracle::sides_of(const std::vector<std::size_t>&
       if (whole[i] || dynamic[i] || v.total() < -4 || (v.earlier == 0 && !v.moving_seen)) continue;
       for (std::size_t j = 0; j < votes.size() && !whole[i]; ++j) {
         if (!whole[j] || !linked(i, j, 1, 2)) continue;
-        whole[i] = sides[i] = 1;
+        whole[i] = surface[i] = 1;
         changed = true;
       }
     }
   }
-  return sides;
+  return surface;
 }
 
-EvidenceGrowthOracle::Ends EvidenceGrowthOracle::ends_of(const std::vector<char>& sides,
+EvidenceGrowthOracle::Ends EvidenceGrowthOracle::ends_of(const std::vector<char>& surface,
                                                          const std::vector<PointVotes>& votes) const {
   Ends ends;
   for (std::size_t i = 0; i < votes.size(); ++i) {
     for (std::size_t j = 0; j < votes.size(); ++j) {
       const LidarReturn &a = scan_.returns[i], &b = scan_.returns[j];
       const int apart = std::abs(a.column - b.column);
-      if (!sides[i] || a.laser != b.laser || (apart != 1 && apart != scan_.columns - 1)) continue;
+      if (!surface[i] || a.laser != b.laser || (apart != 1 && apart != scan_.columns - 1)) continue;
       const bool link = linked(i, j, 0, 1);
-      if (link && !sides[j] && votes[j].total() < -4) ++ends.held;
+      if (link && !surface[j] && votes[j].total() < -4) ++ends.static_points;
       if (!link && b.range_m > a.range_m) ++ends.free;
     }
   }
@@ -138,13 +138,13 @@ EvidenceGrowthOracle::Ends EvidenceGrowthOracle::ends_of(const std::vector<char>
 }
 
 EvidenceGrowthResult EvidenceGrowthOracle::grow(const std::vector<PointVotes>& votes,
-                                                const std::vector<BoxVerdict>& seeds) const {
+                                                const std::vector<FilterVerdict>& seeds) const {
   const std::size_t size = votes.size();
   EvidenceGrowthResult result;
   result.verdict.assign(size, GrowthVerdict::not_reached);
   result.object.assign(size, 0);
   std::vector<char> seed(size), usable(size), dynamic(size);
-  for (std::size_t i = 0; i < size; ++i) seed[i] = seeds[i] == BoxVerdict::kept ? 1 : 0;
+  for (std::size_t i = 0; i < size; ++i) seed[i] = seeds[i] == FilterVerdict::kept ? 1 : 0;
   const std::vector<std::size_t> clusters = sets(seed);
   std::map<std::size_t, int> seeds_in;
   for (std::size_t i = 0; i < size; ++i) seeds_in[clusters[i]] += seed[i];
@@ -168,8 +168,8 @@ EvidenceGrowthResult EvidenceGrowthOracle::grow(const std::vector<PointVotes>& v
   }
   for (int round = 0; parameters_.grow && round < 8; ++round)
     fill(votes, round < 2 ? -12 : -4, dynamic, result);
-  const bool some_stand = std::any_of(votes.begin(), votes.end(), [](auto& v) { return v.total() < -4; });
-  if (parameters_.grow && some_stand) slide(votes, dynamic, result);
+  const bool any_static = std::any_of(votes.begin(), votes.end(), [](auto& v) { return v.total() < -4; });
+  if (parameters_.grow && any_static) add_surfaces(votes, dynamic, result);
   number(votes, dynamic, result);
   return result;
 }
@@ -189,19 +189,19 @@ double EvidenceGrowthOracle::displacement_m(const std::vector<PointVotes>& votes
   return 2 * radius * recent / count;
 }
 
-// Half of every vote at a place where a surface was seen, each row scaled down to the most it may count.
-int EvidenceGrowthOracle::weighed_votes(const std::vector<PointVotes>& votes,
-                                        const std::vector<std::size_t>& object) const {
-  std::map<int, std::pair<double, double>> rows;  // votes of each, as they are and weighed
+// Votes count half where a scan saw a surface; each row is scaled down to the most it may count.
+int EvidenceGrowthOracle::weighted_votes(const std::vector<PointVotes>& votes,
+                                         const std::vector<std::size_t>& object) const {
+  std::map<int, std::pair<double, double>> rows;  // votes of each, as they are and weighted
   for (const std::size_t i : object) {
-    auto& [all, weighed] = rows[scan_.returns[i].laser];
+    auto& [all, weighted] = rows[scan_.returns[i].laser];
     all += votes[i].total();
-    weighed += votes[i].surface_seen ? 0.5 * votes[i].total() : votes[i].total();
+    weighted += votes[i].surface_seen ? 0.5 * votes[i].total() : votes[i].total();
   }
   double sum = 0;
   for (const auto& [row, of_row] : rows) {
-    const auto& [all, weighed] = of_row;
-    sum += all > parameters_.min_evidence ? weighed / all * parameters_.min_evidence : weighed;
+    const auto& [all, weighted] = of_row;
+    sum += all > parameters_.min_evidence ? weighted / all * parameters_.min_evidence : weighted;
   }
   return static_cast<int>(std::lround(sum));
 }
@@ -238,7 +238,7 @@ void EvidenceGrowthOracle::number(const std::vector<PointVotes>& votes, const st
       number = static_cast<std::uint16_t>(++result.objects);
       const auto& all = members[object];
       result.evidence.push_back(
-          {static_cast<float>(displacement_m(votes, all)), weighed_votes(votes, all), body(votes, all)});
+          {static_cast<float>(displacement_m(votes, all)), weighted_votes(votes, all), body(votes, all)});
     }
     result.object[i] = number;
   }

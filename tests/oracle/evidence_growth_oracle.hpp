@@ -7,39 +7,40 @@
 
 namespace mapless::test {
 
-/// evidence_growth.hpp by going over all pairs of points. Two points belong together where they are no
-/// farther apart than link_m + range x max(link_per_m, link_spacings x the widest angle between neighbouring
-/// beams) of either, and no more than so many lasers and columns of the aligned scan image.
+/// evidence_growth.hpp by exhaustive search over all pairs of points. Two points are linked if their distance
+/// is at most link_m + range x max(link_per_m, link_spacings x widest angle to a neighbouring beam), for both
+/// of them, and if they are within a window of lasers and columns of the aligned scan image.
 class EvidenceGrowthOracle {
  public:
   EvidenceGrowthOracle(const LidarScan& scan, const LocalPoints& points, const VotingParameters& parameters)
       : scan_(scan), points_(points.points), parameters_(parameters) {}
 
-  [[nodiscard]] std::vector<BoxVerdict> filter(const std::vector<PointVotes>& votes) const;
+  [[nodiscard]] std::vector<FilterVerdict> filter(const std::vector<PointVotes>& votes) const;
   [[nodiscard]] EvidenceGrowthResult grow(const std::vector<PointVotes>& votes,
-                                          const std::vector<BoxVerdict>& seeds) const;
+                                          const std::vector<FilterVerdict>& seeds) const;
 
  private:
-  void fill(const std::vector<PointVotes>& votes, int least, std::vector<char>& dynamic,
+  void fill(const std::vector<PointVotes>& votes, int min_votes, std::vector<char>& dynamic,
             EvidenceGrowthResult& result) const;
-  /// Adds the sides of every set of `dynamic` points: all that hangs together with it and slides.
-  void slide(const std::vector<PointVotes>& votes, std::vector<char>& dynamic,
-             EvidenceGrowthResult& result) const;
-  [[nodiscard]] std::vector<char> sides_of(const std::vector<std::size_t>& thing,
-                                           const std::vector<PointVotes>& votes,
-                                           const std::vector<char>& dynamic) const;
+  /// Adds the surfaces that slide along themselves to every set of `dynamic` points.
+  void add_surfaces(const std::vector<PointVotes>& votes, std::vector<char>& dynamic,
+                    EvidenceGrowthResult& result) const;
+  [[nodiscard]] std::vector<char> surfaces_of(const std::vector<std::size_t>& object,
+                                              const std::vector<PointVotes>& votes,
+                                              const std::vector<char>& dynamic) const;
   struct Ends {
-    int free = 0, held = 0;  // in front of something farther; going on into what stands
+    int free = 0;           // in front of something farther
+    int static_points = 0;  // continuing into static points
   };
-  [[nodiscard]] Ends ends_of(const std::vector<char>& sides, const std::vector<PointVotes>& votes) const;
-  /// Numbers the sets of `dynamic` points, and takes down the evidence of each.
+  [[nodiscard]] Ends ends_of(const std::vector<char>& surface, const std::vector<PointVotes>& votes) const;
+  /// Numbers the sets of `dynamic` points and collects the evidence of each.
   void number(const std::vector<PointVotes>& votes, const std::vector<char>& dynamic,
               EvidenceGrowthResult& result) const;
-  /// Diameter about the centroid, times the share of points seen through lately [m].
+  /// Diameter about the centroid times the share of points seen through recently [m].
   [[nodiscard]] double displacement_m(const std::vector<PointVotes>& votes,
                                       const std::vector<std::size_t>& object) const;
-  [[nodiscard]] int weighed_votes(const std::vector<PointVotes>& votes,
-                                  const std::vector<std::size_t>& object) const;
+  [[nodiscard]] int weighted_votes(const std::vector<PointVotes>& votes,
+                                   const std::vector<std::size_t>& object) const;
   [[nodiscard]] Body body(const std::vector<PointVotes>& votes, const std::vector<std::size_t>& object) const;
   [[nodiscard]] bool linked(std::size_t i, std::size_t j, int rows, int columns) const;
   [[nodiscard]] double link_m(const LidarReturn& r) const;

@@ -3,6 +3,10 @@
 #include <stdexcept>
 #include <string>
 
+/// The library hides its symbols; an exception that leaves a shared library is caught by its type, which
+/// shows.
+#define MAPLESS_EXCEPTION __attribute__((visibility("default")))
+
 namespace mapless::inline v1 {
 
 /// What went wrong with one thing from outside. Every part may be empty except `problem`.
@@ -16,7 +20,7 @@ struct ErrorDetail {
 
 /// Base of all errors that outside input can cause. what() is one line:
 /// "where: field = value: problem; remedy".
-class Error : public std::runtime_error {
+class MAPLESS_EXCEPTION Error : public std::runtime_error {
  public:
   explicit Error(ErrorDetail detail);
   [[nodiscard]] const ErrorDetail& detail() const { return detail_; }
@@ -26,22 +30,22 @@ class Error : public std::runtime_error {
 };
 
 /// A file or scan that cannot be used: truncated, not finite, inconsistent, absent.
-class InputError : public Error {
+class MAPLESS_EXCEPTION InputError : public Error {
   using Error::Error;
 };
 
 /// A parameter or option that is unknown, of the wrong type, or out of bounds.
-class ParameterError : public Error {
+class MAPLESS_EXCEPTION ParameterError : public Error {
   using Error::Error;
 };
 
 /// A trajectory asked outside the time it covers.
-class TrajectoryDomainError : public Error {
+class MAPLESS_EXCEPTION TrajectoryDomainError : public Error {
   using Error::Error;
 };
 
 /// A result that could not be written: no permission, disk full, already there.
-class OutputError : public Error {
+class MAPLESS_EXCEPTION OutputError : public Error {
   using Error::Error;
 };
 

@@ -33,16 +33,18 @@ struct StageSeconds {
   }
 };
 
-/// The answer for one scan. Vectors have one element per return of `scan`, in its order.
+/// The detection of one scan: which of its points are dynamic, and the objects they form. `trace` and
+/// `object` have one element per return of `scan`, in its order.
 struct Detection {
   std::shared_ptr<const LidarScan> scan;
   std::size_t sequence_number = 0;    ///< 0 for the first scan the detector was given
-  std::vector<StageTrace> trace;      ///< each stage's verdict
-  std::vector<std::uint16_t> object;  ///< 0 for static, else 1, 2, ...: one number per object of this scan
-  int objects = 0;
-  std::vector<TrackedObject> tracked;  ///< those objects over time, by number
+  std::vector<StageTrace> trace;      ///< verdict of each stage
+  std::vector<std::uint16_t> object;  ///< 0: static; 1, 2, ...: the dynamic object of this scan it belongs to
+  int objects = 0;                    ///< number of dynamic objects
+  std::vector<TrackedObject> tracked;  ///< their tracks, ordered by number
   StageSeconds seconds;
 
+  /// Whether return i is dynamic.
   [[nodiscard]] bool dynamic(std::size_t i) const { return object[i] != 0; }
 };
 

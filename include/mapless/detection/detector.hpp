@@ -14,42 +14,46 @@ namespace mapless::inline v1 {
 class DetectionPipeline;
 class MovingObjects;
 
-/// Tells, online, which returns of each scan belong to things that move now (arXiv 1809.06972).
+/// Labels every return of each scan as dynamic or static, online (arXiv 1809.06972). In: scans by increasing
+/// time, with the sensor's trajectory. Out: one Detection per scan, in order. No map, training, ground plane
+/// or class list is used.
 ///
-/// Scans go in one by one, by increasing time. The detection of a scan comes out `latency()` scans later,
-/// because a later scan is asked too; `flush` gives the rest, checked against the last scan there is. The
-/// first detections come together, with scan VotingParameters::start_scans, as their scans have hardly an
-/// earlier one to ask. While the recording is young, what earlier scans there are answer; a scan with none,
-/// and no later one, is static throughout.
+/// The detection of a scan is returned `latency()` scans later, because a later scan is evidence, too;
+/// flush() returns the rest, with the last scan as the later one. Method "voting" returns the first
+/// detections together, with scan VotingParameters::start_scans, since their scans have few earlier ones. In
+/// the first scans those earlier scans are used that exist; a scan without any earlier or later one is static
+/// throughout.
 class Detector {
  public:
+  /// Throws ParameterError naming the parameter, its value and its bounds if any is out of bounds.
   explicit Detector(const DetectorParameters& parameters = {});
   ~Detector();
   Detector(Detector&&) noexcept;
   Detector& operator=(Detector&&) noexcept;
 
-  /// Throws InputError for a scan that starts before the last one, TrajectoryDomainError where the trajectory
-  /// does not cover it; the detector is then as it was before the call. Returns the detections that this scan
-  /// makes ready, in order: none, one, or at the start several.
+  /// Adds the next scan. `trajectory` gives the pose of the sensor (T_v0, world 0 to sensor v) and is used
+  /// during the call alone. Returns the detections that are ready, in order: none, one, or at the start
+  /// several. Throws InputError for a scan that does not start after the last one, and TrajectoryDomainError
+  /// where the trajectory does not cover it; the detector is then as it was before the call.
   std::vector<Detection> process(std::shared_ptr<const LidarScan> scan, const Trajectory& trajectory);
 
-  /// The detections not yet returned, in order. The detector can then go on.
+  /// Returns the detections not returned yet, in order. Scans can be added afterwards.
   std::vector<Detection> flush();
 
-  /// Scans between a scan and its detection, once started: forward_gap.
+  /// Scans between a scan and its detection, after the start: forward_gap.
   [[nodiscard]] int latency() const { return parameters_.forward_gap; }
   [[nodiscard]] const DetectorParameters& parameters() const { return parameters_; }
 
  private:
-  [[nodiscard]] std::size_t first_detections_at() const;  // scans in
+  [[nodiscard]] std::size_t first_detections_at() const;  // number of scans added
   Detection next();
 
   DetectorParameters parameters_;
   std::unique_ptr<DetectionPipeline> pipeline_;
   std::unique_ptr<MovingObjects> moving_;
   Time newest_start_;
-  std::size_t next_number_ = 0;     // of the next scan in
-  std::size_t next_detection_ = 0;  // of the next detection out
+  std::size_t next_number_ = 0;     // of the next scan to add
+  std::size_t next_detection_ = 0;  // of the next detection to return
 };
 
 }  // namespace mapless

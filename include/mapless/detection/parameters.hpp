@@ -19,12 +19,12 @@ struct ComparisonParameters {
     using P = ComparisonParameters;
     return std::tuple{
         declare(&P::error_threshold_m, "error_threshold_m", "m", 0.001, 10.0,
-                "a point farther than this from the reference scan (point-to-plane, else point-to-point) is "
-                "dynamic",
+                "a point is a candidate for dynamic if it is farther than this from the reference scan "
+                "(point-to-plane, or point-to-point without a normal)",
                 "paper step 2"),
         declare(&P::max_range_without_normal_m, "max_range_without_normal_m", "m", 0.0, 1000.0,
-                "a point beyond this range that has no normal is static: on far ground point-to-point proves "
-                "nothing",
+                "a point without a normal beyond this range is static: on far ground its point-to-point "
+                "distance is the spacing of the rings",
                 "method.md 2"),
     };
   }
@@ -46,12 +46,13 @@ struct FreespaceParameters {
     using P = FreespaceParameters;
     return std::tuple{
         declare(&P::backward_threshold_m, "backward_threshold_m", "m", 0.001, 10.0,
-                "a ray of the reference scan that ends this near the plane of the point is on its border",
+                "a ray of the reference scan that ends within this distance of the plane of the point makes "
+                "the point border",
                 "paper step 3"),
         declare(&P::forward_threshold_m, "forward_threshold_m", "m", 0.001, 10.0,
-                "the same for a ray of the later scan", "paper step 3; method.md 2"),
+                "the same as backward_threshold_m, for a ray of the later scan", "paper step 3; method.md 2"),
         declare(&P::require_near_ray, "require_near_ray",
-                "answer unobserved, hence static, where no ray passes near the point", "method.md 2"),
+                "a point is unobserved, hence static, if no ray passes near it", "method.md 2"),
         declare(&P::max_ray_distance_m, "max_ray_distance_m", "m", 0.0, 10.0,
                 "a ray is near within max_ray_distance_m + max_ray_distance_spacings x laser spacing x range",
                 "method.md 2"),
@@ -59,20 +60,18 @@ struct FreespaceParameters {
                 "see max_ray_distance_m", "method.md 2"),
         declare_odd(
             &P::border_window_rows, "border_window_rows", "lasers", 1, 15,
-            "height of the window of rays around the nearest one of which any can make a point border; "
-            "1: none but the nearest",
+            "height of the window of rays around the nearest one in which each ray can make a point border; "
+            "1: the nearest alone",
             "method.md 2"),
         declare_odd(&P::border_window_columns, "border_window_columns", "columns", 1, 31,
-                    "width of that window", "method.md 2"),
+                    "width of the window of border_window_rows", "method.md 2"),
         declare(&P::border_radius_per_m, "border_radius_per_m", "m/m", 0.0, 1.0,
                 "a ray of the window makes a point border if it ends within the threshold + "
-                "border_radius_per_m x "
-                "range of it",
+                "border_radius_per_m x range of it",
                 "method.md 2"),
         declare(&P::no_return_is_free, "no_return_is_free",
-                "a ray recorded as 'nothing within range' proves free space up to the maximum range; "
-                "recordings that "
-                "cannot tell it from a faulty return are not affected",
+                "a ray recorded as 'nothing within range' observes free space up to the maximum range; no "
+                "effect on recordings that do not distinguish it from a faulty return",
                 "paper V; method.md 2"),
     };
   }
@@ -86,15 +85,14 @@ struct BoxFilterParameters {
   static constexpr auto declarations() {
     using P = BoxFilterParameters;
     return std::tuple{
-        declare(&P::image, "image",
-                "rows of the scan image as recorded, or shifted by each laser's azimuth offset so that "
-                "neighbours in "
-                "the image are neighbours in space",
-                "method.md 2"),
+        declare(
+            &P::image, "image",
+            "rows of the scan image as recorded (raw), or shifted by each laser's azimuth offset, so that "
+            "neighbours in the image are neighbours in space (aligned)",
+            "method.md 2"),
         declare(&P::score_threshold, "score_threshold", "pixels", 0, 12,
-                "a 3 x 4 window that matches the pattern in more pixels than this holds outliers; 12 "
-                "switches the "
-                "filter off",
+                "points of a 3 x 4 window that matches the outlier pattern in more pixels than this are "
+                "removed; 12 switches the filter off",
                 "paper step 4"),
     };
   }
@@ -111,29 +109,29 @@ struct RegionGrowthParameters {
   static constexpr auto declarations() {
     using P = RegionGrowthParameters;
     return std::tuple{
-        declare(&P::link_m, "link_m", "m", 0.001, 10.0,
-                "two points are linked within link_m + link_per_m x range (of the nearer)",
-                "paper step 5; method.md 2"),
+        declare(
+            &P::link_m, "link_m", "m", 0.001, 10.0,
+            "two points are linked if their distance is at most link_m + link_per_m x range of the nearer",
+            "paper step 5; method.md 2"),
         declare(&P::link_per_m, "link_per_m", "m/m", 0.0, 1.0, "see link_m", "method.md 2"),
         declare(&P::min_cluster_points, "min_cluster_points", "points", 1, 10000,
-                "a cluster of fewer dynamic points is static and does not grow", "method.md 2"),
+                "a cluster of fewer dynamic points becomes static and does not grow", "method.md 2"),
         declare(&P::max_growth_m, "max_growth_m", "m", 0.0, 1000.0,
-                "growth stops this far from the nearest dynamic point of a cluster", "method.md 2"),
+                "a cluster grows at most this far from its nearest dynamic point", "method.md 2"),
         declare(&P::concave_tolerance_deg, "concave_tolerance_deg", "deg", 0.0, 45.0,
-                "parallel or convex: neither point rises more than distance x sin(concave_tolerance_deg) "
-                "above the "
-                "other's plane",
+                "a cluster grows from point to point where the surface is flat or convex: neither point lies "
+                "more than distance x sin(concave_tolerance_deg) above the plane of the other",
                 "paper step 5"),
     };
   }
 };
 
-/// How the detector decides: freespace voting over many scans, or the five steps as published.
+/// voting: several scans vote on each point; published: the five steps of the paper.
 enum class DetectionMethod { voting, published };
 inline constexpr std::array<std::string_view, 2> kDetectionMethodNames = {"voting", "published"};
 constexpr std::span<const std::string_view> choice_names(DetectionMethod) { return kDetectionMethodNames; }
 
-/// Method "voting": every point is put to several earlier scans and a later one.
+/// Method "voting" (default): several earlier scans and a later one vote on every point (docs/method.md 7).
 struct VotingParameters {
   int references = 12;
   int first_gap = 1;
@@ -150,70 +148,78 @@ struct VotingParameters {
   int seed_score = 32;
   int min_seeds = 2;
   bool grow = true;
-  double min_advance_m = 0.03;
+  double min_displacement_m = 0.03;
   double min_speed_mps = 0.2;
   int min_evidence = 100;
 
   static constexpr auto declarations() {
     using P = VotingParameters;
     return std::tuple{
-        declare(&P::references, "references", "scans", 1, 14,
-                "how many earlier scans are asked: 1, 2, 3, 4, 6, 8, 12, ... times first_gap back",
-                "paper step 2, 3"),
-        declare(&P::first_gap, "first_gap", "scans", 1, 10, "how far back the first of them lies",
-                "paper step 2"),
+        declare(
+            &P::references, "references", "scans", 1, 14,
+            "number of earlier reference scans: 1, 2, 3, 4, 6, 8, 12, ... times first_gap before the scan",
+            "paper step 2, 3"),
+        declare(&P::first_gap, "first_gap", "scans", 1, 10,
+                "gap between a scan and its nearest reference scan", "paper step 2"),
         declare(&P::start_scans, "start_scans", "scans", 1, 100,
-                "the first labels wait for so many scans, all put to one another", "docs/method.md"),
+                "the first labels are returned after this many scans, each compared with all the others; 1: "
+                "no wait",
+                "method.md 7"),
         declare(&P::tolerance_m, "tolerance_m", "m", 0.001, 10.0,
-                "a ray ends on the surface of a point within tolerance_m (at least four standard deviations "
-                "of the scan's noise) + tolerance_spacings x laser spacing x range",
+                "a ray that ends within tolerance_m + tolerance_spacings x laser spacing x range of a point "
+                "observed its surface; raised to four standard deviations of the scan's range noise",
                 "paper step 3"),
         declare(&P::tolerance_spacings, "tolerance_spacings", "laser spacings", 0.0, 100.0,
-                "see tolerance_m: a slanting surface is nearer on one laser than on the next",
-                "docs/method.md"),
+                "see tolerance_m: a slanted surface is nearer on one laser than on the next", "method.md 7"),
         declare(&P::max_ray_distance_m, "max_ray_distance_m", "m", 0.0, 10.0,
-                "the nearest ray speaks for a point within max_ray_distance_m + max_ray_distance_spacings x "
-                "laser spacing x range",
-                "method.md 2"),
+                "a point is unobserved by a scan unless a ray passes within max_ray_distance_m + "
+                "max_ray_distance_spacings x laser spacing x range of it",
+                "method.md 7"),
         declare(&P::max_ray_distance_spacings, "max_ray_distance_spacings", "laser spacings", 0.0, 100.0,
-                "see max_ray_distance_m", "method.md 2"),
+                "see max_ray_distance_m", "method.md 7"),
         declare_odd(&P::window_columns, "window_columns", "columns", 1, 31,
-                    "how many firings of the lasers above and below a point are looked at", "method.md 2"),
+                    "columns of the lasers above and below a point that are searched for the nearest ray",
+                    "method.md 7"),
         declare(&P::vacated_m, "vacated_m", "m", 0.0, 100.0,
                 "what hid a point then, so near to it at most, and has left may be the point's own thing",
-                "docs/method.md"),
+                "method.md 7"),
         declare(&P::link_m, "link_m", "m", 0.001, 10.0,
-                "neighbours in the scan image belong together within link_m + range x (the larger of "
-                "link_per_m and link_spacings x laser spacing)",
-                "paper step 5; method.md 2"),
-        declare(&P::link_per_m, "link_per_m", "m/m", 0.0, 1.0, "see link_m", "method.md 2"),
+                "neighbours in the scan image are linked if their distance is at most link_m + range x the "
+                "larger of link_per_m and link_spacings x laser spacing",
+                "paper step 5; method.md 7"),
+        declare(&P::link_per_m, "link_per_m", "m/m", 0.0, 1.0, "see link_m", "method.md 7"),
         declare(&P::link_spacings, "link_spacings", "laser spacings", 0.0, 100.0, "see link_m",
-                "method.md 2"),
-        declare(&P::seed_score, "seed_score", "votes", 0, 1000,
-                "votes of a point and its neighbours, summed, that make it a seed: border effects have few",
-                "paper step 4"),
+                "method.md 7"),
+        declare(
+            &P::seed_score, "seed_score", "votes", 0, 1000,
+            "a point is a seed if its votes and those of its linked neighbours in the 3 x 5 window sum to at "
+            "least this; border effects are too small",
+            "paper step 4"),
         declare(&P::min_seeds, "min_seeds", "points", 1, 10000,
-                "a cluster of fewer seeds is static and does not grow", "method.md 2"),
+                "a cluster of fewer linked seeds becomes static and does not grow", "method.md 7"),
         declare(&P::grow, "grow",
-                "seeds grow over linked points whose votes are above 0, or that some scan saw through unless "
-                "most saw a surface there, and fill holes",
+                "seeds grow over linked points with votes above 0, or with votes of at least -12 that some "
+                "scan saw through, and holes are filled",
                 "paper step 5"),
-        declare(&P::min_advance_m, "min_advance_m", "m", 0.0, 10.0,
-                "the share of an object's points seen through a moment ago, times its size, is about how far "
-                "it went: with less it does not begin to move",
-                "docs/method.md"),
+        declare(
+            &P::min_displacement_m, "min_displacement_m", "m", 0.0, 10.0,
+            "a track begins to move only if rays show at least this displacement over the last scans: the "
+            "share of the object's points seen through recently, times its size",
+            "method.md 7"),
         declare(&P::min_speed_mps, "min_speed_mps", "m/s", 0.0, 100.0,
-                "an object that is followed and slower than this stands", "docs/method.md"),
+                "a track is static below this speed, in two consecutive scans, or in one without an observed "
+                "displacement",
+                "method.md 7"),
         declare(&P::min_evidence, "min_evidence", "votes", 0, 100000,
-                "an object begins to move with so many votes of its points (half where a surface was seen; "
-                "of one row no more) and of its earlier scans (half for each back); solid bodies with a "
-                "quarter, what flickers or has a velocity known badly with more",
-                "docs/method.md"),
+                "evidence a track needs before it is labelled dynamic: the sum of its points' votes (x 0.5 "
+                "where a scan observed a surface; capped at this value per laser row), plus past evidence "
+                "halved per scan; x 0.25 for rigid bodies, more for porous ones and uncertain velocities",
+                "method.md 7"),
     };
   }
 };
 
-/// Everything the detector can be told.
+/// All parameters of Detector.
 struct DetectorParameters {
   DetectionMethod method = DetectionMethod::voting;
   int forward_gap = 1;
@@ -228,20 +234,19 @@ struct DetectorParameters {
   static constexpr auto declarations() {
     using P = DetectorParameters;
     return std::tuple{
-        declare(&P::method, "method",
-                "voting: every point is put to several earlier scans and a later one; published: the five "
-                "steps of the paper, which alone use scan_gap, normals, comparison, freespace, box_filter "
-                "and region_growth",
-                "paper; docs/method.md"),
+        declare(
+            &P::method, "method",
+            "voting: several earlier scans and a later one vote on every point; published: the five steps "
+            "of the paper; scan_gap, normals, comparison, freespace, box_filter and region_growth apply "
+            "to published alone",
+            "paper; method.md 7"),
         declare(&P::scan_gap, "scan_gap", "scans", 1, 100,
                 "the reference scan is this many scans before the query scan; at the start of a recording "
-                "the first scan, or "
-                "the later scan if that is farther off",
+                "it is the first scan, or the later scan if that is farther away",
                 "paper step 2"),
         declare(&P::forward_gap, "forward_gap", "scans", 0, 100,
-                "the forward freespace check uses the scan this many after the query scan, which is also the "
-                "latency; "
-                "0: causal, no forward check",
+                "the later scan is this many scans after the query scan, which is the latency; 0: causal, "
+                "without a later scan",
                 "paper step 3"),
         group(&P::voting, "voting"),
         group(&P::normals, "normals"),
@@ -253,8 +258,9 @@ struct DetectorParameters {
   }
 };
 
-/// "default", or "paper": the method as published, with the readings of method.md section 2 where it is
-/// silent and none of the improvements. Throws ParameterError for any other name.
+/// The parameters of a named profile: "default" (method voting), or "paper" (the method as published, with
+/// the readings of docs/method.md where the paper is silent and no improvements). Throws ParameterError for
+/// any other name.
 [[nodiscard]] DetectorParameters detector_profile(std::string_view name);
 
 }  // namespace mapless

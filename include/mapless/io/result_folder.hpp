@@ -19,8 +19,8 @@ namespace mapless::inline v1 {
 ///     (io/object_table.hpp)
 ///     stages/NNNNNN.stages  one uint8 per input record: bit s is 1 where the point counted as dynamic after
 ///     stage s
-///                           (0 pointcloud comparison, 1 freespace backward, 2 freespace forward, 3 box
-///                           filter, 4 region growth; detection/stages.hpp); 0 for a record without a return
+///                           (0 candidates, 1 past freespace, 2 future freespace, 3 filter,
+///                           4 region growth; detection/stages.hpp); 0 for a record without a return
 ///     poses_kitti.txt       T_0v (world from sensor) at the start of each labelled scan, 12 numbers a row,
 ///     in order
 ///     trajectory.txt        the same instants, nine more within each of these scans and the end of the last

@@ -11,23 +11,28 @@
 
 namespace mapless::inline v1 {
 
-/// Continuous-time odometry from the lidar alone: a Gaussian process with white noise on acceleration, one
-/// knot at the end of every scan, point-to-plane registration to a rolling voxel map with every point at its
-/// own instant (Anderson and Barfoot, IROS 2015; Burnett et al. 2022; method.md sections 3 and 6). Three
-/// knots stay open, older ones are marginalised.
+/// Continuous-time odometry from the lidar alone. Scans with a time per return go in; the trajectory of the
+/// sensor comes out: a Gaussian process with white noise on acceleration, with one knot (pose and velocity)
+/// at the end of every scan (Anderson and Barfoot, IROS 2015). Each point is registered point-to-plane to a
+/// rolling map, at its own instant (Burnett et al., RA-L 2022). The last three knots are open, older ones are
+/// marginalised. Formulas: docs/method.md, sections 3 and 6. The map and the window cannot be touched from
+/// outside, but for remove_dynamic_points().
 ///
-/// The world frame 0 is the sensor frame at the start of the first scan.
+/// World frame 0 is the sensor frame at the start of the first scan. Same scans, same trajectory, for any
+/// number of threads.
 class LidarOdometry {
  public:
+  /// Throws ParameterError naming the parameter, its value and its bounds if one is out of bounds or not a
+  /// number.
   explicit LidarOdometry(const OdometryParameters& parameters = {});
   ~LidarOdometry();
   LidarOdometry(LidarOdometry&&) noexcept;
   LidarOdometry& operator=(LidarOdometry&&) noexcept;
 
-  /// Extends the trajectory to the end of `scan`. The first five to ten usable scans, until started(), may
-  /// change all knots before them: together they tell how fast the sensor was from the first on. Throws
-  /// InputError for a scan that starts before the last one or ends within it, or was compensated by somebody
-  /// else; the odometry is then as before the call.
+  /// Extends the trajectory to the end of `scan`. Until started(), a scan may correct all knots before it;
+  /// afterwards the last two. A scan that cannot be registered is not an error: see OdometryUpdate::outcome.
+  /// Throws InputError for a scan that is null, that starts before the last one or ends within it, that has
+  /// no duration, or that is already motion-compensated; the odometry is then as before the call.
   OdometryUpdate process(const std::shared_ptr<const LidarScan>& scan);
 
   /// Removes the points of dynamic objects from the map, once a detector has found them. `object` has one
@@ -35,17 +40,17 @@ class LidarOdometry {
   /// `scan` is not among the last ten, or if `object` has another length than its returns.
   void remove_dynamic_points(const LidarScan& scan, const std::vector<std::uint16_t>& object);
 
-  /// False until the motion during the first scans is decided (see process). The knots are then the best
-  /// known so far.
+  /// Whether the motion of the first scans is decided, after five to ten usable scans. Until then the knots
+  /// are those of the best motion so far.
   [[nodiscard]] bool started() const;
-  /// All knots so far, by time.
+  /// All knots so far, by increasing time. The reference is valid until the next call of process().
   [[nodiscard]] const std::vector<TrajectoryKnot>& knots() const;
-  /// The trajectory so far. It lives as long as this object and grows with every scan, so that no other
-  /// thread may read it while process() runs. Its domain is empty before the first scan.
+  /// The trajectory over knots(). Its domain is empty before the first scan. The reference is valid until the
+  /// next call of process().
   [[nodiscard]] const Trajectory& trajectory() const;
-  /// The trajectory as it is now, for another thread to keep: immutable, with no tie to this object. Costs
-  /// the copy of at most 260 knots (50 kB), and 16 bytes for every further 256. Call it in the thread that
-  /// calls process(). Its domain is empty before the first scan.
+  /// The same trajectory, for another thread to keep: immutable, and without any tie to this object. Every
+  /// call of process() makes a new one, by a copy of at most 260 knots (50 kB) and 16 bytes for every further
+  /// 256 knots.
   [[nodiscard]] std::shared_ptr<const Trajectory> trajectory_snapshot() const;
 
  private:

@@ -6,7 +6,7 @@
 
 namespace mapless::inline v1 {
 
-/// Everything the lidar odometry can be told.
+/// The parameters of LidarOdometry. Sources are sections of docs/method.md.
 struct OdometryParameters {
   int max_scan_points = 16000;
   double keypoint_voxel_m = 1.5;
@@ -26,44 +26,48 @@ struct OdometryParameters {
     using P = OdometryParameters;
     return std::tuple{
         declare(&P::max_scan_points, "max_scan_points", "points", 500, 1000000,
-                "of a scan with more returns about so many are used, near surfaces thinned most",
-                "method.md 6"),
-        declare(&P::keypoint_voxel_m, "keypoint_voxel_m", "m", 0.1, 10.0,
-                "registration uses one point per cube of this size; smaller where that gives too few",
-                "method.md 6"),
-        declare(&P::min_keypoints, "min_keypoints", "points", 50, 100000,
-                "the cube is halved, up to twice, until there are this many; where few hold a direction, up "
-                "to three "
-                "times until there are three times as many",
-                "method.md 6"),
+                "a scan with more returns is thinned to about this many, near surfaces most", "method.md 6"),
+        declare(
+            &P::keypoint_voxel_m, "keypoint_voxel_m", "m", 0.1, 10.0,
+            "side of the cubes of which each contributes one keypoint to the registration; halved if these "
+            "are fewer than min_keypoints",
+            "method.md 6"),
+        declare(
+            &P::min_keypoints, "min_keypoints", "points", 50, 100000,
+            "fewest keypoints: the cubes are halved up to twice to have as many; if some direction is weakly "
+            "constrained, up to three times to have three times as many",
+            "method.md 6"),
         declare(&P::min_range_m, "min_range_m", "m", 0.0, 20.0,
                 "nearer returns are of the vehicle itself and are not used", "method.md 6"),
         declare(&P::map_radius_m, "map_radius_m", "m", 10.0, 1000.0,
-                "the map forgets what is farther from the sensor", "method.md 3"),
-        declare(&P::gate_m, "gate_m", "m", 0.01, 10.0, "a point farther from its plane is not matched",
+                "the map keeps points within this distance of the sensor; farther returns are not used",
                 "method.md 3"),
+        declare(&P::gate_m, "gate_m", "m", 0.01, 10.0,
+                "a point farther than this from its plane is an outlier", "method.md 3"),
         declare(&P::robust_sigmas, "robust_sigmas", "", 0.1, 1000.0,
-                "scale of the Cauchy loss, in standard deviations of the distance from the plane",
+                "scale of the Cauchy loss, in standard deviations of a point's distance from its plane",
                 "method.md 3"),
         declare(&P::residual_sigma_m, "residual_sigma_m", "m", 0.001, 10.0,
                 "expected standard deviation of points from their plane: the noise of the ranges",
                 "method.md 6"),
-        declare(&P::acceleration_density_translation, "acceleration_density_translation", "m^2/s^3", 1e-6,
-                1e6,
-                "expected power spectral density of the white noise on linear acceleration; within a scan at "
-                "most this, from scan to scan that of the motion so far",
-                "method.md 6"),
+        declare(
+            &P::acceleration_density_translation, "acceleration_density_translation", "m^2/s^3", 1e-6, 1e6,
+            "expected power spectral density of the white noise on linear acceleration; upper bound within a "
+            "scan, while that from scan to scan is estimated from the motion so far",
+            "method.md 6"),
         declare(&P::acceleration_density_rotation, "acceleration_density_rotation", "rad^2/s^3", 1e-6, 1e6,
-                "the same on angular acceleration", "method.md 6"),
-        declare(&P::max_iterations, "max_iterations", "", 1, 100, "Gauss-Newton steps a scan, at most",
+                "the same for angular acceleration", "method.md 6"),
+        declare(&P::max_iterations, "max_iterations", "", 1, 100, "most Gauss-Newton steps per scan",
                 "method.md 3"),
-        declare(&P::min_inlier_ratio, "min_inlier_ratio", "", 0.0, 1.0,
-                "with a smaller share of matched points a scan counts as lost: the prior alone carries it",
-                "method.md 6"),
+        declare(
+            &P::min_inlier_ratio, "min_inlier_ratio", "", 0.0, 1.0,
+            "a scan with a smaller ratio of inliers to keypoints is lost: its motion is extrapolated with "
+            "the motion prior",
+            "method.md 6"),
         declare(
             &P::min_constraint_ratio, "min_constraint_ratio", "", 0.0, 1.0,
-            "mean square of (plane normal . direction) over the matched points, under which the points do "
-            "not hold a direction and the prior does",
+            "a direction in which the mean of (plane normal . direction)^2 over the inliers is smaller is "
+            "unconstrained: the motion prior alone estimates the motion along it",
             "method.md 6"),
     };
   }

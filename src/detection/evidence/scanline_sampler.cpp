@@ -128,10 +128,8 @@ std::size_t RowVotes::farthest_off(const Span& span) const {
     most = farther ? other_most : most;
     farthest = farther ? other : farthest;
   };
-  take_farther(__builtin_shufflevector(most, most, 2, 3, 0, 1),
-               __builtin_shufflevector(farthest, farthest, 2, 3, 0, 1));
-  take_farther(__builtin_shufflevector(most, most, 1, 0, 3, 2),
-               __builtin_shufflevector(farthest, farthest, 1, 0, 3, 2));
+  take_farther(MAPLESS_SHUFFLE(most, most, 2, 3, 0, 1), MAPLESS_SHUFFLE(farthest, farthest, 2, 3, 0, 1));
+  take_farther(MAPLESS_SHUFFLE(most, most, 1, 0, 3, 2), MAPLESS_SHUFFLE(farthest, farthest, 1, 0, 3, 2));
   return first_ + static_cast<std::size_t>(farthest[0]);
 }
 

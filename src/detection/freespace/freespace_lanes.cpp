@@ -8,6 +8,7 @@
 #include <span>
 #include <type_traits>
 
+#include "detection/freespace/four_lanes.hpp"
 #include "detection/freespace/ray_image.hpp"
 
 // The same source twice: four points at once for any processor, eight for one with vectors of 256 bits.

@@ -61,8 +61,8 @@ int score(const DynamicImage& image, int row, int column) {
 
 }  // namespace
 
-std::vector<BoxVerdict> filter_boxes(const LidarScan& scan, const std::vector<char>& dynamic,
-                                     const BoxFilterParameters& parameters) {
+std::vector<FilterVerdict> filter_boxes(const LidarScan& scan, const std::vector<char>& dynamic,
+                                        const BoxFilterParameters& parameters) {
   const DynamicImage image(scan, dynamic, parameters.image);
   std::vector<char> outlier(static_cast<std::size_t>(scan.rows() * scan.columns), 0);
   for (int row = 0; row < scan.rows(); ++row) {
@@ -71,10 +71,10 @@ std::vector<BoxVerdict> filter_boxes(const LidarScan& scan, const std::vector<ch
       for (int c = 0; c < kWindowColumns; ++c) outlier[image.index(row, image.wrap(column + c))] = 1;
     }
   }
-  std::vector<BoxVerdict> verdicts(dynamic.size(), BoxVerdict::not_asked);
+  std::vector<FilterVerdict> verdicts(dynamic.size(), FilterVerdict::not_evaluated);
   for (std::size_t i = 0; i < dynamic.size(); ++i) {
     if (!dynamic[i]) continue;
-    verdicts[i] = outlier[image.pixel_of(scan.returns[i])] ? BoxVerdict::removed : BoxVerdict::kept;
+    verdicts[i] = outlier[image.pixel_of(scan.returns[i])] ? FilterVerdict::removed : FilterVerdict::kept;
   }
   return verdicts;
 }

@@ -33,8 +33,8 @@ Duration distance(const PreparedScan& earlier, const PreparedScan& later) {
   return later.scan().start - earlier.scan().start;
 }
 
-bool was_outside(const StageTrace& t) { return t.backward == FreespaceVerdict::outside; }
-bool looks_dynamic(const StageTrace& t) { return t.comparison == ComparisonVerdict::dynamic; }
+bool was_outside(const StageTrace& t) { return t.past == FreespaceVerdict::outside; }
+bool looks_dynamic(const StageTrace& t) { return t.candidate == CandidateVerdict::dynamic; }
 
 class PublishedPipeline final : public DetectionPipeline {
  public:
@@ -103,7 +103,7 @@ Detection PublishedPipeline::judge(const PreparedScan& query, const PreparedScan
 
   // 2. Pointcloud comparison: what the reference scan does not explain.
   if (reference != nullptr) {
-    record(out.trace, &StageTrace::comparison, timed(out.seconds.comparison, [&] {
+    record(out.trace, &StageTrace::candidate, timed(out.seconds.comparison, [&] {
              return compare_pointclouds(query, *reference, parameters_.comparison);
            }));
   }
@@ -111,7 +111,7 @@ Detection PublishedPipeline::judge(const PreparedScan& query, const PreparedScan
   // through.
   if (reference != nullptr) {
     const auto candidates = points_where(out.trace, looks_dynamic);
-    record(out.trace, &StageTrace::backward, candidates, timed(out.seconds.backward, [&] {
+    record(out.trace, &StageTrace::past, candidates, timed(out.seconds.backward, [&] {
              return check_freespace(query, candidates, reference->compensated,
                                     parameters_.freespace.backward_threshold_m, parameters_.freespace);
            }));
@@ -119,18 +119,18 @@ Detection PublishedPipeline::judge(const PreparedScan& query, const PreparedScan
   //    and forward, on the later scan: what was hidden then, and has left by now.
   if (other != nullptr) {
     const auto hidden = points_where(out.trace, was_outside);
-    record(out.trace, &StageTrace::forward, hidden, timed(out.seconds.forward, [&] {
+    record(out.trace, &StageTrace::future, hidden, timed(out.seconds.forward, [&] {
              return check_freespace(query, hidden, other->compensated,
                                     parameters_.freespace.forward_threshold_m, parameters_.freespace);
            }));
   }
   // 4. Box filter: single rows of the scan image are border effects.
-  record(out.trace, &StageTrace::box, timed(out.seconds.box_filter, [&] {
-           return filter_boxes(*out.scan, dynamic_points(out.trace, Stage::forward), parameters_.box_filter);
+  record(out.trace, &StageTrace::filtered, timed(out.seconds.box_filter, [&] {
+           return filter_boxes(*out.scan, dynamic_points(out.trace, Stage::future), parameters_.box_filter);
          }));
   // 5. Clustering and region growth: whole objects.
   auto regions = timed(out.seconds.region_growth, [&] {
-    return grow_regions(query, dynamic_points(out.trace, Stage::box_filter), parameters_.region_growth);
+    return grow_regions(query, dynamic_points(out.trace, Stage::filtered), parameters_.region_growth);
   });
   record(out.trace, &StageTrace::growth, regions.verdict);
   out.object = std::move(regions.object);

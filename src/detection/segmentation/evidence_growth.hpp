@@ -9,6 +9,12 @@
 
 namespace mapless::inline v1 {
 
+// Segmentation: from points to objects, method "voting", in place of paper steps 4 and 5. In: one scan with
+// the evidence of each of its points, unchanged. Out: seeds, then whole objects, numbered, with the evidence
+// of each. Nothing is kept between scans, and no object is dropped here: which of them move, tracking
+// decides. From outside only this header and the types of object_evidence.hpp are used; disjoint_sets.hpp
+// serves the published method, too.
+
 struct EvidenceGrowthResult {
   std::vector<GrowthVerdict> verdict;  ///< one per return
   /// One per return. 0: static; else 1, 2, ... 65535 (shared beyond), by lowest return index.
@@ -17,26 +23,25 @@ struct EvidenceGrowthResult {
   std::vector<ObjectEvidence> evidence;  ///< by object number - 1
 };
 
-/// The place of paper step 4 in method "voting": whether the votes of a point and of its linked neighbours in
-/// the 3 x 5 window of the aligned scan image sum to seed_score or more. Not asked of points whose own votes
-/// are not above 0.
-[[nodiscard]] std::vector<BoxVerdict> filter_evidence(const LidarScan& scan, const LocalPoints& points,
-                                                      const std::vector<PointVotes>& votes,
-                                                      const VotingParameters& parameters);
+/// Seeds, in place of the box filter: points whose votes, summed with those of their linked neighbours in the
+/// 3 x 5 window of the aligned scan image, are at least seed_score. Border effects are small and fail. Points
+/// whose own votes are not above 0 are not evaluated.
+[[nodiscard]] std::vector<FilterVerdict> filter_evidence(const LidarScan& scan, const LocalPoints& points,
+                                                         const std::vector<PointVotes>& votes,
+                                                         const VotingParameters& parameters);
 
-/// The place of paper step 5: clusters of fewer than min_seeds `seeds` (kept by filter_evidence) are dropped;
-/// the others grow over linked points that any scan saw through or whose votes are above 0, and fill holes:
-/// points that five or more of their linked neighbours in the 3 x 5 window surround. Neither reaches points
-/// with more votes against them than those of three scans that saw through; filling goes on farther over
-/// those with no more than the three scans before and the later one can have. And what of those hangs
-/// together with an object is a side of it that slides within itself, where it ends in front of something
-/// farther and does not go on into what stands (src/detection/sliding_sides.hpp). What is linked is one
-/// object, numbered in the order of its first point. The share of its points that were seen through
-/// `recently`, times twice the distance of the farthest from their centroid, is about how far it went: its
-/// `displacement_m`.
+/// Objects, in place of region growth:
+/// 1. Clusters of fewer than min_seeds linked `seeds` are dropped.
+/// 2. The others grow over linked points whose votes are above 0, or that some scan saw through and whose
+///    votes are at least -12 (kFirmlyStatic).
+/// 3. Two rounds fill holes: points with at least -12 votes and five or more labelled linked neighbours in
+///    the 3 x 5 window. Six more rounds fill points with at least -4 votes (kTangentialVotes).
+/// 4. Linked points are one object. Surfaces that slide along themselves join it (TangentialSurfaces).
+/// 5. Objects are numbered by their lowest return; their evidence is summed (ObjectEvidenceCollector).
+/// Without `grow`, only steps 1 and 5.
 [[nodiscard]] EvidenceGrowthResult grow_evidence(const LidarScan& scan, const LocalPoints& points,
                                                  const std::vector<PointVotes>& votes,
-                                                 const std::vector<BoxVerdict>& seeds,
+                                                 const std::vector<FilterVerdict>& seeds,
                                                  const VotingParameters& parameters);
 
 }  // namespace mapless

@@ -12,13 +12,15 @@
 
 namespace mapless::inline v1 {
 
-/// Windows of the scan image, half sizes: a point's support comes from its immediate neighbours; clusters and
-/// growth step over a laser or a few firings that hit something in front.
+/// Half sizes of windows of the scan image. Support of a point comes from its immediate neighbours, 3 x 5
+/// cells, as in the box filter of paper step 4. Clusters and growth use 5 x 9 cells, to step over a laser or
+/// a few columns occluded by something in front.
 inline constexpr int kSupportRows = 1, kSupportColumns = 2;
 inline constexpr int kLinkRows = 2, kLinkColumns = 4;
 
-/// The neighbours of a point in the scan image that belong to it in space. Each of two points must reach the
-/// other, so that what is linked does not depend on which is asked.
+/// The neighbours of a return in the aligned scan image that are linked to it in space: each of the two is
+/// within the link distance of the other, link_m + range x max(link_per_m, link_spacings x spacing of the
+/// rays), so that linking is symmetric (paper step 5, radially bounded nearest neighbours).
 class LinkedNeighbours {
  public:
   LinkedNeighbours(const LidarScan& scan, const LocalPoints& points, const VotingParameters& parameters)
@@ -38,7 +40,7 @@ class LinkedNeighbours {
   void for_each(std::int32_t i, int half_rows, int half_columns, Visit&& visit) const {
     const LidarReturn& r = scan_.returns[static_cast<std::size_t>(i)];
     const Eigen::Vector3f& p = points_[static_cast<std::size_t>(i)];
-    const float link = reach_m(r);
+    const float link = link_distance_m(r);
     const int left = image_.aligned_column(r.laser, r.column) - half_columns;
     const int last_row = std::min(r.laser + half_rows, scan_.rows() - 1);
     for (int row = std::max(r.laser - half_rows, 0); row <= last_row; ++row) {
@@ -51,41 +53,41 @@ class LinkedNeighbours {
   }
 
   enum class Of { marked, unmarked };
-  /// The same of those that are marked, or not; `visit(j)` may change that of j.
+  /// The same for marked or unmarked returns only; `visit(j)` may change the mark of j.
   template <Of which, class Visit>
   void for_each(std::int32_t i, int half_rows, int half_columns, const MarkedReturns& marks,
                 Visit&& visit) const {
     const LidarReturn& r = scan_.returns[static_cast<std::size_t>(i)];
     const Eigen::Vector3f& p = points_[static_cast<std::size_t>(i)];
-    const float link = reach_m(r);
+    const float link = link_distance_m(r);
     const int left = image_.aligned_column(r.laser, r.column) - half_columns;
     const int last_row = std::min(r.laser + half_rows, scan_.rows() - 1);
     const int width = 2 * half_columns + 1;
     for (int row = std::max(r.laser - half_rows, 0); row <= last_row; ++row) {
-      std::uint64_t wanted = marks.window(row, left, width);
-      if constexpr (which == Of::unmarked) wanted ^= (std::uint64_t{1} << width) - 1;
-      for (; wanted != 0; wanted &= wanted - 1) {
-        const std::int32_t j = scan_.cell(row, image_.scan_column(row, left + std::countr_zero(wanted)));
+      std::uint64_t cells = marks.window(row, left, width);
+      if constexpr (which == Of::unmarked) cells ^= (std::uint64_t{1} << width) - 1;
+      for (; cells != 0; cells &= cells - 1) {
+        const std::int32_t j = scan_.cell(row, image_.scan_column(row, left + std::countr_zero(cells)));
         if (j >= 0 && j != i && linked(p, link, j)) visit(j);
       }
     }
   }
 
-  enum class Way { columns, rows };
-  /// The return so many columns or rows from that of i in the aligned image, below 0 to the left or down; or
-  /// below 0.
-  [[nodiscard]] std::int32_t beside(std::int32_t i, Way way, int steps) const {
+  enum class Axis { columns, rows };
+  /// The return `steps` columns or rows from return i in the aligned image (left and down are negative).
+  /// Below 0: none.
+  [[nodiscard]] std::int32_t beside(std::int32_t i, Axis axis, int steps) const {
     const LidarReturn& r = scan_.returns[static_cast<std::size_t>(i)];
-    const int row = r.laser + (way == Way::rows ? steps : 0);
+    const int row = r.laser + (axis == Axis::rows ? steps : 0);
     if (row < 0 || row >= scan_.rows()) return empty_cell(ReturnCode::absent);
-    const int column = image_.aligned_column(r.laser, r.column) + (way == Way::columns ? steps : 0);
+    const int column = image_.aligned_column(r.laser, r.column) + (axis == Axis::columns ? steps : 0);
     return scan_.cell(row, image_.scan_column(row, column));
   }
 
-  /// Whether i and j belong together in space, wherever they are in the scan image.
+  /// Whether returns i and j are linked in space, wherever they are in the scan image.
   [[nodiscard]] bool linked(std::int32_t i, std::int32_t j) const {
-    return linked(points_[static_cast<std::size_t>(i)], reach_m(scan_.returns[static_cast<std::size_t>(i)]),
-                  j);
+    return linked(points_[static_cast<std::size_t>(i)],
+                  link_distance_m(scan_.returns[static_cast<std::size_t>(i)]), j);
   }
 
   [[nodiscard]] const AlignedImage& image() const { return image_; }
@@ -94,10 +96,10 @@ class LinkedNeighbours {
   [[nodiscard]] bool linked(const Eigen::Vector3f& p, float reach, std::int32_t j) const {
     const float distance2 = (points_[static_cast<std::size_t>(j)] - p).squaredNorm();
     if (distance2 > reach * reach) return false;
-    const float other = reach_m(scan_.returns[static_cast<std::size_t>(j)]);
+    const float other = link_distance_m(scan_.returns[static_cast<std::size_t>(j)]);
     return distance2 <= other * other;
   }
-  [[nodiscard]] float reach_m(const LidarReturn& r) const {
+  [[nodiscard]] float link_distance_m(const LidarReturn& r) const {
     return link_m_ + link_per_m_[static_cast<std::size_t>(r.laser)] * r.range_m;
   }
 
@@ -105,7 +107,7 @@ class LinkedNeighbours {
   const std::vector<Eigen::Vector3f>& points_;
   float link_m_;
   AlignedImage image_;
-  std::vector<float> link_per_m_;  // of each laser
+  std::vector<float> link_per_m_;  // by laser
 };
 
 }  // namespace mapless

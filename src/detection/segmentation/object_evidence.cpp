@@ -7,30 +7,30 @@
 namespace mapless::inline v1 {
 namespace {
 
-// A solid body has so many rows, and so many points and such a share of them that no scan saw through. One
-// row or two, or every point seen through, is what edges and leaves look like.
-constexpr int kSolidRows = 3;
-constexpr std::size_t kSolidPoints = 4;
-constexpr double kSolidShare = 0.2;
+// A rigid body has at least this many rows, and this many points and share of its points that no scan saw
+// through. Edges and leaves have one row or two, or are seen through at every point.
+constexpr int kRigidRows = 3;
+constexpr std::size_t kRigidPoints = 4;
+constexpr double kRigidShare = 0.2;
 
-constexpr double kFlickeringShare = 0.7;
+// Share of points both seen through and seen on a surface, above which an object is porous.
+constexpr double kPorousShare = 0.7;
 
 }  // namespace
 
 ObjectEvidenceCollector::ObjectEvidenceCollector(const LidarScan& scan, const LocalPoints& points,
-                                                 const std::vector<PointVotes>& votes, int most_of_row)
+                                                 const std::vector<PointVotes>& votes, int max_of_row)
     : scan_(scan),
       points_(points),
       votes_(votes),
-      most_of_row_(most_of_row),
+      max_of_row_(max_of_row),
       rows_(static_cast<std::size_t>(scan.rows())) {}
 
-ObjectEvidence ObjectEvidenceCollector::of(std::span<const std::int32_t> object) {
+ObjectEvidence ObjectEvidenceCollector::collect(std::span<const std::int32_t> object) {
   const Tally all = tally(object);
   return {static_cast<float>(displacement_m(object)), all.votes, body(object, all.rows)};
 }
 
-// What goes on by a part of its length uncovers such a part of its points.
 double ObjectEvidenceCollector::displacement_m(std::span<const std::int32_t> object) const {
   Eigen::Vector3f centre = Eigen::Vector3f::Zero();
   std::size_t recent = 0;
@@ -52,34 +52,35 @@ ObjectEvidenceCollector::Tally ObjectEvidenceCollector::tally(std::span<const st
     const PointVotes& v = votes_[static_cast<std::size_t>(j)];
     ++row_of(j).points;
     row_of(j).all += v.total();
-    if (!v.surface_seen) row_of(j).unseen += v.total();
+    if (!v.surface_seen) row_of(j).uncontradicted += v.total();
   }
   int rows = 0;
   double sum = 0;
   for (const std::int32_t j : object) {
     const RowTally row = std::exchange(row_of(j), {});
     rows += row.points > 0 ? 1 : 0;
-    sum += weighed(row);
+    sum += weighted(row);
   }
   return {rows, static_cast<int>(std::lround(sum))};
 }
 
 Body ObjectEvidenceCollector::body(std::span<const std::int32_t> object, int rows) const {
-  std::size_t whole = 0, flickering = 0;
+  std::size_t not_seen_through = 0, contradicting = 0;
   for (const std::int32_t j : object) {
     const PointVotes& v = votes_[static_cast<std::size_t>(j)];
-    whole += v.seen_through ? 0 : 1;
-    flickering += v.seen_through && v.surface_seen ? 1 : 0;
+    not_seen_through += v.seen_through ? 0 : 1;
+    contradicting += v.seen_through && v.surface_seen ? 1 : 0;
   }
   const auto count = static_cast<double>(object.size());
-  if (rows >= kSolidRows && whole >= kSolidPoints && static_cast<double>(whole) >= kSolidShare * count)
+  if (rows >= kRigidRows && not_seen_through >= kRigidPoints &&
+      static_cast<double>(not_seen_through) >= kRigidShare * count)
     return Body::rigid;
-  return static_cast<double>(flickering) > kFlickeringShare * count ? Body::porous : Body::unclear;
+  return static_cast<double>(contradicting) > kPorousShare * count ? Body::porous : Body::unclear;
 }
 
-double ObjectEvidenceCollector::weighed(const RowTally& row) const {
-  const double counted = (row.all + row.unseen) / 2.0;
-  return row.all > most_of_row_ ? counted * most_of_row_ / row.all : counted;
+double ObjectEvidenceCollector::weighted(const RowTally& row) const {
+  const double counted = (row.all + row.uncontradicted) / 2.0;
+  return row.all > max_of_row_ ? counted * max_of_row_ / row.all : counted;
 }
 
 }  // namespace mapless

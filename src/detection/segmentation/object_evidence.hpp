@@ -8,41 +8,44 @@
 
 namespace mapless::inline v1 {
 
-/// What an object looks like to all the scans that were asked about its points.
+/// Shape of an object as the rays of the reference scans observed its place. Limits: object_evidence.cpp.
 enum class Body : std::uint8_t {
   unclear,
-  rigid,  ///< of some rows, and no scan saw through a part of it, as it hides itself or where it was
-  porous  ///< nearly all of it was seen through by one scan and a surface to another: leaves, rails,
-          ///< edges
+  rigid,  ///< several rows, and part of its points was never seen through: it occluded its former place
+  porous  ///< nearly all points seen through by one scan and on a surface in another: leaves, rails, edges
 };
 
-/// What rays tell of the whole of an object, of method "voting".
+/// Evidence of the rays about one object, of method "voting".
 struct ObjectEvidence {
-  float displacement_m = 0;  ///< about how far it went since the scans of a moment ago
-  int votes = 0;  ///< of its points (PointVotes::total): half where a surface was seen, of one row at
-                  ///< most VotingParameters::min_evidence
+  float displacement_m = 0;  ///< estimate since the scans up to kRecentGap back
+  int votes = 0;             ///< sum over its points, see ObjectEvidenceCollector
   Body body = Body::unclear;
 };
 
-/// Sums up what rays say of the points of whole objects of one scan.
+/// Sums the evidence of the points of each object of one scan.
 ///
-/// Points of one row err alike, as one laser's beam grazes an edge: together they count no more than
-/// `most_of_row` votes. And a point at which some scan saw a surface counts half: what moves was not there
-/// then, what flickers was.
+/// - Votes of a point count half if some scan saw a surface there: a porous object was there, a moving one
+///   was not.
+/// - The points of one row count at most `max_of_row` votes together: their errors are correlated, as one
+///   laser's beam grazes an edge.
+/// - An object that moves on by a part of its length uncovers that part of its points. The displacement is
+///   the share of points seen through recently, times twice the distance of the farthest point from the
+///   centroid.
 class ObjectEvidenceCollector {
  public:
   /// Keeps references.
   ObjectEvidenceCollector(const LidarScan& scan, const LocalPoints& points,
-                          const std::vector<PointVotes>& votes, int most_of_row);
+                          const std::vector<PointVotes>& votes, int max_of_row);
 
-  /// `object`: its returns, in any order.
-  [[nodiscard]] ObjectEvidence of(std::span<const std::int32_t> object);
+  /// The evidence of an object, given by the indices of its returns, in any order.
+  [[nodiscard]] ObjectEvidence collect(std::span<const std::int32_t> object);
 
  private:
   [[nodiscard]] double displacement_m(std::span<const std::int32_t> object) const;
   struct RowTally {
     int points = 0;
-    int all = 0, unseen = 0;  // of those all, where no scan saw a surface
+    int all = 0;             // votes
+    int uncontradicted = 0;  // of those, at points where no scan saw a surface
   };
   struct Tally {
     int rows;
@@ -53,13 +56,13 @@ class ObjectEvidenceCollector {
   [[nodiscard]] RowTally& row_of(std::int32_t i) {
     return rows_[static_cast<std::size_t>(scan_.returns[static_cast<std::size_t>(i)].laser)];
   }
-  [[nodiscard]] double weighed(const RowTally& row) const;
+  [[nodiscard]] double weighted(const RowTally& row) const;
 
   const LidarScan& scan_;
   const LocalPoints& points_;
   const std::vector<PointVotes>& votes_;
-  int most_of_row_;
-  std::vector<RowTally> rows_;  // 0 between calls
+  int max_of_row_;
+  std::vector<RowTally> rows_;  // all zero between calls
 };
 
 }  // namespace mapless

@@ -10,19 +10,23 @@
 
 namespace mapless::inline v1 {
 
-/// All votes against that the three scans before and the later one can have: as many has what slides within
-/// itself while it moves, and what stands has more.
-inline constexpr int kSliding = -4;
+/// Most votes against a point of the three scans before and the later one, one each: a surface that slides
+/// along itself has no more while it moves, a static one has, from older scans.
+inline constexpr int kTangentialVotes = -4;
 
-/// Sides that slide within themselves: of a bus that goes by, both ends show that it moves, and its side is
-/// where it was a moment ago. Such a side goes on from what moves over points that scans before saw a surface
-/// at, none long ago, and ends of itself, in front of something farther. A wall or the ground beside
-/// something that moves goes on into what stands: along rows, or as straight from row to row. And where it
-/// goes straight on into what nobody has seen before, as under a fan that comes by, it is of what moves only
-/// if it goes straight on from that, too: the ground is at an angle.
+/// Surfaces of a moving object that slide along themselves (the aperture problem): the side of a passing bus
+/// is observed at the same place in consecutive scans, while both ends show that the bus moves.
+///
+/// Candidates are the unlabelled points linked to the object that have at least kTangentialVotes votes and
+/// that an earlier scan observed. They belong to the object if they end freely, in front of something
+/// farther, at more than kFreePerStatic times as many places as they continue into static points. A wall or
+/// the ground beside an object continues into static points, along a row or straight across rows. Where they
+/// continue straight into points that no scan observed before, as under the fan of a tilted sensor, they
+/// count as static unless they continue as straight into the moving points: the side of a car does, the
+/// ground beneath it meets the car at an angle.
 class TangentialSurfaces {
  public:
-  /// Keeps references. The marks are on what moves.
+  /// Keeps references. `moving` marks the points labelled so far.
   TangentialSurfaces(const LidarScan& scan, const LocalPoints& points, const LinkedNeighbours& neighbours,
                      const std::vector<PointVotes>& votes, const MarkedReturns& moving)
       : scan_(scan),
@@ -32,33 +36,35 @@ class TangentialSurfaces {
         moving_(moving),
         reached_(votes.size(), 0) {}
 
-  /// The sides of `thing`, points that move and are linked, which are not marked; empty where what goes on
-  /// from it is not of it. Valid until the next call.
-  [[nodiscard]] const std::vector<std::int32_t>& of(std::span<const std::int32_t> thing);
+  /// The tangential surfaces of an object, given by the indices of its returns; empty where they do not
+  /// belong to it. Valid until the next call.
+  [[nodiscard]] const std::vector<std::int32_t>& of(std::span<const std::int32_t> object);
 
  private:
   void reach(std::int32_t from);
-  [[nodiscard]] static bool slides(const PointVotes& votes);
-  [[nodiscard]] bool end_of_themselves() const;
+  [[nodiscard]] static bool is_candidate(const PointVotes& votes);
+  [[nodiscard]] bool ends_freely() const;
 
-  // Rims of the sides: in front of something farther, where the surface goes on into what stands or straight
-  // on into what is not known, and where what moves goes on, straight or not as far as can be told.
+  // Counts of how the candidates end or continue.
   struct Rims {
-    int free = 0, held = 0, unknown = 0, straight = 0, bent = 0;
+    int free = 0;                    // in front of something farther
+    int static_points = 0;           // into static points
+    int unobserved = 0;              // straight into points that no scan observed before
+    int straight = 0, at_angle = 0;  // into moving points; at an angle also where the direction is unknown
   };
-  void look_along(std::int32_t i, Rims& rims) const;
-  void look_beyond(std::int32_t i, LinkedNeighbours::Way way, int side, Rims& rims) const;
+  void count_along_row(std::int32_t i, Rims& rims) const;
+  void count_beyond(std::int32_t i, LinkedNeighbours::Axis axis, int side, Rims& rims) const;
   [[nodiscard]] bool moves(std::int32_t i) const;
-  [[nodiscard]] bool goes_straight_on(std::int32_t i, LinkedNeighbours::Way way, int side) const;
-  [[nodiscard]] std::int32_t apart(std::int32_t i, LinkedNeighbours::Way way, int side) const;
+  [[nodiscard]] bool continues_straight(std::int32_t i, LinkedNeighbours::Axis axis, int side) const;
+  [[nodiscard]] std::int32_t distant(std::int32_t i, LinkedNeighbours::Axis axis, int side) const;
 
   const LidarScan& scan_;
   const std::vector<Eigen::Vector3f>& points_;
   const LinkedNeighbours& neighbours_;
   const std::vector<PointVotes>& votes_;
   const MarkedReturns& moving_;
-  std::vector<std::uint8_t> reached_;  // of each return, by the thing at hand
-  std::vector<std::int32_t> sides_;
+  std::vector<std::uint8_t> reached_;  // by return, from the object at work
+  std::vector<std::int32_t> surface_;
 };
 
 }  // namespace mapless

@@ -30,7 +30,7 @@ constexpr double kSufficientRayEvidence = 2;
 constexpr double kRigidFactor = 0.25;
 constexpr double kPorousFactor = 1.5;
 
-// Path without a displacement shown by the rays: several times the least they show (min_advance_m).
+// Path without a displacement shown by the rays: several times the least they show (min_displacement_m).
 constexpr double kMaxUnconfirmed_m = 1;
 
 // A static object comes into view bit by bit, and its velocity errs by as much as its seen part grows, while
@@ -69,7 +69,7 @@ double MotionClassifier::required_evidence(const TrackedObject& object) const {
 
 MotionState MotionClassifier::update(const MotionState& last, const TrackedObject& object,
                                      const ObjectEvidence& evidence, Time now) const {
-  const bool displaced = static_cast<double>(evidence.displacement_m) >= parameters_.min_advance_m;
+  const bool displaced = static_cast<double>(evidence.displacement_m) >= parameters_.min_displacement_m;
   const bool differs = differs_from_zero(object);
   const bool known = differs || object.velocity_std_0().maxCoeff() <= kKnownStd_mps;
   MotionState next;

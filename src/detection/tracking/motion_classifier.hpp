@@ -26,7 +26,7 @@ struct MotionState {
 ///
 /// A velocity is known if its largest standard deviation per axis is at most 0.5 m/s, or if it differs from
 /// zero by more than 2 sigma. Rays show a displacement if ObjectEvidence::displacement_m is at least
-/// min_advance_m.
+/// min_displacement_m.
 ///
 /// A track begins to move if all of these hold:
 /// - its speed is at least min_speed_mps, and a known velocity differs from zero by more than 2 sigma (in its

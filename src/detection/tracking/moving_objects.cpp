@@ -28,7 +28,7 @@ Detection MovingObjects::classify(ProposedObjects proposed) {
 }
 
 void keep_moving(const std::vector<bool>& moves, Detection& detection) {
-  // Where there are more objects than numbers the last of them share one, and move together.
+  // Objects beyond the last number share it and move together.
   std::vector<std::uint16_t> numbers(kMaxObjectNumber + 1, 0);
   std::vector<TrackedObject> moving;
   for (std::size_t k = 0; k < moves.size(); ++k) {

@@ -10,16 +10,21 @@
 
 namespace mapless::inline v1 {
 
-/// Follows the objects that a pipeline proposes and, with method "voting", tells those that move from those
-/// that stand (next_state). Rays tell that something was elsewhere a while ago; whether it still goes on, the
-/// registration of the whole object tells much better: a braking bus that slides within itself by
-/// centimetres. What stands is followed on for as long as it is proposed.
+// Tracking: from objects of single scans to moving objects over time. In: the objects that a pipeline
+// proposes in each scan, by increasing time, with their evidence and the sensor's motion. Out: the same
+// detection with moving objects alone, each with an id, velocity and box. Tracks, their filters and their
+// classification are private to this folder: only MovingObjects is used from outside, and nothing of it feeds
+// back into evidence or segmentation.
+
+/// Tracks the proposed objects and, with method "voting", leaves those that move now in the detection. Rays
+/// show that an object was elsewhere some scans ago; whether it still moves, the registration of its whole
+/// surface shows better, down to centimetres. Static objects are tracked as long as they are proposed.
 class MovingObjects {
  public:
   explicit MovingObjects(const DetectorParameters& parameters)
       : method_(parameters.method), classifier_(parameters.voting) {}
 
-  /// The detection, of what moves alone: numbers go to that, in the order they had.
+  /// The detection with moving objects alone, renumbered in their order.
   Detection classify(ProposedObjects proposed);
 
  private:
@@ -29,8 +34,8 @@ class MovingObjects {
   MotionStates states_;
 };
 
-/// Leaves those of detection.tracked that move (one element each), numbered 1, 2, ... in their order; the
-/// points of the others become static, and `stopped` in the trace.
+/// Keeps the elements of detection.tracked that move (`moves`: one per element) and numbers them 1, 2, ... in
+/// their order. The points of the others become static, with GrowthVerdict::static_track in the trace.
 void keep_moving(const std::vector<bool>& moves, Detection& detection);
 
 }  // namespace mapless

@@ -8,17 +8,18 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kRounding_m = 1e-9;  // far more than that of distances on an object
+// Rounding of distances on an object, at most: 1e-9 is 1e4 times the resolution of a double at 1 km.
+constexpr double kRounding_m = 1e-9;
 
 }  // namespace
 
-void NearestNeighbourCache::restart(std::size_t places) {
+void NearestNeighbourCache::reset(std::size_t queries) {
   points_.clear();
   moved_m_ = 0;
-  places_.assign(places, {});
+  queries_.assign(queries, {});
 }
 
-void NearestNeighbourCache::move_points(std::span<const Vector3d> points) {
+void NearestNeighbourCache::update_points(std::span<const Vector3d> points) {
   double square = 0;
   for (std::size_t i = 0; i < points_.size(); ++i)
     square = std::max(square, (points[i] - points_[i]).squaredNorm());
@@ -27,28 +28,28 @@ void NearestNeighbourCache::move_points(std::span<const Vector3d> points) {
   is_sorted_ = false;
 }
 
-void NearestNeighbourCache::move_place(std::size_t i, const Vector3d& p) {
+void NearestNeighbourCache::update_query(std::size_t i, const Vector3d& p) {
   if (points_.empty()) return;
-  Place& place = places_[i];
-  const double square = (points_[place.neighbour.index] - p).squaredNorm();
-  if (nearest_still(place, p, square)) {
-    place.neighbour.square = square;
+  Query& query = queries_[i];
+  const double square = (points_[query.neighbour.index] - p).squaredNorm();
+  if (still_nearest(query, p, square)) {
+    query.neighbour.square = square;
   } else {
-    seek(p, place);
+    search(p, query);
   }
 }
 
-bool NearestNeighbourCache::nearest_still(const Place& place, const Vector3d& p, double square) const {
-  if (place.others_m < 0) return false;
-  const double moved = (p - place.sought_at).norm() + moved_m_ - place.moved_m;
-  return std::sqrt(square) + moved + kRounding_m < place.others_m;
+bool NearestNeighbourCache::still_nearest(const Query& query, const Vector3d& p, double square) const {
+  if (query.second_m < 0) return false;
+  const double moved = (p - query.searched_at).norm() + moved_m_ - query.moved_m;
+  return std::sqrt(square) + moved + kRounding_m < query.second_m;
 }
 
-void NearestNeighbourCache::seek(const Vector3d& p, Place& place) {
+void NearestNeighbourCache::search(const Vector3d& p, Query& query) {
   if (!is_sorted_) sorted_.assign(points_);
   is_sorted_ = true;
   const SortedPoints::Nearest found = sorted_.nearest(p);
-  place = {{found.index, found.square}, p, moved_m_, std::sqrt(found.others_square)};
+  query = {{found.index, found.square}, p, moved_m_, std::sqrt(found.second_square)};
 }
 
 }  // namespace mapless

@@ -11,40 +11,41 @@
 
 namespace mapless::inline v1 {
 
-/// Of a few hundred points, the nearest to each of as many places, while points and places move a little at a
-/// time. The one found last is the nearest still where the others were farther by more than anything moved
-/// since; only the others are sought again.
+/// Nearest of a few hundred points to each of as many queries, while both move a little at a time. The last
+/// answer of a query is still right as long as all other points were farther, when it was searched, than
+/// everything has moved since; only the other queries are searched again.
 class NearestNeighbourCache {
  public:
-  /// Other points and places follow; the memory is kept for them.
-  void restart(std::size_t places);
-  /// Where the points are now: after restart() as many as one likes, then as many again.
-  void move_points(std::span<const Eigen::Vector3d> points);
-  /// Place `i` is at `p` now, and the points are where they were moved last.
-  void move_place(std::size_t i, const Eigen::Vector3d& p);
+  /// Forgets all points and answers; the memory is kept.
+  void reset(std::size_t queries);
+  /// Sets the points: after reset() any number of them, then always as many.
+  void update_points(std::span<const Eigen::Vector3d> points);
+  /// Moves query `i` to `p` and finds its nearest point.
+  void update_query(std::size_t i, const Eigen::Vector3d& p);
 
   struct Neighbour {
-    std::size_t index = 0;
-    double square = std::numeric_limits<double>::infinity();
+    std::size_t index = 0;  ///< the lowest of equally near points
+    double square =
+        std::numeric_limits<double>::infinity();  ///< of the distance [m^2]; infinite without points
   };
-  /// Of those nearest to place `i`, the lowest index; infinitely far without points.
-  [[nodiscard]] const Neighbour& of(std::size_t i) const { return places_[i].neighbour; }
+  /// The point nearest to query `i`.
+  [[nodiscard]] const Neighbour& nearest(std::size_t i) const { return queries_[i].neighbour; }
 
  private:
-  struct Place {
+  struct Query {
     Neighbour neighbour;
-    Eigen::Vector3d sought_at;
-    double moved_m = 0;    // moved_m_ when it was sought
-    double others_m = -1;  // how far the others were then; less than 0 before
+    Eigen::Vector3d searched_at;
+    double moved_m = 0;    // moved_m_ when it was searched
+    double second_m = -1;  // distance of the second nearest then; below 0 before the first search
   };
-  [[nodiscard]] bool nearest_still(const Place& place, const Eigen::Vector3d& p, double square) const;
-  void seek(const Eigen::Vector3d& p, Place& place);
+  [[nodiscard]] bool still_nearest(const Query& query, const Eigen::Vector3d& p, double square) const;
+  void search(const Eigen::Vector3d& p, Query& query);
 
   std::vector<Eigen::Vector3d> points_;
-  double moved_m_ = 0;  // since restart() no point has by more
+  double moved_m_ = 0;  // bound on how far any point has moved since reset()
   SortedPoints sorted_;
   bool is_sorted_ = false;
-  std::vector<Place> places_;
+  std::vector<Query> queries_;
 };
 
 }  // namespace mapless

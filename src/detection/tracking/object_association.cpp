@@ -8,11 +8,15 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr std::size_t kMostPoints = 64;
-constexpr double kCommon_m = 0.4;     // points no farther apart are common to two objects
-constexpr double kUncertainties = 2;  // the place may be off by so many standard deviations
-constexpr double kFarthest_m = 4;     // 40 m/s for a tenth of a second
-constexpr double kLeastShare = 0.1;   // of the smaller object must be common
+constexpr std::size_t kMaxPoints = 64;  // per object, for the time it takes: pairs of points are compared
+// Points this near to each other are shared by two objects. Chosen: about a person's width.
+constexpr double kShared_m = 0.4;
+// Objects overlap if they share this part of the points of either. Chosen: below it, objects that pass touch.
+constexpr double kMinShare = 0.1;
+// Objects that do not overlap are associated within this many standard deviations of the predicted position,
+// and at most so far: 40 m/s for a tenth of a second.
+constexpr double kSigmas = 2;
+constexpr double kMaxDistance_m = 4;
 
 double points_near(const PredictedObject& a, const PredictedObject& b, double limit_m) {
   int near = 0;
@@ -26,7 +30,7 @@ double points_near(const PredictedObject& a, const PredictedObject& b, double li
 }
 
 struct Pair {
-  double score;  // the higher the sooner
+  double score;  // the highest is associated first
   std::size_t known, seen;
 };
 
@@ -40,28 +44,29 @@ double size_of(const PredictedObject& object) {
   return static_cast<double>(object.points_0.size()) * object.weight;
 }
 
-std::vector<Pair> overlaps(std::span<const PredictedObject> known, std::span<const PredictedObject> seen) {
+std::vector<Pair> overlapping_pairs(std::span<const PredictedObject> known,
+                                    std::span<const PredictedObject> seen) {
   std::vector<Pair> pairs;
   for (std::size_t k = 0; k < known.size(); ++k) {
     for (std::size_t s = 0; s < seen.size(); ++s) {
-      const double limit = kCommon_m + std::min(known[k].uncertainty_m, kCommon_m);
+      const double limit = kShared_m + std::min(known[k].uncertainty_m, kShared_m);
       if (known[k].box.squaredExteriorDistance(seen[s].box) > limit * limit) continue;
       const double of_known = points_near(known[k], seen[s], limit);
       const double of_seen = points_near(seen[s], known[k], limit);
       const double share = std::max(of_known / size_of(known[k]), of_seen / size_of(seen[s]));
-      if (share >= kLeastShare) pairs.push_back({of_known + of_seen, k, s});
+      if (share >= kMinShare) pairs.push_back({of_known + of_seen, k, s});
     }
   }
   sort_pairs(pairs);
   return pairs;
 }
 
-std::vector<Pair> within_reach(std::span<const PredictedObject> known,
-                               std::span<const PredictedObject> seen) {
+std::vector<Pair> pairs_in_reach(std::span<const PredictedObject> known,
+                                 std::span<const PredictedObject> seen) {
   std::vector<Pair> pairs;
   for (std::size_t k = 0; k < known.size(); ++k) {
     const double reach =
-        std::min(kCommon_m + kUncertainties * known[k].uncertainty_m + known[k].hidden_m, kFarthest_m);
+        std::min(kShared_m + kSigmas * known[k].uncertainty_m + known[k].hidden_m, kMaxDistance_m);
     for (std::size_t s = 0; s < seen.size(); ++s) {
       const double apart = (known[k].box.center() - seen[s].box.center()).norm();
       if (apart <= reach) pairs.push_back({-apart, k, s});
@@ -81,15 +86,15 @@ void take(const std::vector<Pair>& pairs, std::vector<bool>& known_taken, Associ
 
 }  // namespace
 
-void expect(const ObjectSnapshot& view, const Vector3d& displacement_0, double uncertainty_m,
-            PredictedObject& out) {
-  const std::size_t stride = (view.points_0.size() + kMostPoints - 1) / kMostPoints;
+void predict(const ObjectSnapshot& snapshot, const Vector3d& displacement_0, double uncertainty_m,
+             PredictedObject& out) {
+  const std::size_t stride = (snapshot.points_0.size() + kMaxPoints - 1) / kMaxPoints;
   out.points_0.clear();
-  out.points_0.reserve(kMostPoints);
-  for (std::size_t i = 0; i < view.points_0.size(); i += stride)
-    out.points_0.push_back(view.points_0[i] + displacement_0);
-  out.weight = static_cast<double>(view.points_0.size()) / static_cast<double>(out.points_0.size());
-  out.box = view.seen_box;
+  out.points_0.reserve(kMaxPoints);
+  for (std::size_t i = 0; i < snapshot.points_0.size(); i += stride)
+    out.points_0.push_back(snapshot.points_0[i] + displacement_0);
+  out.weight = static_cast<double>(snapshot.points_0.size()) / static_cast<double>(out.points_0.size());
+  out.box = snapshot.seen_box;
   out.box.translate(displacement_0);
   out.uncertainty_m = uncertainty_m;
   out.hidden_m = 0;
@@ -100,9 +105,9 @@ Association associate(std::span<const PredictedObject> known, std::span<const Pr
   out.known.resize(seen.size());
   out.parent.resize(seen.size());
   std::vector<bool> known_taken(known.size(), false);
-  const std::vector<Pair> common = overlaps(known, seen);
+  const std::vector<Pair> common = overlapping_pairs(known, seen);
   take(common, known_taken, out);
-  take(within_reach(known, seen), known_taken, out);
+  take(pairs_in_reach(known, seen), known_taken, out);
   for (const Pair& pair : common) {
     if (!out.known[pair.seen] && !out.parent[pair.seen]) out.parent[pair.seen] = pair.known;
   }

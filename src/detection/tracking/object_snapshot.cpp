@@ -19,21 +19,40 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr std::size_t kMostNeighboursAsked = 600;
-constexpr double kSamePass_s = 0.02;  // neighbours in space on both sides of the seam are of other instants
-constexpr double kEdgeDepth_m = 0.5;  // a ray that goes on behind an edge goes on by this much or more
-constexpr double kWithinReach = 0.9;  // of the maximum range
-constexpr double kEdgeRoughness_m = 0.03;  // of silhouettes, beside the spacing of the rays
-constexpr double kThickness_m = 0.1;       // a plane with its noise and curvature
-constexpr double kRingWidth_m = 0.06;      // what is narrower shows one ring
-constexpr double kLeastAcross = 0.7;       // sine of the angle at which a ray must meet such a ring
-constexpr std::size_t kFewestNeighbours = 5;
-constexpr double kWidening = 2;  // of a neighbourhood that holds fewer
+constexpr std::size_t kMaxNeighbours =
+    600;  // points searched for neighbours of a sample, for the time it takes
+// Largest time between neighbours [s]: beyond it they are on both sides of the seam of the scan, a turn
+// apart.
+constexpr double kSamePass_s = 0.02;
+
+// A silhouette edge: the next ray ends this much farther. Chosen: about a person's depth; a ray that ends
+// nearer may have met the same object.
+constexpr double kEdgeDepth_m = 0.5;
+// A ray without return passes an object nearer than this share of the maximum range; beyond, the object
+// itself may be out of reach.
+constexpr double kWithinReach = 0.9;
+constexpr double kEdgeRoughness_m =
+    0.03;  // of silhouettes, beside the spacing of the rays; chosen: range noise
+
+// Neighbourhoods: kPatchSpacings ring spacings, so that a plane is fitted to several rings, within these
+// bounds: the smallest holds some columns near the sensor, the largest is half a car.
+constexpr double kPatchSpacings = 2.5;
+constexpr double kMinPatch_m = 0.25, kMaxPatch_m = 0.8;
+constexpr std::size_t kMinNeighbours = 5;  // a plane has three degrees of freedom
+constexpr double kWidening = 2;            // of a neighbourhood that holds fewer
+
+// Shape of a neighbourhood by its standard deviations: a plane, with noise and curvature, is thinner than
+// kThickness_m and than kMaxAspect of its narrower side. A neighbourhood narrower than kRingWidth_m is of one
+// ring.
+constexpr double kThickness_m = 0.1;
+constexpr double kMaxAspect = 0.5;
+constexpr double kRingWidth_m = 0.06;  // three times the range noise
+constexpr double kMinAcross = 0.7;     // sine of the angle, 44 degrees, at which a ray must meet such a ring
 
 std::size_t stride_for(std::size_t count, std::size_t most) { return (count + most - 1) / most; }
 
-// The poses of a scan at its columns, asked for as they are needed; within a column the sensor moves to first
-// order (geometry/sensor_motion.hpp does the same for whole scans).
+// Sensor poses at the columns of a scan, computed when first needed; within a column the motion is of first
+// order, as in geometry/sensor_motion.hpp for whole scans.
 class ColumnPoses {
  public:
   ColumnPoses(const LidarScan& scan, const Trajectory& trajectory)
@@ -70,11 +89,11 @@ class ColumnPoses {
   static constexpr std::size_t kUnknown = std::numeric_limits<std::size_t>::max();
   const LidarScan& scan_;
   const Trajectory& trajectory_;
-  std::vector<std::size_t> known_;  // by column: which of the poses
+  std::vector<std::size_t> known_;  // by column: index of its pose
   std::vector<Pose> poses_;
 };
 
-// The way to the next ray of a side.
+// Step to the next ray on one side.
 struct Side {
   int rows, columns;
 };
@@ -85,11 +104,11 @@ class SnapshotBuilder {
   SnapshotBuilder(const Detection& detection, const Trajectory& trajectory)
       : detection_(detection), scan_(*detection.scan), image_(scan_), poses_(scan_, trajectory) {}
 
-  ObjectSnapshot view(std::uint16_t number, std::span<const std::int32_t> members) {
+  ObjectSnapshot take(std::uint16_t number, std::span<const std::int32_t> members) {
     ObjectSnapshot out;
     out.number = number;
     set_points(members, out);
-    out.patch_m = std::clamp(2.5 * ring_spacing(members), 0.25, 0.8);
+    out.patch_m = std::clamp(kPatchSpacings * ring_spacing(members), kMinPatch_m, kMaxPatch_m);
     add_edges(members, out);
     return out;
   }
@@ -115,7 +134,7 @@ class SnapshotBuilder {
     out.mean_0 /= static_cast<double>(members.size());
   }
 
-  // Metres between the rings on it, or the columns where these are wider apart.
+  // The spacing of its rings [m], or of its columns where these are wider apart.
   [[nodiscard]] double ring_spacing(std::span<const std::int32_t> members) const {
     const LidarReturn& middle = at(members[members.size() / 2]);
     const double step = std::max(scan_.model->elevation_step(middle.laser), column_step());
@@ -127,7 +146,7 @@ class SnapshotBuilder {
     const std::size_t outline = find_silhouette(members);
     if (silhouette_.empty()) return;
     out.edge_share = static_cast<double>(silhouette_.size()) / static_cast<double>(outline);
-    const std::size_t stride = stride_for(silhouette_.size(), kMostEdgeSamples);
+    const std::size_t stride = stride_for(silhouette_.size(), kMaxEdgeSamples);
     out.edges.reserve((silhouette_.size() + stride - 1) / stride);
     for (std::size_t side = 0; side < kImageSides; ++side) {
       for (std::size_t i = 0; i < silhouette_.size(); i += stride) {
@@ -138,7 +157,7 @@ class SnapshotBuilder {
     }
   }
 
-  // Of the ends of an object in the image, whose number it returns, those behind which rays go on.
+  // Finds the silhouette edges of an object; returns the length of its outline in the scan image [cells].
   std::size_t find_silhouette(std::span<const std::int32_t> members) {
     silhouette_.clear();
     std::size_t outline = 0;
@@ -147,52 +166,51 @@ class SnapshotBuilder {
       const std::uint16_t number = detection_.object[static_cast<std::size_t>(members[m])];
       const int aligned = image_.aligned_column(r.laser, r.column);
       for (std::size_t side = 0; side < kImageSides; ++side) {
-        if (goes_on(beside(r.laser, aligned, kSides[side], 1), number)) continue;
+        if (belongs(beside(r.laser, aligned, kSides[side], 1), number)) continue;
         ++outline;
-        if (goes_on_behind(r, number, aligned, kSides[side])) silhouette_.push_back({m, side});
+        if (is_edge(r, number, aligned, kSides[side])) silhouette_.push_back({m, side});
       }
     }
     return outline;
   }
 
-  // The cell so many steps to a side; outside the image nothing is known.
+  // The cell `steps` to a side; absent beyond the first and last row.
   [[nodiscard]] std::int32_t beside(int laser, int aligned, const Side& side, int steps) const {
     const int row = laser + steps * side.rows;
     if (row < 0 || row >= scan_.rows()) return empty_cell(ReturnCode::absent);
     return scan_.cell(row, image_.scan_column(row, aligned + steps * side.columns));
   }
-  [[nodiscard]] bool goes_on(std::int32_t cell, std::uint16_t number) const {
+  [[nodiscard]] bool belongs(std::int32_t cell, std::uint16_t number) const {
     return cell >= 0 && detection_.object[static_cast<std::size_t>(cell)] == number;
   }
 
-  // The next ray that side, and the one after, pass by and go on well behind.
-  [[nodiscard]] bool goes_on_behind(const LidarReturn& r, std::uint16_t number, int aligned,
-                                    const Side& side) const {
-    const int most = side.rows == 0 ? 2 : 1;
-    for (int steps = 1; steps <= most; ++steps) {
+  // Whether the next ray on that side, and in a row the one after it, pass the object and end well behind it.
+  [[nodiscard]] bool is_edge(const LidarReturn& r, std::uint16_t number, int aligned,
+                             const Side& side) const {
+    const int rays = side.rows == 0 ? 2 : 1;
+    for (int steps = 1; steps <= rays; ++steps) {
       const std::int32_t cell = beside(r.laser, aligned, side, steps);
       if (cell < 0) {
-        if (code_of_cell(cell) != ReturnCode::nothing || !ends_before_reach(r)) return false;
-      } else if (goes_on(cell, number) || static_cast<double>(at(cell).range_m - r.range_m) < kEdgeDepth_m) {
+        if (code_of_cell(cell) != ReturnCode::nothing || !is_within_reach(r)) return false;
+      } else if (belongs(cell, number) || static_cast<double>(at(cell).range_m - r.range_m) < kEdgeDepth_m) {
         return false;
       }
     }
     return true;
   }
 
-  // A surface that goes on beyond the sensor's reach has no edge there.
-  [[nodiscard]] bool ends_before_reach(const LidarReturn& r) const {
+  [[nodiscard]] bool is_within_reach(const LidarReturn& r) const {
     return static_cast<double>(r.range_m) < kWithinReach * scan_.model->max_range_m;
   }
 
-  EdgeSample edge(std::int32_t i, const Side& side, const ObjectSnapshot& view, std::size_t member) {
+  EdgeSample edge(std::int32_t i, const Side& side, const ObjectSnapshot& snapshot, std::size_t member) {
     const LidarReturn& r = at(i);
     const Matrix3d& C_0v = poses_.C_0v(r.column);
     const Vector3d ray_0 = C_0v * r.position_v.cast<double>().normalized();
     const Vector3d along_columns = C_0v.col(2).cross(ray_0).normalized();
     const LidarModel& model = *scan_.model;
     EdgeSample out;
-    out.t_s = view.t_s[member];
+    out.t_s = snapshot.t_s[member];
     double step = column_step();
     if (side.rows == 0) {
       out.across_0 = model.sign() * side.columns * along_columns;
@@ -203,7 +221,7 @@ class SnapshotBuilder {
       step = std::abs(model.lasers[next].elevation_rad - model.lasers[row].elevation_rad);
     }
     const double spacing = step * static_cast<double>(r.range_m);
-    out.p_0 = view.points_0[member] + spacing / 2 * out.across_0;
+    out.p_0 = snapshot.points_0[member] + spacing / 2 * out.across_0;
     out.std_m = std::hypot(spacing / std::sqrt(12.0), kEdgeRoughness_m);
     return out;
   }
@@ -215,7 +233,7 @@ class SnapshotBuilder {
   struct End {
     std::size_t member, side;
   };
-  std::vector<End> silhouette_;  // of the view at work
+  std::vector<End> silhouette_;  // of the object at work
 };
 
 struct Scatter {
@@ -229,15 +247,16 @@ struct Scatter {
   }
 };
 
-// Points of a view among which the neighbours of its samples are sought, close together in memory.
+// A point among which the neighbours of samples are searched.
 struct Neighbour {
   Vector3d p_0;
   double t_s;
 };
 
-Scatter scatter_around(const std::vector<Neighbour>& asked, const SurfaceSample& sample, double radius_m) {
+Scatter scatter_around(const std::vector<Neighbour>& candidates, const SurfaceSample& sample,
+                       double radius_m) {
   Scatter out;
-  for (const Neighbour& n : asked) {
+  for (const Neighbour& n : candidates) {
     const Vector3d d = n.p_0 - sample.p_0;
     if (d.squaredNorm() > radius_m * radius_m || std::abs(n.t_s - sample.t_s) > kSamePass_s) continue;
     out.sum += d;
@@ -247,13 +266,13 @@ Scatter scatter_around(const std::vector<Neighbour>& asked, const SurfaceSample&
   return out;
 }
 
-// What the neighbourhood of a point looks like. Of a single ring no more shows than that the surface is met
-// by the ray, so the part of the ray across the ring is taken for its normal.
-void set_shape(const std::vector<Neighbour>& asked, double patch_m, const Vector3d& origin_0,
-               SurfaceSample& sample) {
-  Scatter scatter = scatter_around(asked, sample, patch_m);
-  if (scatter.count < kFewestNeighbours) scatter = scatter_around(asked, sample, kWidening * patch_m);
-  if (scatter.count < kFewestNeighbours) return;
+// Sets the normal of a sample from its neighbourhood. A single ring shows only that the ray met the surface:
+// its normal is taken to be the part of the ray perpendicular to the ring.
+void set_normal(const std::vector<Neighbour>& candidates, double patch_m, const Vector3d& origin_0,
+                SurfaceSample& sample) {
+  Scatter scatter = scatter_around(candidates, sample, patch_m);
+  if (scatter.count < kMinNeighbours) scatter = scatter_around(candidates, sample, kWidening * patch_m);
+  if (scatter.count < kMinNeighbours) return;
   Eigen::SelfAdjointEigenSolver<Matrix3d> solver;
   solver.computeDirect(scatter.covariance());
   const Vector3d spread = solver.eigenvalues().cwiseMax(0).cwiseSqrt();
@@ -261,25 +280,25 @@ void set_shape(const std::vector<Neighbour>& asked, double patch_m, const Vector
     const Vector3d along = solver.eigenvectors().col(2);
     const Vector3d ray = (sample.p_0 - origin_0).normalized();
     const Vector3d across = ray - ray.dot(along) * along;
-    if (spread.z() < kRingWidth_m || across.norm() < kLeastAcross) return;
+    if (spread.z() < kRingWidth_m || across.norm() < kMinAcross) return;
     sample.normal_0 = across.normalized();
-  } else if (spread.x() < kThickness_m && spread.x() < 0.5 * spread.y()) {
+  } else if (spread.x() < kThickness_m && spread.x() < kMaxAspect * spread.y()) {
     sample.normal_0 = solver.eigenvectors().col(0);
   }
 }
 
-void add_surface(const Vector3d& origin_0, std::vector<Neighbour>& asked, ObjectSnapshot& view) {
-  const std::size_t count = view.points_0.size();
-  asked.clear();
-  for (std::size_t i = 0; i < count; i += stride_for(count, kMostNeighboursAsked))
-    asked.push_back({view.points_0[i], view.t_s[i]});
-  const std::size_t stride = stride_for(count, kMostSurfaceSamples);
-  view.surface.reserve((count + stride - 1) / stride);
+void add_surface(const Vector3d& origin_0, std::vector<Neighbour>& candidates, ObjectSnapshot& snapshot) {
+  const std::size_t count = snapshot.points_0.size();
+  candidates.clear();
+  for (std::size_t i = 0; i < count; i += stride_for(count, kMaxNeighbours))
+    candidates.push_back({snapshot.points_0[i], snapshot.t_s[i]});
+  const std::size_t stride = stride_for(count, kMaxSurfaceSamples);
+  snapshot.surface.reserve((count + stride - 1) / stride);
   for (std::size_t i = 0; i < count; i += stride) {
-    SurfaceSample& sample = view.surface.emplace_back();
-    sample.p_0 = view.points_0[i];
-    sample.t_s = view.t_s[i];
-    set_shape(asked, view.patch_m, origin_0, sample);
+    SurfaceSample& sample = snapshot.surface.emplace_back();
+    sample.p_0 = snapshot.points_0[i];
+    sample.t_s = snapshot.t_s[i];
+    set_normal(candidates, snapshot.patch_m, origin_0, sample);
   }
 }
 
@@ -287,20 +306,20 @@ void add_surface(const Vector3d& origin_0, std::vector<Neighbour>& asked, Object
 class Members {
  public:
   explicit Members(const Detection& detection) {
-    std::vector<std::int32_t> moving;
+    std::vector<std::int32_t> dynamic;
     for_each_dynamic(detection.object,
-                     [&](std::size_t i) { moving.push_back(static_cast<std::int32_t>(i)); });
+                     [&](std::size_t i) { dynamic.push_back(static_cast<std::int32_t>(i)); });
     const auto number = [&](std::int32_t i) -> std::size_t {
       return detection.object[static_cast<std::size_t>(i)];
     };
-    for (const std::int32_t i : moving) {
+    for (const std::int32_t i : dynamic) {
       if (number(i) + 2 > begins_.size()) begins_.resize(number(i) + 2, 0);
       ++begins_[number(i) + 1];
     }
     std::partial_sum(begins_.begin(), begins_.end(), begins_.begin());
-    members_.resize(moving.size());
+    members_.resize(dynamic.size());
     std::vector<std::size_t> next = begins_;
-    for (const std::int32_t i : moving) members_[next[number(i)]++] = i;
+    for (const std::int32_t i : dynamic) members_[next[number(i)]++] = i;
   }
   [[nodiscard]] std::size_t numbers() const { return begins_.empty() ? 0 : begins_.size() - 1; }
   [[nodiscard]] std::span<const std::int32_t> of(std::size_t number) const {
@@ -324,16 +343,16 @@ Eigen::AlignedBox3d ObjectSnapshot::box(const Vector3d& velocity_0) const {
 std::vector<ObjectSnapshot> take_snapshots(const Detection& detection, const Trajectory& trajectory) {
   const Members members(detection);
   SnapshotBuilder builder(detection, trajectory);
-  std::vector<Neighbour> asked;
+  std::vector<Neighbour> candidates;
   std::vector<ObjectSnapshot> out;
   out.reserve(members.numbers());
   for (std::size_t number = 0; number < members.numbers(); ++number) {
     if (members.of(number).empty()) continue;
-    ObjectSnapshot& view =
-        out.emplace_back(builder.view(static_cast<std::uint16_t>(number), members.of(number)));
-    const TrajectoryState state = trajectory.at(view.time);
-    view.sight.emplace(detection.scan, state, view.time);
-    add_surface(state.T_v0.inverse().translation(), asked, view);
+    ObjectSnapshot& snapshot =
+        out.emplace_back(builder.take(static_cast<std::uint16_t>(number), members.of(number)));
+    const TrajectoryState state = trajectory.at(snapshot.time);
+    snapshot.sight.emplace(detection.scan, state, snapshot.time);
+    add_surface(state.T_v0.inverse().translation(), candidates, snapshot);
   }
   return out;
 }

@@ -9,14 +9,17 @@
 
 namespace mapless::inline v1 {
 
-/// Keeps the objects of consecutive detections apart over time and estimates their velocity.
+/// Tracks the objects of consecutive detections and estimates their velocity. In: the objects that
+/// segmentation proposes in each scan, as numbers of its points, and the sensor's trajectory. Out: one
+/// TrackedObject for each, with an id that is kept over scans. Nothing of a track may be changed from
+/// outside; which tracks are dynamic is decided after it, by MotionClassifier.
 ///
-/// An object is looked for where its velocity says; whose points it overlaps most keeps its id, one id for
-/// one object of the scan. The velocity comes from registering the object's points to those of earlier scans,
-/// every point at its own instant: distances to local planes, and places of the edges behind which a ray went
-/// on. A Kalman filter (white noise on acceleration) holds velocity and the displacements since these scans.
-/// What does not show in the points, as the motion of a wall along itself, has a large standard deviation.
-/// There is no up, no ground and no class in it.
+/// Each track is predicted with its velocity and associated one-to-one with the object it shares most points
+/// with (object_association.hpp). The velocity comes from registering the object's points to those of earlier
+/// scans, every point at its own instant, by distances to local planes and between silhouette edges
+/// (object_registration.hpp). A Kalman filter with white noise on acceleration estimates velocity and
+/// displacements (velocity_filter.hpp). A direction that the points do not constrain, as a wall along itself,
+/// has a large standard deviation. No up direction, ground or class is assumed.
 class ObjectTracker {
  public:
   ObjectTracker();
@@ -24,9 +27,10 @@ class ObjectTracker {
   ObjectTracker(ObjectTracker&&) noexcept;
   ObjectTracker& operator=(ObjectTracker&&) noexcept;
 
-  /// Every object of the next detection, by its number there. The trajectory is asked for the instants of
-  /// its dynamic points. Throws InputError for a scan that starts before the last one or was compensated by
-  /// somebody else, TrajectoryDomainError; the tracker is then as it was before the call.
+  /// One element for each object of the next detection, by Detection::object. `trajectory` has to cover the
+  /// instants of its dynamic points. Throws InputError for a scan that does not start after the last one or
+  /// that was compensated for motion before, and TrajectoryDomainError; the tracker is then as it was before
+  /// the call.
   std::vector<TrackedObject> process(const Detection& detection, const Trajectory& trajectory);
 
  private:

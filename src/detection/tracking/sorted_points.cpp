@@ -20,15 +20,15 @@ void SortedPoints::assign(std::span<const Eigen::Vector3d> points) {
 
 SortedPoints::Nearest SortedPoints::nearest(const Eigen::Vector3d& p) const {
   Nearest out;
-  // False where this one, and all beyond it, are farther than the nearest two so far.
-  const auto look = [&](const Entry& entry) {
+  // Returns false if this entry, and hence all beyond it, are farther than the nearest two so far.
+  const auto visit = [&](const Entry& entry) {
     const double along = entry.point[axis_] - p[axis_];
-    if (along * along > out.others_square) return false;
+    if (along * along > out.second_square) return false;
     const double square = (entry.point - p).squaredNorm();
     if (square < out.square || (square == out.square && entry.index < out.index)) {
       out = {entry.index, square, out.square};
     } else {
-      out.others_square = std::min(out.others_square, square);
+      out.second_square = std::min(out.second_square, square);
     }
     return true;
   };
@@ -37,8 +37,8 @@ SortedPoints::Nearest SortedPoints::nearest(const Eigen::Vector3d& p) const {
   auto up = middle, down = middle;
   bool go_up = true, go_down = true;
   while (go_up || go_down) {
-    go_up = go_up && up != entries_.end() && look(*up++);
-    go_down = go_down && down != entries_.begin() && look(*--down);
+    go_up = go_up && up != entries_.end() && visit(*up++);
+    go_down = go_down && down != entries_.begin() && visit(*--down);
   }
   return out;
 }

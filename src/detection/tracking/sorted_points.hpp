@@ -9,19 +9,18 @@
 
 namespace mapless::inline v1 {
 
-/// A few hundred points, sorted along the axis of the world they are spread over most: for so few, faster to
-/// make and to ask than a tree.
+/// Nearest-neighbour search among a few hundred points, sorted along the axis in which they are spread most.
+/// For so few it is faster to build and to query than a k-d tree.
 class SortedPoints {
  public:
-  /// In place of those before, whose memory is used again.
+  /// Replaces the points; the memory is kept.
   void assign(std::span<const Eigen::Vector3d> points);
 
   struct Nearest {
-    std::size_t index = 0;  ///< in the order given
-    double square = std::numeric_limits<double>::infinity();
-    double others_square = std::numeric_limits<double>::infinity();  ///< of the nearest of the others
+    std::size_t index = 0;  ///< in the order given; the lowest of equally near points
+    double square = std::numeric_limits<double>::infinity();  ///< of its distance; infinite without points
+    double second_square = std::numeric_limits<double>::infinity();  ///< of that of the second nearest
   };
-  /// Of those nearest to `p`, the lowest index; infinitely far without points.
   [[nodiscard]] Nearest nearest(const Eigen::Vector3d& p) const;
 
  private:

@@ -10,14 +10,18 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// What is seen and was not expected: the square of a normalised innovation of three axes is 3 in the mean,
-// and above this 0.7 % of the time.
+// The squared normalised innovation of three axes has mean 3, and exceeds this in 0.7 % of all cases (chi
+// squared).
 constexpr double kExpectedSquare = 12;
-constexpr double kMostFade = 2;  // of the covariance
-// The noise on acceleration grows with the mean of these squares: some things turn and bounce all the time.
-constexpr double kGrowthPerSquare = 2.0 / 3;
-constexpr double kMostGrowth = 60;
-constexpr double kMemory = 0.7;  // share of the mean that is older than the last square
+// Largest factor on the covariance after a larger one. Chosen: one outlier at most doubles it.
+constexpr double kMaxInflation = 2;
+// Factor on the noise on acceleration: the running mean of the squares over half of their mean of 3, since
+// some objects turn, brake and bounce all the time. The running mean keeps kMemory of its value per
+// observation, and one square counts at most kMaxNoiseFactor. Chosen: a memory of about three observations
+// follows a braking car.
+constexpr double kNoisePerSquare = 2.0 / 3;
+constexpr double kMaxNoiseFactor = 60;
+constexpr double kMemory = 0.7;
 
 }  // namespace
 
@@ -37,7 +41,7 @@ void VelocityFilter::predict(Time time) {
   state_.head<3>() += dt * state_.segment<3>(3);
   covariance_.topRows<3>() += dt * covariance_.middleRows<3>(3);
   covariance_.leftCols<3>() += dt * covariance_.middleCols<3>(3);
-  const Matrix3d noise = std::max(1.0, growth_) * acceleration_density_ * dt * Matrix3d::Identity();
+  const Matrix3d noise = std::max(1.0, noise_factor_) * acceleration_density_ * dt * Matrix3d::Identity();
   covariance_.block<3, 3>(0, 0) += dt * dt / 3 * noise;
   covariance_.block<3, 3>(0, 3) += dt / 2 * noise;
   covariance_.block<3, 3>(3, 0) += dt / 2 * noise;
@@ -46,7 +50,7 @@ void VelocityFilter::predict(Time time) {
 
 void VelocityFilter::observe(std::size_t past, const Vector3d& displacement_0, const Matrix3d& covariance) {
   const auto at = static_cast<Eigen::Index>(6 + 3 * past);
-  using Columns = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostStates, 3>;
+  using Columns = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxStates, 3>;
   const Columns PHt = covariance_.leftCols<3>() - covariance_.middleCols<3>(at);
   const Matrix3d expected = PHt.topRows<3>() - PHt.middleRows<3>(at);
   const Vector3d innovation = displacement_0 - (state_.head<3>() - state_.segment<3>(at));
@@ -55,24 +59,25 @@ void VelocityFilter::observe(std::size_t past, const Vector3d& displacement_0, c
   const Columns gain = solver.solve(PHt.transpose()).transpose();
   state_ += gain * innovation;
   covariance_ -= gain * PHt.transpose();
-  // Either is wrong, the prediction or what was seen, and nobody knows which.
+  // Prediction or measurement is wrong, and which of them is not known.
   const double square = innovation.dot(solver.solve(innovation));
-  covariance_ *= std::clamp(square / kExpectedSquare, 1.0, kMostFade);
-  growth_ = kMemory * growth_ + (1 - kMemory) * std::min(kGrowthPerSquare * square, kMostGrowth);
+  covariance_ *= std::clamp(square / kExpectedSquare, 1.0, kMaxInflation);
+  noise_factor_ =
+      kMemory * noise_factor_ + (1 - kMemory) * std::min(kNoisePerSquare * square, kMaxNoiseFactor);
   covariance_ = (0.5 * (covariance_ + covariance_.transpose())).eval();
 }
 
 void VelocityFilter::remember(std::size_t most) {
-  const auto kept = static_cast<Eigen::Index>(3 * (std::min({remembered() + 1, most, kMostRemembered}) - 1));
-  // Positions are from that of now on, which is 0.
+  const auto kept = static_cast<Eigen::Index>(3 * (std::min({remembered() + 1, most, kMaxRemembered}) - 1));
+  // Positions are relative to the present one, which becomes 0.
   State x = state_;
   Covariance P = covariance_;
   for (Eigen::Index i = 6; i < 6 + kept; i += 3) {
     x.segment<3>(i) -= state_.head<3>();
     P.middleRows<3>(i) -= covariance_.topRows<3>();
   }
-  const auto of_now = P.leftCols<3>();
-  for (Eigen::Index i = 6; i < 6 + kept; i += 3) P.middleCols<3>(i) -= of_now;
+  const auto present = P.leftCols<3>();
+  for (Eigen::Index i = 6; i < 6 + kept; i += 3) P.middleCols<3>(i) -= present;
   state_.setZero(9 + kept);
   state_.segment<3>(3) = x.segment<3>(3);
   state_.tail(kept) = x.segment(6, kept);

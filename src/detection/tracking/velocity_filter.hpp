@@ -9,24 +9,26 @@
 
 namespace mapless::inline v1 {
 
-/// Velocity of an object and its displacement since earlier scans: a Kalman filter with white noise on
-/// acceleration whose state is (position, velocity, positions of remembered scans, newest first). Only
-/// differences of positions are ever observed, so their origin is of no account.
+/// Kalman filter on the velocity of an object and its displacements since earlier scans, with white noise on
+/// acceleration. Its state is (position, velocity, positions at the remembered scans, newest first) in the
+/// world frame. Only differences of positions are observed, so their origin does not matter.
 class VelocityFilter {
  public:
-  static constexpr std::size_t kMostRemembered = 5;
+  static constexpr std::size_t kMaxRemembered = 5;
 
+  /// `acceleration_density`: power spectral density of the noise on acceleration, per axis [m^2/s^3].
   VelocityFilter(Time time, const Eigen::Vector3d& velocity_0, const Eigen::Matrix3d& velocity_covariance_0,
                  double acceleration_density);
 
-  /// On to `time`; not back.
+  /// Predicts to `time`; does nothing for an earlier one.
   void predict(Time time);
-  /// The object moved by `displacement_0` from remembered scan `past` (0: the newest) until now. What is far
-  /// off what was expected counts less.
+  /// Observes that the object moved by `displacement_0` [m] from remembered scan `past` (0: the newest) until
+  /// now, with `covariance` [m^2]. An unexpected innovation makes the state more uncertain.
   void observe(std::size_t past, const Eigen::Vector3d& displacement_0, const Eigen::Matrix3d& covariance);
-  /// Keeps the position of now, and of those kept before the newest `most - 1`; 1 to kMostRemembered.
+  /// Remembers the present position, and the newest `most` - 1 of those before; `most` is 1 to
+  /// kMaxRemembered.
   void remember(std::size_t most);
-  /// At least so uncertain [m/s].
+  /// Adds this standard deviation to the velocity, per axis.
   void loosen(double velocity_std_mps);
 
   [[nodiscard]] Time time() const { return time_; }
@@ -37,10 +39,10 @@ class VelocityFilter {
  private:
   Time time_;
   double acceleration_density_;
-  double growth_ = 1;  // of the noise on acceleration
-  static constexpr int kMostStates = 6 + 3 * kMostRemembered;
-  using State = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostStates, 1>;
-  using Covariance = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostStates, kMostStates>;
+  double noise_factor_ = 1;  // on acceleration_density_
+  static constexpr int kMaxStates = 6 + 3 * kMaxRemembered;
+  using State = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxStates, 1>;
+  using Covariance = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxStates, kMaxStates>;
   State state_;
   Covariance covariance_;
 };

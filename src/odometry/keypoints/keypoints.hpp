@@ -4,9 +4,10 @@
 
 namespace mapless::inline v1 {
 
-/// One point (the first in mixed_order) per cube of the sensor frame, by time. Where they give fewer than
-/// `min_keypoints`, cubes are halved, up to so many times.
+/// Selects the keypoints that are registered: one point per cube of the sensor frame, the first in
+/// golden_order, by increasing time. While they are fewer than `min_keypoints`, the cubes are halved, at most
+/// `max_halvings` times (method.md section 6).
 [[nodiscard]] std::vector<ScanPoint> select_keypoints(const std::vector<ScanPoint>& points,
-                                                      const OdometryParameters& parameters, int halvings);
+                                                      const OdometryParameters& parameters, int max_halvings);
 
 }  // namespace mapless

@@ -12,14 +12,26 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr std::size_t kFirstCapacity = 4096;
-constexpr double kExpectedWeight = 6;  // the expected noise counts like so many points
-constexpr double kFlat = 2.5;          // the plane extends so many times its thickness, squared
-constexpr double kCutSigmas = 2.5;
-// A plane is fitted anew when a cube has grown by this share.
-constexpr double kGrowth = 1.25;
-constexpr std::size_t kAtOnce = 64;  // runs of points whose slots are fetched together
-constexpr std::size_t kAhead = 8;    // runs whose cubes are on their way
+// Slots of an empty table; it doubles when half full. Chosen: 64 kB; affects speed alone.
+constexpr std::size_t kInitialSlots = 4096;
+// Weight, in points, of the expected noise in the thickness of a plane. Chosen: as many as the fewest points
+// of a plane, because a plane of three lines looks far thinner than it is (method.md section 6, "Map").
+constexpr double kNoisePriorPoints = 6;
+// Fewest times its thickness that a plane's medium extent must be (both are variances, [m^2]): points on a
+// line, or scattered in all directions, have no normal. Chosen: 1.6 times in length; scattered points have
+// about 1.
+constexpr double kMinFlatness = 2.5;
+// Distance of a plane from a parallel face of its cube, in standard deviations of the noise: 99 % of the
+// points of the surface then lie in the cube.
+constexpr double kMinFaceDistanceSigmas = 2.5;
+// A plane is fitted again once the number of its points has grown by this factor. Chosen: 14 fits from 6 to
+// 120 points, in between which the plane is at most a quarter more uncertain than its points would make it.
+constexpr double kRefitGrowth = 1.25;
+// Prefetching of memory, which changes no result: runs of points whose slots are fetched together, and runs
+// whose cubes are fetched ahead. Chosen: more than the latency of memory needs, fewer than the first-level
+// cache holds.
+constexpr std::size_t kLookupBatch = 64;
+constexpr std::size_t kPrefetchRuns = 8;
 
 }  // namespace
 
@@ -29,13 +41,13 @@ PlaneGrid::PlaneGrid(double cube_m, double offset_m, double sigma_m)
       offset_m_(offset_m),
       middle_m_(offset_m + cube_m / 2),
       sigma_m_(sigma_m) {
-  rebuild_table(kFirstCapacity);
+  rebuild_table(kInitialSlots);
 }
 
 void PlaneGrid::clear() {
   cubes_.clear();
   planes_.clear();
-  rebuild_table(kFirstCapacity);
+  rebuild_table(kInitialSlots);
 }
 
 Vector3d PlaneGrid::from_origin(const Vector3d& p_0) const { return (p_0.array() - offset_m_).matrix(); }
@@ -58,11 +70,11 @@ void PlaneGrid::rebuild_table(std::size_t capacity) {
   for (std::size_t i = 0; i < cubes_.size(); ++i) {
     std::size_t slot = cube_slot(cubes_[i].key, shift_);
     while (table_[slot].cube >= 0) slot = (slot + 1) & (capacity - 1);
-    table_[slot] = {cubes_[i].key, static_cast<std::int32_t>(i), cubes_[i].count >= kFull};
+    table_[slot] = {cubes_[i].key, static_cast<std::int32_t>(i), cubes_[i].count >= kMaxPoints};
   }
 }
 
-// Axis by axis: vectors on their way through memory would keep one another waiting.
+// Axis by axis, in registers: with Eigen vectors each sum would pass through memory.
 void PlaneGrid::Sums::add(double x, double y, double z, int sign) {
   const double sx = sign * x, sy = sign * y, sz = sign * z;
   first[0] += sx;
@@ -76,13 +88,13 @@ void PlaneGrid::Sums::add(double x, double y, double z, int sign) {
   products[5] += sz * z;
 }
 
-// Where the cube can take more: fetched. -1 otherwise.
+// Number of the cube of `key`, created if it does not exist, and prefetched; -1 if it is full.
 std::int32_t PlaneGrid::open_cube(std::uint64_t key) {
   if (key == kNoCube) return -1;
   const std::size_t slot = slot_of(key);
-  const bool known = table_[slot].cube >= 0;
-  if (known && table_[slot].full) return -1;
-  const std::size_t i = known ? static_cast<std::size_t>(table_[slot].cube) : add_cube(slot, key);
+  const bool exists = table_[slot].cube >= 0;
+  if (exists && table_[slot].full) return -1;
+  const std::size_t i = exists ? static_cast<std::size_t>(table_[slot].cube) : add_cube(slot, key);
   __builtin_prefetch(&cubes_[i], 1);
   return static_cast<std::int32_t>(i);
 }
@@ -91,24 +103,24 @@ void PlaneGrid::find_cubes(std::span<Run> runs) {
   for (Run& run : runs) run.cube = open_cube(run.key);
   for (const Run& run : runs) {
     if (run.cube < 0) continue;
-    cubes_[static_cast<std::size_t>(run.cube)].coming += run.count;
+    cubes_[static_cast<std::size_t>(run.cube)].pending += run.count;
   }
 }
 
-void PlaneGrid::find_runs(const std::vector<MapPoint>& points, double farthest_m) {
+void PlaneGrid::find_runs(const std::vector<MapPoint>& points, double max_range_m) {
   std::size_t found = 0;
   std::uint64_t last = kNoCube;
   for (std::uint32_t i = 0; i < points.size(); ++i) {
     const MapPoint& point = points[i];
-    const Place place = point.range_m > farthest_m ? Place{kNoCube} : place_of(point.p_0);
-    const bool goes_on = place.key == last;
+    const Place place = point.range_m > max_range_m ? Place{kNoCube} : place_of(point.p_0);
+    const bool continues = place.key == last;
     last = place.key;
     if (last == kNoCube) continue;
-    if (goes_on) {
+    if (continues) {
       ++runs_.back().count;
       continue;
     }
-    if (runs_.size() - found >= kAtOnce) {
+    if (runs_.size() - found >= kLookupBatch) {
       find_cubes(std::span(runs_).subspan(found));
       found = runs_.size();
     }
@@ -119,53 +131,54 @@ void PlaneGrid::find_runs(const std::vector<MapPoint>& points, double farthest_m
   std::erase_if(runs_, [](const Run& run) { return run.cube < 0; });
 }
 
-// What a run needs lies anywhere in memory, and is asked for before others are seen to.
-void PlaneGrid::insert(const std::vector<MapPoint>& points, double farthest_m, unsigned bit,
-                       std::vector<unsigned>& taken) {
-  find_runs(points, farthest_m);
+// The cube of a run may lie anywhere in memory: it is prefetched some runs ahead.
+void PlaneGrid::insert(const std::vector<MapPoint>& points, double max_range_m, unsigned bit,
+                       std::vector<unsigned>& grids) {
+  find_runs(points, max_range_m);
   for (std::size_t r = 0; r < runs_.size(); ++r) {
-    const Cube& later = cubes_[static_cast<std::size_t>(runs_[std::min(r + kAhead, runs_.size() - 1)].cube)];
+    const Cube& later =
+        cubes_[static_cast<std::size_t>(runs_[std::min(r + kPrefetchRuns, runs_.size() - 1)].cube)];
     __builtin_prefetch(&later, 1);
-    __builtin_prefetch(&later.sums.products.back(), 1);  // often in another line of the cache
+    __builtin_prefetch(&later.sums.products.back(), 1);  // often on another cache line
     const Run& run = runs_[r];
     Cube& cube = cubes_[static_cast<std::size_t>(run.cube)];
-    if (cube.coming <= static_cast<std::uint32_t>(kFull - cube.count)) {
-      cube.coming -= run.count;
-      take(points, run, bit, taken);
+    if (cube.pending <= static_cast<std::uint32_t>(kMaxPoints - cube.count)) {
+      cube.pending -= run.count;
+      add_run(points, run, bit, grids);
     } else {
       for (std::uint32_t i = run.begin; i < run.begin + run.count; ++i)
-        crowded_.push_back({i, static_cast<std::uint32_t>(run.cube)});
+        contested_.push_back({i, static_cast<std::uint32_t>(run.cube)});
     }
   }
-  take_crowded(points, bit, taken);
+  add_contested(points, bit, grids);
   runs_.clear();
   fit_planes();
 }
 
-// By pass, and within one in their order.
-void PlaneGrid::take_crowded(const std::vector<MapPoint>& points, unsigned bit,
-                             std::vector<unsigned>& taken) {
-  std::vector<std::size_t> next;  // place of each pass among them
-  for (const Crowded& one : crowded_) {
+// Points of cubes without room for all of them, sorted by pass (counting sort, stable).
+void PlaneGrid::add_contested(const std::vector<MapPoint>& points, unsigned bit,
+                              std::vector<unsigned>& grids) {
+  std::vector<std::size_t> next;  // where the next point of each pass goes
+  for (const Contested& one : contested_) {
     const std::size_t pass = points[one.point].pass;
     if (next.size() < pass + 2) next.resize(pass + 2, 0);
     ++next[pass + 1];
   }
   std::partial_sum(next.begin(), next.end(), next.begin());
-  by_pass_.resize(crowded_.size());
-  for (const Crowded& one : crowded_) by_pass_[next[points[one.point].pass]++] = one;
-  for (const Crowded& one : by_pass_) {
+  contested_by_pass_.resize(contested_.size());
+  for (const Contested& one : contested_) contested_by_pass_[next[points[one.point].pass]++] = one;
+  for (const Contested& one : contested_by_pass_) {
     Cube& cube = cubes_[one.cube];
-    cube.coming = 0;
-    if (cube.count < kFull)
-      take(points, {cube.key, one.point, 1, static_cast<std::int32_t>(one.cube)}, bit, taken);
+    cube.pending = 0;
+    if (cube.count < kMaxPoints)
+      add_run(points, {cube.key, one.point, 1, static_cast<std::int32_t>(one.cube)}, bit, grids);
   }
-  crowded_.clear();
-  by_pass_.clear();
+  contested_.clear();
+  contested_by_pass_.clear();
 }
 
-void PlaneGrid::take(const std::vector<MapPoint>& points, const Run& run, unsigned bit,
-                     std::vector<unsigned>& taken) {
+void PlaneGrid::add_run(const std::vector<MapPoint>& points, const Run& run, unsigned bit,
+                        std::vector<unsigned>& grids) {
   const auto number = static_cast<std::size_t>(run.cube);
   Cube& cube = cubes_[number];
   const Vector3d corner_0 = corner_of(run.key).array() + offset_m_;
@@ -174,21 +187,21 @@ void PlaneGrid::take(const std::vector<MapPoint>& points, const Run& run, unsign
     const MapPoint& point = points[i];
     sums.add(point.p_0[0] - corner_0[0], point.p_0[1] - corner_0[1], point.p_0[2] - corner_0[2], 1);
     cube.lines |= std::uint64_t{1} << (point.line & 63U);
-    taken[i] |= bit;
+    grids[i] |= bit;
   }
   cube.sums = sums;
   cube.count = static_cast<std::int16_t>(cube.count + static_cast<int>(run.count));
-  if (cube.count >= kFull) table_[slot_of(cube.key)].full = true;
-  if (!cube.waits && cube.count >= kFewest && cube.count >= kGrowth * cube.fitted) {
-    cube.waits = true;
+  if (cube.count >= kMaxPoints) table_[slot_of(cube.key)].full = true;
+  if (!cube.refit_pending && cube.count >= kMinPoints && cube.count >= kRefitGrowth * cube.fitted) {
+    cube.refit_pending = true;
     grown_.push_back(static_cast<std::uint32_t>(number));
   }
 }
 
 void PlaneGrid::fit_planes() {
   for (const std::uint32_t i : grown_) {
-    cubes_[i].waits = false;
-    if (std::popcount(cubes_[i].lines) >= kFewestLines) fit(i);
+    cubes_[i].refit_pending = false;
+    if (std::popcount(cubes_[i].lines) >= kMinLines) fit(i);
   }
   grown_.clear();
 }
@@ -233,7 +246,7 @@ void PlaneGrid::fit(std::size_t i) {
   Cube& cube = cubes_[i];
   cube.fitted = cube.count;
   planes_[i] = {};
-  if (cube.count < kFewest || std::popcount(cube.lines) < kFewestLines) return;
+  if (cube.count < kMinPoints || std::popcount(cube.lines) < kMinLines) return;
   const double n = cube.count;
   const Vector3d mean = Eigen::Map<const Vector3d>(cube.sums.first.data()) / n;
   Eigen::Matrix3d scatter;
@@ -243,10 +256,10 @@ void PlaneGrid::fit(std::size_t i) {
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
   solver.computeDirect(scatter);
   const Vector3d extent = solver.eigenvalues().cwiseMax(0);
-  // Three of the points' freedoms went into the plane.
+  // The fit of the plane took 3 degrees of freedom.
   const double thickness =
-      (n * extent[0] + kExpectedWeight * sigma_m_ * sigma_m_) / (n - 3 + kExpectedWeight);
-  if (extent[1] < kFlat * thickness) return;
+      (n * extent[0] + kNoisePriorPoints * sigma_m_ * sigma_m_) / (n - 3 + kNoisePriorPoints);
+  if (extent[1] < kMinFlatness * thickness) return;
   Plane plane;
   plane.mean = mean.cast<float>();
   plane.normal = solver.eigenvectors().col(0).cast<float>();
@@ -260,13 +273,13 @@ void PlaneGrid::fit(std::size_t i) {
   planes_[i] = plane;
 }
 
-// A face of the cube that is nearly parallel to the plane and close to it parts the points by their noise:
-// what is left lies on one side of the surface.
+// A face of the cube that is nearly parallel to the plane and close to it separates the points by their
+// noise: the points left in the cube lie on one side of the surface.
 bool PlaneGrid::is_cut(const Plane& plane) const {
   Eigen::Index axis = 0;
   const double across = plane.normal.cwiseAbs().maxCoeff(&axis);
-  const double from_face = std::min<double>(plane.mean[axis], cube_m_ - plane.mean[axis]);
-  return from_face * across < kCutSigmas * sigma_m_;
+  const double distance_to_face = std::min<double>(plane.mean[axis], cube_m_ - plane.mean[axis]);
+  return distance_to_face * across < kMinFaceDistanceSigmas * sigma_m_;
 }
 
 PlaneGrid::Candidate PlaneGrid::candidate_at(const Vector3d& q_0, const Place& place) const {

@@ -15,57 +15,63 @@
 
 namespace mapless::inline v1 {
 
-/// A plane fitted to the points of the map near some query point.
+/// A plane fitted to the points of one cube of the map, for one query point.
 struct MapPlane {
-  Eigen::Vector3d point_0;   ///< their mean
+  Eigen::Vector3d point_0;   ///< mean of the points [m]
   Eigen::Vector3d normal_0;  ///< unit length
-  /// Of the distance of a point at the query from the plane [m^2]: how thick the points lie about it, and how
-  /// well they know it there.
+  /// Variance of the distance of the query point from the plane [m^2]: the thickness of the points about the
+  /// plane, and the uncertainty of the plane at the query point (method.md section 6, "Map").
   double variance;
   double normal_variance;  ///< of the tilt of the normal [rad^2], mean of both directions
 };
 
 struct MapPoint {
-  Eigen::Vector3d p_0;
-  /// Numbers the points of one laser in one scan, which lie on a line on whatever they hit.
+  Eigen::Vector3d p_0;  ///< [m]
+  /// A number shared by the points of one laser in one scan, which lie on a line whatever surface they hit.
   unsigned line;
-  double range_m;     ///< from the sensor that saw it
-  unsigned pass = 0;  ///< a cube that cannot take all that come takes those of lower passes first
+  double range_m;     ///< from the sensor
+  unsigned pass = 0;  ///< a cube without room for all points takes those of lower passes first
 };
 
-/// Sums over the points of each cube of a hash table, and the plane they give. Nothing of a point is kept, so
-/// that it costs the same to ask for a plane of ten points or of a hundred. Sums are taken from the corner of
-/// the cube, so that precision does not fade far from the origin.
+/// A grid of cubes in a hash table. Each cube keeps the moments of its points and the plane fitted to them,
+/// but not the points, so that a query costs the same for ten points or a hundred. Moments are taken from the
+/// corner of the cube, so that their precision does not depend on the distance from the origin.
 class PlaneGrid {
  public:
-  static constexpr int kFewest = 6;       ///< points that give a plane
-  static constexpr int kFull = 120;       ///< a cube with that many takes no more
-  static constexpr int kFewestLines = 3;  ///< two parallel lines always lie on a plane, whatever they are of
+  /// Fewest points of a plane. Chosen: twice its degrees of freedom.
+  static constexpr int kMinPoints = 6;
+  /// A cube accepts no more points than this. Chosen: the standard error of the plane is then below a tenth
+  /// of the noise. Measured with 600: of two flying VLP-16 one errs by 0.073 for 0.107 deg per scan, the
+  /// other by 0.094 for 0.061 (docs/notebook/odometry.md, "How it starts").
+  static constexpr int kMaxPoints = 120;
+  /// Fewest lines (MapPoint::line) of a plane: two parallel lines always lie on a plane, whatever they are
+  /// of.
+  static constexpr int kMinLines = 3;
 
-  /// Cubes of `cube_m`, one corner at (offset_m, offset_m, offset_m). `sigma_m`: what is expected of the
-  /// noise of a point, believed like six points.
+  /// Cubes with sides of `cube_m`, one corner at (offset_m, offset_m, offset_m). `sigma_m` is the expected
+  /// noise of a point; it enters the thickness of a plane with the weight of six points.
   PlaneGrid(double cube_m, double offset_m, double sigma_m);
 
-  /// Takes the points that are no farther than `farthest_m` from their sensor, and sets `bit` in `taken` of
-  /// each. Not taken are those whose cube is full, or farther than 2^20 cubes from the origin. The faster,
-  /// the more points of one cube follow one another.
-  void insert(const std::vector<MapPoint>& points, double farthest_m, unsigned bit,
-              std::vector<unsigned>& taken);
-  /// Takes out points that `insert` took, where their cubes are still there.
+  /// Adds the points that are at most `max_range_m` from their sensor, and sets `bit` in `grids` of each
+  /// point added. A point is not added if its cube is full, or farther than 2^20 cubes from the origin.
+  /// Faster if consecutive points share a cube.
+  void insert(const std::vector<MapPoint>& points, double max_range_m, unsigned bit,
+              std::vector<unsigned>& grids);
+  /// Removes points that `insert` added, if their cubes still exist.
   void remove(const std::vector<Eigen::Vector3d>& points_0);
-  /// Forgets the cubes whose corner is farther from `centre_0`.
+  /// Removes the cubes whose corner is farther than `radius_m` from `centre_0`.
   void keep_within(const Eigen::Vector3d& centre_0, double radius_m);
   void clear();
 
-  /// Plane of the points in the cube of `q_0`. None where they are too few, of too few lines, lie on a line
-  /// or all about, or where the faces of the cube cut the plane's noise.
+  /// The plane of the cube of `q_0`. None if its points are too few, on too few lines, along one line or
+  /// scattered in all directions, or if a face of the cube cuts through the noise of the plane.
   [[nodiscard]] std::optional<MapPlane> plane_at(const Eigen::Vector3d& q_0) const;
 
-  /// The cube of a point. What is kept of a cube lies anywhere in memory: where several points are asked for,
-  /// fetch_slot of all of them, then fetch_plane, has it at hand for candidate_at.
+  /// The cube of a point. Cubes lie anywhere in memory: for many queries, call fetch_slot for all of them,
+  /// then fetch_plane, then candidate_at, so that the loads overlap.
   struct Place {
     std::uint64_t key;
-    std::int32_t cube = -1;  ///< by fetch_plane; none where it is less than 0
+    std::int32_t cube = -1;  ///< set by fetch_plane; negative if there is no such cube
   };
   [[nodiscard]] Place place_of(const Eigen::Vector3d& p_0) const {
     return {cube_key(in_cubes(p_0.x()), in_cubes(p_0.y()), in_cubes(p_0.z()))};
@@ -78,19 +84,19 @@ class PlaneGrid {
     place.cube = table_[slot_of(place.key)].cube;
     if (place.cube >= 0) __builtin_prefetch(&planes_[static_cast<std::size_t>(place.cube)]);
   }
-  /// The plane at a point, as long as the grid stays as it is, and how good it is there (MapPlane::variance);
-  /// plane_of is all of it.
+  /// The variance of the plane at a query point (MapPlane::variance), infinite if there is none. plane_of()
+  /// gives the plane itself. Valid until the grid changes.
   struct Candidate {
     Place place{};
     double variance = std::numeric_limits<double>::infinity();
   };
   [[nodiscard]] Candidate candidate_at(const Eigen::Vector3d& q_0, const Place& place) const;
   [[nodiscard]] MapPlane plane_of(const Candidate& candidate) const;
-  /// How far a point is from the nearest face of its cube [m].
-  [[nodiscard]] double from_face(const Eigen::Vector3d& p_0) const {
+  /// Distance of a point from the nearest face of its cube [m].
+  [[nodiscard]] double distance_to_face(const Eigen::Vector3d& p_0) const {
     const auto off = [&](double p) {
       const double at = in_cubes(p);
-      return std::abs(at - nearest_whole(at));
+      return std::abs(at - nearest_integer(at));
     };
     return cube_m_ * (0.5 - std::max({off(p_0.x()), off(p_0.y()), off(p_0.z())}));
   }
@@ -98,16 +104,16 @@ class PlaneGrid {
   [[nodiscard]] std::size_t cubes() const { return cubes_.size(); }
 
  private:
-  // Apart from the sums, so that a query touches one line of the cache.
+  // Apart from the moments, so that a query touches one cache line.
   struct alignas(64) Plane {
-    Eigen::Vector3f mean = Eigen::Vector3f::Zero();  // from the corner
+    Eigen::Vector3f mean = Eigen::Vector3f::Zero();  // from the corner of the cube
     Eigen::Vector3f normal = Eigen::Vector3f::Zero();
     Eigen::Vector3f middle = Eigen::Vector3f::Zero();  // direction of medium extent
     float thickness = 0;                               // variance across the plane
     float uncertainty = 0;                             // variance of the plane at its mean; 0: no plane
     float per_middle = 0, per_largest = 0;  // its growth with the square of the distance from the mean
   };
-  // From the corner of a cube.
+  // Moments of the points, from the corner of their cube.
   struct Sums {
     std::array<double, 3> first = {};
     std::array<double, 6> products = {};  // xx, xy, xz, yy, yz, zz
@@ -116,41 +122,43 @@ class PlaneGrid {
   };
   struct Cube {
     std::uint64_t key;
-    std::uint64_t lines = 0;   // bits, the numbers modulo 64
-    std::uint32_t coming = 0;  // points, while `insert` is at work
+    std::uint64_t lines = 0;    // bit (line modulo 64) is set for each line
+    std::uint32_t pending = 0;  // points that the running insert() has yet to add
     std::int16_t count = 0;
-    std::int16_t fitted = 0;  // count when the plane was fitted
-    bool waits = false;       // for its plane to be fitted, in grown_
+    std::int16_t fitted = 0;     // `count` when the plane was fitted
+    bool refit_pending = false;  // the cube is in grown_
     Sums sums;
   };
   struct Slot {
     std::uint64_t key = 0;
     std::int32_t cube = -1;  // index into cubes_ and planes_, -1 for empty
-    bool full = false;       // the cube, which need not be looked at then
+    bool full = false;       // copied from the cube, which need not be read then
   };
 
-  // From the middle of the cube at the offset.
+  // In cube sides, from the middle of the cube whose corner is the offset.
   [[nodiscard]] double in_cubes(double coordinate) const { return (coordinate - middle_m_) * cubes_per_m_; }
   [[nodiscard]] Eigen::Vector3d from_origin(const Eigen::Vector3d& p_0) const;
-  [[nodiscard]] Eigen::Vector3d corner_of(std::uint64_t key) const;  // from the origin
-  // Points of `insert` that follow one another and lie in one cube.
+  [[nodiscard]] Eigen::Vector3d corner_of(std::uint64_t key) const;  // from the offset
+  // Consecutive points of insert() in the same cube.
   struct Run {
     std::uint64_t key;
     std::uint32_t begin;
     std::uint32_t count;
-    std::int32_t cube = -1;  // none that takes more
+    std::int32_t cube = -1;  // negative if it is full
   };
-  struct Crowded {
+  // A point whose cube may not have room for all points.
+  struct Contested {
     std::uint32_t point;
     std::uint32_t cube;
   };
   [[nodiscard]] std::int32_t open_cube(std::uint64_t key);
-  void find_runs(const std::vector<MapPoint>& points, double farthest_m);
+  void find_runs(const std::vector<MapPoint>& points, double max_range_m);
   void find_cubes(std::span<Run> runs);
-  void take(const std::vector<MapPoint>& points, const Run& run, unsigned bit, std::vector<unsigned>& taken);
-  void take_crowded(const std::vector<MapPoint>& points, unsigned bit, std::vector<unsigned>& taken);
+  void add_run(const std::vector<MapPoint>& points, const Run& run, unsigned bit,
+               std::vector<unsigned>& grids);
+  void add_contested(const std::vector<MapPoint>& points, unsigned bit, std::vector<unsigned>& grids);
   void fit_planes();
-  /// Of the cube, or an empty one.
+  // The slot of the cube, or the empty slot where it belongs.
   [[nodiscard]] std::size_t slot_of(std::uint64_t key) const {
     const std::size_t mask = table_.size() - 1;
     std::size_t slot = cube_slot(key, shift_);
@@ -163,12 +171,12 @@ class PlaneGrid {
   [[nodiscard]] bool is_cut(const Plane& plane) const;
 
   double cube_m_, cubes_per_m_, offset_m_, middle_m_, sigma_m_;
-  std::vector<Cube> cubes_;    // in the order they came
-  std::vector<Plane> planes_;  // of each
-  std::vector<std::uint32_t> grown_;
-  // Empty but while `insert` is at work: all runs, and the points that their cubes may not have room for.
+  std::vector<Cube> cubes_;           // in the order of their creation
+  std::vector<Plane> planes_;         // one per cube
+  std::vector<std::uint32_t> grown_;  // cubes whose plane is due to be fitted again
+  // Used within insert() alone.
   std::vector<Run> runs_;
-  std::vector<Crowded> crowded_, by_pass_;
+  std::vector<Contested> contested_, contested_by_pass_;
   std::vector<Slot> table_;  // size a power of two
   int shift_ = 0;            // leaves the high bits of the hash
 };

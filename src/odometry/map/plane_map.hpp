@@ -10,42 +10,52 @@
 
 namespace mapless::inline v1 {
 
-/// What a map that stays as it is has near a point.
-struct PlaneNear {
-  std::optional<MapPlane> plane;
-  Eigen::Vector3d asked_0 = Eigen::Vector3d::Zero();
-  double holds_m = -1;  ///< so far about asked_0 the map has no other plane, and hardly another variance
+// map/ is the rolling map of planes. Points of registered scans, in the world frame, go in; the plane nearest
+// to a query point, with its variance, comes out. The result depends on the order of insertion alone. Only
+// MappedTrajectory inserts and removes points.
 
-  [[nodiscard]] bool holds_at(const Eigen::Vector3d& p_0) const {
-    return (p_0 - asked_0).cwiseAbs().maxCoeff() < holds_m;
+/// The plane that a map has for a query point.
+struct CachedPlane {
+  std::optional<MapPlane> plane;
+  Eigen::Vector3d query_0 = Eigen::Vector3d::Zero();
+  /// Within this distance of query_0 along every axis, the same map has the same plane, of nearly the same
+  /// variance. Negative: nothing cached.
+  double valid_within_m = -1;
+
+  [[nodiscard]] bool valid_at(const Eigen::Vector3d& p_0) const {
+    return (p_0 - query_0).cwiseAbs().maxCoeff() < valid_within_m;
   }
 };
 
-/// Planes of the world at several sizes, fine ones where points are dense and surfaces small, coarse ones for
-/// sparse points and large surfaces. What is in it depends on the order of insertion alone.
+/// Planes at several scales: fine ones for dense points and small surfaces, coarse ones for sparse points and
+/// large surfaces (method.md section 6, "Map").
 class PlaneMap {
  public:
   static constexpr std::size_t kGrids = 4;
-  static constexpr std::array<double, kGrids> kCubes = {0.5, 1.0, 2.0, 4.0};  ///< [m]
+  /// Cube sides [m]. Chosen: octaves from the smallest surface that a lidar resolves at 60 m to the largest
+  /// cube that a wall or a road fills.
+  static constexpr std::array<double, kGrids> kCubes = {0.5, 1.0, 2.0, 4.0};
 
-  /// `scale` times the cubes, the finest `grids` of them; `sigma_m` is the noise expected of a point.
+  /// The finest `grids` grids, their cubes `scale` times as large. `sigma_m` is the expected noise of a
+  /// point.
   explicit PlaneMap(double sigma_m, double scale = 1, std::size_t grids = kGrids);
 
-  /// For each point, bits: the grids that took it. One farther than so many cubes from the sensor is too
-  /// sparse there for a fine grid and left to the coarser ones.
+  /// Returns for each point the grids that accepted it, bit g for grid g. A fine grid does not accept points
+  /// from far away, where they are too sparse for its cubes.
   std::vector<unsigned> insert(const std::vector<MapPoint>& points);
-  struct TakenPoint {
+  struct InsertedPoint {
     Eigen::Vector3d p_0;
-    unsigned taken;  ///< by which grids, as insert returned it
+    unsigned grids;  ///< as insert() returned them
   };
-  /// Takes out points again.
-  void remove(const std::vector<TakenPoint>& points);
+  /// Removes points that insert() accepted.
+  void remove(const std::vector<InsertedPoint>& points);
   void keep_within(const Eigen::Vector3d& centre_0, double radius_m);
   void clear();
 
-  /// The finest plane at every point that is not much worse than the noise of a point, else the best there
-  /// is; one of `planes` for each of the points. Those that hold already stay as they are.
-  void find_planes(std::span<const Eigen::Vector3d> points_0, std::span<PlaneNear> planes) const;
+  /// Finds for every point the finest plane whose variance is not much larger than the noise of a point, else
+  /// the plane with the smallest variance. `planes` has one element per point; one that is still valid at its
+  /// point is kept.
+  void find_planes(std::span<const Eigen::Vector3d> points_0, std::span<CachedPlane> planes) const;
 
   [[nodiscard]] std::size_t cubes() const;
 

@@ -9,8 +9,12 @@
 namespace mapless::inline v1 {
 namespace {
 
-// So many that half of one, moved through to first order, errs by less than 0.1 mm at 200 deg/s and 30 m.
+// The scan is divided into steps of equal duration; within one the motion is taken to first order. Half a
+// step then errs by less than 0.01 mm at 200 deg/s and 30 m (10 Hz): (w t)^2 / 2 x range.
 constexpr std::int64_t kStepsPerScan = 256;
+
+// Points per parallel task: some tens of microseconds of work. Changes no result.
+constexpr std::size_t kPointsPerTask = 4096;
 
 struct Step {
   SE3 T_0v;
@@ -37,7 +41,7 @@ std::vector<MapPoint> points_in_world(const std::vector<ScanPoint>& points, Time
     steps[static_cast<std::size_t>(s)] = {state.T_v0.inverse(), state.varpi};
   }
   std::vector<MapPoint> out(points.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, out.size(), 4096), [&](const auto& range) {
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, out.size(), kPointsPerTask), [&](const auto& range) {
     for (std::size_t i = range.begin(); i < range.end(); ++i) {
       const ScanPoint& p = points[i];
       const std::int64_t s = (p.time_ns - first_ns) / width_ns;

@@ -10,8 +10,8 @@
 
 namespace mapless::inline v1 {
 
-/// Points of a scan in the world frame, every one from the pose at its own instant between two knots. Their
-/// lines are `first_line` and the laser's number.
+/// Transforms the points of a scan to the world frame, each with the pose at its own instant between knots
+/// `k1` and `k2`. MapPoint::line is `first_line` plus the number of the laser.
 [[nodiscard]] std::vector<MapPoint> points_in_world(const std::vector<ScanPoint>& points, Time scan_start,
                                                     const TrajectoryKnot& k1, const TrajectoryKnot& k2,
                                                     unsigned first_line = 0);

@@ -4,12 +4,15 @@
 
 namespace mapless::inline v1 {
 
-/// How well the points hold each direction of translation of the whole scan, T_v0 being the sensor at the
-/// scan's end. Directions with a share below `min_share` count as held by the prior.
-[[nodiscard]] Degeneracy find_degeneracy(const std::vector<BinSums>& sums, const SE3& T_v0, double min_share);
+/// Analyses how well the inliers of a scan constrain each direction of translation of the whole scan. `T_v0`
+/// is the pose at the scan's end. A direction is unconstrained if its constraint ratio is below `min_ratio`
+/// plus 1.5 times the ratio that the noise of the plane normals produces by itself (method.md section 6,
+/// "Degeneracy").
+[[nodiscard]] Degeneracy find_degeneracy(const std::vector<BinSums>& sums, const SE3& T_v0, double min_ratio);
 
-/// Takes what the points say of the directions held by the prior out of their sums, so that a motion of the
-/// whole scan along them (with the rotation that goes with it) costs nothing.
-void leave_to_prior(const Degeneracy& degeneracy, const SE3& T_v0, std::vector<BinSums>& sums);
+/// Projects the unconstrained directions out of the sums of every bin: a translation of the whole scan along
+/// them, with the rotation that follows it, then has no cost, so that the motion prior alone estimates it
+/// (solution remapping: Zhang, Kaess and Singh, ICRA 2016).
+void project_out_unconstrained(const Degeneracy& degeneracy, const SE3& T_v0, std::vector<BinSums>& sums);
 
 }  // namespace mapless

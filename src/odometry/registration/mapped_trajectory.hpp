@@ -11,66 +11,72 @@
 
 namespace mapless::inline v1 {
 
-/// Numbers of the lines (PlaneGrid::insert) of two scans: odd, so that they fall apart.
-inline constexpr unsigned kLinesApart = 29;
+/// Offset between the line numbers (MapPoint::line) of consecutive scans. A cube keeps the numbers modulo 64,
+/// so that the offset must be odd: 64 scans then give one laser 64 different numbers. Chosen: 29 lines
+/// between a laser and itself one scan later.
+inline constexpr unsigned kLineStride = 29;
 
-/// What odometry uses of a scan.
+/// The part of a scan that the odometry uses.
 struct UsableScan {
-  std::vector<ScanPoint> points;
-  TimeBins bins;                            ///< of its keypoints
+  std::vector<ScanPoint> points;            ///< for the map
+  TimeBins bins;                            ///< of the keypoints, for registration
   std::shared_ptr<const SeenThrough> seen;  ///< null once the odometry has started
   Time start;
-  std::size_t interval = 0;  ///< the knot at its start
+  std::size_t interval = 0;  ///< number of the knot at its start
 };
 
-/// What the map took of a scan.
+/// The points of a scan that the map has accepted.
 struct InsertedScan {
   struct Point {
     Eigen::Vector3d p_0;
-    std::uint32_t return_index;
-    unsigned taken;  ///< by which grids
+    std::uint32_t return_index;  ///< in LidarScan::returns
+    unsigned grids;              ///< bits, as PlaneMap::insert returns them
   };
   Time start;
   std::vector<Point> points;
 };
 
-/// The end of the scan, or its last return where that is later.
+/// The end of the scan, or its last return if that is later.
 [[nodiscard]] Time end_of(const LidarScan& scan);
 
-/// Of a scan whose sensor is at the origin by definition, and may move as it likes.
-[[nodiscard]] WindowPrior prior_of_first(const TrajectoryKnot& knot);
+/// The prior of the first knot: at the origin by definition, with almost any velocity.
+[[nodiscard]] WindowPrior origin_prior(const TrajectoryKnot& knot);
 
-/// Where a knot is at another time if it keeps its velocity.
+/// `knot` moved to time `t` with constant velocity.
 [[nodiscard]] TrajectoryKnot predicted(const TrajectoryKnot& knot, Time t);
 
-/// False for a registration that leaves the prediction so far that it must have found something else.
+/// False if a registration is so far from the prediction that its association must be wrong.
 [[nodiscard]] bool is_plausible(const TrajectoryKnot& found, const TrajectoryKnot& prediction);
 
-/// A trajectory as far as it is known, and the map that its scans made.
+/// A trajectory and the map built along it: a sliding window of open knots, all older ones final.
 struct MappedTrajectory {
-  explicit MappedTrajectory(double sigma_m) : map(sigma_m) {}
+  explicit MappedTrajectory(double point_sigma_m) : map(point_sigma_m) {}
 
   std::vector<TrajectoryKnot> knots;
   std::size_t window_begin = 0;  ///< first knot that can still change
-  WindowPrior prior;             ///< of the knots from there on, the last one not always among them
-  /// All knots but the last kKnotsKept; not before the motion of the first scan is known.
+  WindowPrior prior;             ///< of the knots from there on; it may lack the last ones
+  /// Whether accept() marginalises all but the last kWindowKnots knots. False until the motion of the first
+  /// scan is known.
   bool marginalises = false;
   PlaneMap map;
 
   [[nodiscard]] std::vector<TrajectoryKnot> window() const {
     return {knots.begin() + static_cast<std::ptrdiff_t>(window_begin), knots.end()};
   }
-  /// With the density of the motion so far, the last knot not yet known.
-  [[nodiscard]] RegistrationSettings with_own_density(RegistrationSettings settings) const;
-  /// A knot at `end`, that of the scan (end_of), and one at its start where scans are missing before it.
+  /// `settings` with the density of the motion so far. The last knot is a prediction and left out.
+  [[nodiscard]] RegistrationSettings with_observed_density(RegistrationSettings settings) const;
+  /// Appends a knot at `end`, which is end_of(scan), predicted with constant velocity; and one at the start
+  /// of the scan if scans are missing before it.
   void append_knots(const LidarScan& scan, Time end);
+  /// Takes over the knots of a registration of window(), and its posterior as the next prior.
   void accept(const Registration& registration);
-  /// The last knot as the prior has it; its covariance, or 0 where that cannot be told.
-  Matrix12d carry_by_prior(const RegistrationSettings& settings);
-  /// Forgets what is known of the motion but for the place of this knot; those before it stay as they are.
-  void begin_anew_at(std::size_t interval);
+  /// Estimates the last knot with the motion prior alone. Returns its covariance, 0 if there is no solution.
+  Matrix12d extrapolate_with_prior(const RegistrationSettings& settings);
+  /// Restarts the window at this knot: its pose stays, its velocity becomes unknown. Earlier knots are final.
+  void restart_window_at(std::size_t interval);
 
   void insert(const UsableScan& scan, double map_radius_m);
+  /// As LidarOdometry::remove_dynamic_points.
   void remove_dynamic_points(const LidarScan& scan, const std::vector<std::uint16_t>& object);
   void clear_map();
 

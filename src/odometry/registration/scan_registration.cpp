@@ -7,75 +7,84 @@
 namespace mapless::inline v1 {
 namespace {
 
-// A step is small when it moves the last pose less than this.
-constexpr double kSmallTranslation = 1e-3;
-constexpr double kSmallRotation = 1e-4;
-// The loss begins as much wider and is halved every step: a bad prediction puts all points far off.
+// A step is small if it moves every pose by less than this. Chosen: a twentieth of the range noise (0.02 m),
+// and the angle that moves a point at 10 m by as much.
+constexpr double kSmallTranslation_m = 1e-3;
+constexpr double kSmallRotation_rad = 1e-4;
+// The Cauchy scale begins 8 / 2 = 4 times as wide and is halved before every step: with a poor prediction all
+// points are far from their planes (graduated non-convexity; method.md section 6, "Map").
 constexpr double kFirstWidening = 8;
-// For a motion out of the ordinary: the gate begins as much wider, the density of the prior is larger.
+// For an unexpected motion: the gate begins this much wider, 2 m at first, and the density of the prior is
+// larger. Chosen: 30 times the density allows sqrt(30) = 5.5 times the change of velocity.
 constexpr double kWideGate = 4;
 constexpr double kWideDensity = 30;
 
 bool is_small(const Vector12d& step, double scale) {
-  return step.head<3>().norm() < scale * kSmallTranslation &&
-         step.segment<3>(3).norm() < scale * kSmallRotation;
+  return step.head<3>().norm() < scale * kSmallTranslation_m &&
+         step.segment<3>(3).norm() < scale * kSmallRotation_rad;
 }
 
 }  // namespace
 
-bool are_small(const std::vector<Vector12d>& steps, double scale) {
+bool has_converged(const std::vector<Vector12d>& steps, double scale) {
   return std::all_of(steps.begin(), steps.end(), [&](const Vector12d& s) { return is_small(s, scale); });
 }
 
-bool improve(const WindowPrior& prior, const TimeBins& bins, const PlaneMap& map,
-             const RegistrationSettings& settings, std::vector<PlaneNear>& planes,
-             Registration& registration) {
+bool gauss_newton_step(const WindowPrior& prior, const TimeBins& bins, const PlaneMap& map,
+                       const RegistrationSettings& settings, std::vector<CachedPlane>& planes,
+                       Registration& registration) {
   std::vector<TrajectoryKnot>& knots = registration.knots;
   const std::size_t last = knots.size() - 1;
   const SE3& T_v0 = knots[last].T_v0;
+  // Points: association and point-to-plane residuals by time bin, without unconstrained directions (method.md
+  // 6).
   auto sums = sum_residuals(bins, KnotInterval(knots[last - 1], knots[last]), map, settings.weights, planes);
   const Degeneracy degeneracy = find_degeneracy(sums, T_v0, settings.min_constraint_ratio);
-  leave_to_prior(degeneracy, T_v0, sums);
+  project_out_unconstrained(degeneracy, T_v0, sums);
 
+  // Normal equations: the prior of the window, the white-noise-on-acceleration prior between the knots that
+  // it does not cover (Anderson and Barfoot, IROS 2015; method.md 3), and the points.
   WindowSystem system(knots.size());
   add_window_prior(prior, knots, 0, system);
-  // Between knots of the prior it has what is known of the motion.
   for (std::size_t k = prior.mean.size() - 1; k < last; ++k)
     add_motion_prior(knots, k, settings.density, system);
-  add_points(sums, last - 1, kPointShare, system);
+  add_points(sums, last - 1, kInformationRatio, system);
   const auto solution = solve(system);
   if (!solution) return false;
 
+  // The step, and the posterior of the open knots with all older ones marginalised.
   for (std::size_t k = 0; k <= last; ++k) knots[k] = perturbed(knots[k], solution->step[k]);
   registration.last_information = solution->information.back();
-  registration.known = prior_of_last(kKnotsKept, knots, system, *solution);
+  registration.posterior = marginal_of_last(kWindowKnots, knots, system, *solution);
   registration.degeneracy = degeneracy;
-  registration.matched = 0;
-  registration.agreement = 0;
+  registration.inliers = 0;
+  registration.soft_inliers = 0;
   for (const BinSums& bin : sums) {
-    registration.matched += bin.matched;
-    registration.agreement += bin.agreement;
+    registration.inliers += bin.inliers;
+    registration.soft_inliers += bin.soft_inliers;
   }
-  registration.converged = are_small(solution->step);
+  registration.converged = has_converged(solution->step);
   ++registration.iterations;
   return true;
 }
 
 namespace {
 
-// Gate and loss begin `widening` times as wide and are halved, each down to its own.
-std::optional<Registration> narrowing(std::vector<TrajectoryKnot> knots, const WindowPrior& prior,
-                                      const TimeBins& bins, const PlaneMap& map,
-                                      const RegistrationSettings& settings, double loss, double gate) {
+// Gauss-Newton with a loss and a gate that begin `loss` and `gate` times as wide and are halved every step,
+// down to their own size.
+std::optional<Registration> register_annealed(std::vector<TrajectoryKnot> knots, const WindowPrior& prior,
+                                              const TimeBins& bins, const PlaneMap& map,
+                                              const RegistrationSettings& settings, double loss,
+                                              double gate) {
   Registration out;
   out.knots = std::move(knots);
   RegistrationSettings level = settings;
-  std::vector<PlaneNear> planes;
+  std::vector<CachedPlane> planes;
   while (!(out.converged && loss <= 1 && gate <= 1) && out.iterations < settings.max_iterations) {
     loss = std::max(1.0, loss / 2);
     level.weights.robust_sigmas = loss * settings.weights.robust_sigmas;
     level.weights.gate_m = gate * settings.weights.gate_m;
-    if (!improve(prior, bins, map, level, planes, out)) return std::nullopt;
+    if (!gauss_newton_step(prior, bins, map, level, planes, out)) return std::nullopt;
     gate = std::max(1.0, gate / 2);
   }
   return out;
@@ -86,19 +95,20 @@ std::optional<Registration> narrowing(std::vector<TrajectoryKnot> knots, const W
 std::optional<Registration> register_scan(std::vector<TrajectoryKnot> knots, const WindowPrior& prior,
                                           const TimeBins& bins, const PlaneMap& map,
                                           const RegistrationSettings& settings) {
-  return narrowing(std::move(knots), prior, bins, map, settings, kFirstWidening, 1);
+  return register_annealed(std::move(knots), prior, bins, map, settings, kFirstWidening, 1);
 }
 
-std::optional<Registration> register_widely(std::vector<TrajectoryKnot> knots, const WindowPrior& prior,
-                                            const TimeBins& bins, const PlaneMap& map,
-                                            const RegistrationSettings& settings) {
+std::optional<Registration> register_with_wide_gate(std::vector<TrajectoryKnot> knots,
+                                                    const WindowPrior& prior, const TimeBins& bins,
+                                                    const PlaneMap& map,
+                                                    const RegistrationSettings& settings) {
   RegistrationSettings loose = settings;
   loose.density.translation *= kWideDensity;
   loose.density.rotation *= kWideDensity;
   const auto found =
-      narrowing(std::move(knots), prior, bins, map, loose, kWideGate * kFirstWidening, kWideGate);
+      register_annealed(std::move(knots), prior, bins, map, loose, kWideGate * kFirstWidening, kWideGate);
   if (!found) return std::nullopt;
-  return narrowing(found->knots, prior, bins, map, settings, 1, 1);
+  return register_annealed(found->knots, prior, bins, map, settings, 1, 1);
 }
 
 }  // namespace mapless

@@ -9,26 +9,27 @@
 
 namespace mapless::inline v1 {
 
-/// How distances of points from planes count.
+/// Weights of the point-to-plane residuals.
 struct PointWeights {
-  double gate_m;         ///< farther points are not matched
+  double gate_m;         ///< a point farther from its plane is an outlier, of weight 0
   double robust_sigmas;  ///< scale of the Cauchy loss, in standard deviations of the distance
 };
 
-/// Keypoints of a scan, by time, in bins short enough for the motion inside one to be linear.
+/// The keypoints of a scan in bins of equal duration, by increasing time. A bin is short enough for the
+/// motion within it to be linear to first order (method.md section 6).
 class TimeBins {
  public:
-  /// `keypoints` by time; those before `earliest` are left out.
+  /// `keypoints` by increasing time. Those before `earliest` are dropped.
   TimeBins(const std::vector<ScanPoint>& keypoints, Time scan_start, Time earliest);
 
   struct Bin {
-    Time time;          ///< its middle
-    std::size_t begin;  ///< keypoints [begin, end)
+    Time time;          ///< the middle of the bin
+    std::size_t begin;  ///< its points are [begin, end) of points()
     std::size_t end;
   };
   struct Point {
-    Eigen::Vector3d position_v;
-    double dt;  ///< after the middle of its bin [s]
+    Eigen::Vector3d position_v;  ///< sensor frame at the point's own instant [m]
+    double dt;                   ///< time since the middle of its bin [s]
   };
   [[nodiscard]] const std::vector<Bin>& bins() const { return bins_; }
   [[nodiscard]] const std::vector<Point>& points() const { return points_; }
@@ -38,41 +39,43 @@ class TimeBins {
   std::vector<Point> points_;
 };
 
-/// One matched point: residual e = e_0 - a . d, where d is the left perturbation of the pose of its bin.
+/// The linearised residual of one point: e = error_m - a . d, where d is the left perturbation of the pose of
+/// its bin.
 struct PointResidual {
   Vector6d a = Vector6d::Zero();
-  double error_m = 0;
-  double weight = 0;     ///< information and robust loss together; 0: not matched
-  double agreement = 0;  ///< share of the weight that the robust loss leaves, 0 to 1
-  double spurious = 0;   ///< weight x variance of the tilt of the normal
+  double error_m = 0;        ///< signed distance from the plane
+  double weight = 0;         ///< robust_weight / variance of the distance [1/m^2]; 0 for an outlier
+  double robust_weight = 0;  ///< of the Cauchy loss: 1 on the plane, towards 0 far from it
+  double normal_noise = 0;   ///< weight x variance of the tilt of the normal
 };
 
-/// Distance of `p_v`, measured at the instant of `T_v0`, from the plane.
+/// The residual of `p_v`, measured at the instant of `T_v0`.
 [[nodiscard]] PointResidual point_residual(const Eigen::Vector3d& p_v, const SE3& T_v0, const MapPlane& plane,
                                            const PointWeights& weights);
 
-/// Sums over the points of one bin: sum w a a^T, and the gradient -sum w a e_0.
+/// Sums over the inliers of one bin.
 struct BinSums {
-  SE3 T_v0;
+  SE3 T_v0;  ///< at the middle of the bin
   Matrix6x24d pose_jacobian;
-  Matrix6d information = Matrix6d::Zero();
-  Vector6d gradient = Vector6d::Zero();
+  Matrix6d information = Matrix6d::Zero();  ///< sum of weight a a^T
+  Vector6d gradient = Vector6d::Zero();     ///< sum of -weight a error_m
   double weight = 0;
-  double agreement = 0;
-  double spurious = 0;
-  int matched = 0;
+  double soft_inliers = 0;  ///< sum of robust weights, 0 to `inliers`
+  double normal_noise = 0;
+  int inliers = 0;  ///< points within the gate of a plane
 
   void add(const PointResidual& residual);
 };
 
-/// Finds a plane for every point, in `planes` where that of the last time still holds (empty: there is none
-/// yet), and sums their residuals, bin by bin in the order of points: the same bits for any number of
-/// threads.
+/// Associates every point with a plane of the map and sums the residuals bin by bin, in the order of the
+/// points, so that the result does not depend on the number of threads. `planes` caches the association from
+/// one iteration to the next; pass an empty vector at first, and whenever the map is another one.
 [[nodiscard]] std::vector<BinSums> sum_residuals(const TimeBins& bins, const KnotInterval& interval,
                                                  const PlaneMap& map, const PointWeights& weights,
-                                                 std::vector<PlaneNear>& planes);
+                                                 std::vector<CachedPlane>& planes);
 
-/// Adds the sums of the bins between knots k and k + 1, of whose information `share` is believed.
-void add_points(const std::vector<BinSums>& sums, std::size_t k, double share, WindowSystem& system);
+/// Adds the sums of the bins between knots k and k + 1 to the normal equations, times `information_ratio`.
+void add_points(const std::vector<BinSums>& sums, std::size_t k, double information_ratio,
+                WindowSystem& system);
 
 }  // namespace mapless

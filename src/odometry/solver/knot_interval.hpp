@@ -6,21 +6,23 @@ namespace mapless::inline v1 {
 
 using Matrix6x24d = Eigen::Matrix<double, 6, 24>;
 
-/// The interval between two knots, with derivatives to the perturbations (pose 1, varpi 1, pose 2, varpi 2)
-/// of its ends (method.md section 3). The derivative of J^-1(xi) varpi_2 to xi is that of the series of J^-1
-/// to its third order, which errs by |rotation of xi|^3 / 180.
+/// The posterior mean between two knots (Anderson and Barfoot, IROS 2015; method.md section 3), with its
+/// derivatives with respect to the perturbations of both ends, in the order pose 1, varpi 1, pose 2, varpi 2.
+/// The derivative of J^-1(xi) varpi_2 with respect to xi is that of the series of J^-1 up to third order; its
+/// error is |rotation of xi|^3 / 180.
 class KnotInterval {
  public:
   KnotInterval(const TrajectoryKnot& k1, const TrajectoryKnot& k2);
 
   struct State {
     TrajectoryState state;
-    Matrix6x24d pose_jacobian;  ///< left perturbation of T_v0(t)
+    Matrix6x24d pose_jacobian;  ///< of the left perturbation of T_v0(t)
   };
-  /// As interpolate(); also a little outside the interval.
+  /// The same state as interpolate(). `t` may lie slightly outside the interval: a laser may fire before its
+  /// column.
   [[nodiscard]] State at(Time t) const;
 
-  [[nodiscard]] double dt() const { return dt_; }
+  [[nodiscard]] double dt() const { return dt_; }  ///< [s]
   /// xi = ln(T_2 T_1^-1), and J^-1(xi) varpi_2.
   [[nodiscard]] const Vector6d& xi() const { return xi_; }
   [[nodiscard]] const Vector6d& velocity_2() const { return velocity_2_; }

@@ -6,11 +6,11 @@
 
 namespace mapless::inline v1 {
 
-/// How much the velocity of a sensor has changed of late, as the density that the motion prior is to have for
-/// it: a car on a motorway and a sensor in the hand differ by a factor of a thousand. Taken from the mean
-/// velocities of whole intervals between knots, which the points hold far better than the velocities of the
-/// knots. `expected` counts like two of them.
-[[nodiscard]] AccelerationDensity density_of(std::span<const TrajectoryKnot> knots,
-                                             const AccelerationDensity& expected);
+/// Estimates the power spectral density of the acceleration over the last 20 intervals between knots, for the
+/// motion prior of the next scan: a car on a motorway and a hand-held sensor differ by a factor of a thousand
+/// (method.md section 6, "Qc"). It uses the mean velocity of each interval, which the points constrain far
+/// better than the velocity at a knot. `expected` enters the mean with the weight of two intervals.
+[[nodiscard]] AccelerationDensity estimate_density(std::span<const TrajectoryKnot> knots,
+                                                   const AccelerationDensity& expected);
 
 }  // namespace mapless

@@ -28,8 +28,8 @@ Eigen::Matrix<double, 12, 24> motion_jacobian(const TrajectoryKnot& k1, const Tr
   return J;
 }
 
-// Q^-1 of one group is that of the change of velocity, (0, 0; 0, 1/dt) / Qc, and that of what happens within
-// the interval, (12/dt^3, -6/dt^2; -6/dt^2, 3/dt) / Qc.
+// Q^-1 of one axis group is the sum of two parts (method.md section 6): that of the change of velocity,
+// (0, 0; 0, 1/dt) / Qc, and that of the motion within the interval, (12/dt^3, -6/dt^2; -6/dt^2, 3/dt) / Qw.
 Matrix12d motion_information(double dt, const AccelerationDensity& density) {
   const auto both = [](double translation, double rotation) {
     Vector6d out;
@@ -37,8 +37,8 @@ Matrix12d motion_information(double dt, const AccelerationDensity& density) {
     return Matrix6d(out.asDiagonal());
   };
   const Matrix6d change = both(density.translation, density.rotation);
-  const Matrix6d within = both(std::min(density.translation, density.most_within_translation),
-                               std::min(density.rotation, density.most_within_rotation));
+  const Matrix6d within = both(std::min(density.translation, density.max_within_translation),
+                               std::min(density.rotation, density.max_within_rotation));
   Matrix12d out;
   out.topLeftCorner<6, 6>() = 12 / (dt * dt * dt) * within;
   out.topRightCorner<6, 6>() = -6 / (dt * dt) * within;

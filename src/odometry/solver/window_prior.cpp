@@ -17,8 +17,8 @@ WindowPrior prior_of(const TrajectoryKnot& mean, const Matrix12d& information) {
   return {{mean}, {information}, {}};
 }
 
-WindowPrior prior_of_last(std::size_t count, const std::vector<TrajectoryKnot>& knots,
-                          const WindowSystem& system, const WindowSolution& solution) {
+WindowPrior marginal_of_last(std::size_t count, const std::vector<TrajectoryKnot>& knots,
+                             const WindowSystem& system, const WindowSolution& solution) {
   const auto first = static_cast<std::ptrdiff_t>(knots.size() - std::min(count, knots.size()));
   WindowPrior out = {{knots.begin() + first, knots.end()},
                      {system.diagonal.begin() + first, system.diagonal.end()},

@@ -12,34 +12,41 @@
 namespace mapless::inline v1 {
 namespace {
 
-constexpr int kSteps = 30;
-// The maps move with the scans, so that a step need not lead to more agreement, and where points hardly hold
-// a direction one can lead far off. From one good step to the next the agreement changes by less than this.
-constexpr double kAboutAsMany = 0.99;
-// From rest, whose planes begin so many times as large, with so many steps of each size: a hand swings a
-// sensor by 8 m at 20 m between the first of eight scans and the last.
+// Most Gauss-Newton steps at full resolution. Chosen: twice those of a single scan (max_iterations), because
+// the maps move with the scans.
+constexpr int kMaxSteps = 30;
+// The maps move with the scans, so that a step may lose inliers; along a weakly constrained direction it may
+// diverge. The iteration ends at a step with fewer soft inliers than this part of the most so far. Measured:
+// without the limit one motorway start of 50 went from 27 to 10 m/s (docs/notebook/odometry.md, "How it
+// starts").
+constexpr double kMinInlierRatioOfBest = 0.99;
+// From rest: cubes and gates begin 8 times as large and are halved down to their own size, with at most 15
+// steps each. Derived: a hand swings a sensor so that points at 20 m move by 8 m between the first of eight
+// scans and the last, and the cubes are 0.5 to 2 m. Measured on 33 flying starts: with 8, one errs by more
+// than 0.10 m, with 4 six, with 2 all; with fewer steps 17 (docs/notebook/odometry.md, "How it starts").
 constexpr double kScaleFromRest = 8;
-constexpr int kCoarseSteps = 15;
-// Every pair of scans is seen from both sides, by points of the one on planes of the other and by points of
-// the other on planes of the one: what they tell counts half.
-constexpr double kOfBothSides = 0.5;
+constexpr int kMaxCoarseSteps = 15;
+// Derived: every pair of scans enters twice, points of the first on planes of the second and the reverse.
+// Each counts half.
+constexpr double kBothDirections = 0.5;
 
-using WorldPoints = std::vector<std::vector<MapPoint>>;  // of each scan
+using WorldPoints = std::vector<std::vector<MapPoint>>;  // one element per scan
 
 WorldPoints all_in_world(const std::vector<UsableScan>& scans, const std::vector<TrajectoryKnot>& knots) {
   WorldPoints out;
   for (std::size_t s = 0; s < scans.size(); ++s) {
     const UsableScan& scan = scans[s];
     out.push_back(points_in_world(scan.points, scan.start, knots[scan.interval], knots[scan.interval + 1],
-                                  kLinesApart * static_cast<unsigned>(s)));
+                                  kLineStride * static_cast<unsigned>(s)));
   }
   return out;
 }
 
-// Gives `use` the map of the others of each scan, with cubes `scale` times as large. Each begins as that of
-// the scans before its own, which is made once; no more of them are kept than threads can use.
+// Calls use(s, map of all scans but s) for every scan s, with cubes `scale` times as large. Each map begins
+// as a copy of the map of the scans before s. At most one map per thread exists at a time.
 template <typename Use>
 void for_each_map_of_others(const WorldPoints& points_0, double sigma_m, double scale, const Use& use) {
+  // Enlarged, the coarsest grid would hold little but the ground.
   PlaneMap before(scale * sigma_m, scale, scale > 1 ? PlaneMap::kGrids - 1 : PlaneMap::kGrids);
   const auto at_once = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
   for (std::size_t first = 0; first < points_0.size(); first += at_once) {
@@ -61,17 +68,17 @@ void add_scan(std::size_t interval, std::vector<BinSums>& sums, const Registrati
               Registration& registration, WindowSystem& system) {
   const SE3& T_v0 = registration.knots[interval + 1].T_v0;
   registration.degeneracy = find_degeneracy(sums, T_v0, settings.min_constraint_ratio);
-  leave_to_prior(registration.degeneracy, T_v0, sums);
-  registration.matched = 0;
-  registration.agreement = 0;
+  project_out_unconstrained(registration.degeneracy, T_v0, sums);
+  registration.inliers = 0;
+  registration.soft_inliers = 0;
   for (const BinSums& bin : sums) {
-    registration.matched += bin.matched;
-    registration.agreement += bin.agreement;
+    registration.inliers += bin.inliers;
+    registration.soft_inliers += bin.soft_inliers;
   }
-  add_points(sums, interval, kOfBothSides * kPointShare, system);
+  add_points(sums, interval, kBothDirections * kInformationRatio, system);
 }
 
-// The residuals of all scans, each to the map of the others; `scale` as above.
+// The residuals of all scans, each against the map of the others; `scale` as above.
 std::vector<std::vector<BinSums>> sums_of_all(const std::vector<UsableScan>& scans,
                                               const std::vector<TrajectoryKnot>& knots,
                                               const RegistrationSettings& settings, double scale) {
@@ -82,36 +89,36 @@ std::vector<std::vector<BinSums>> sums_of_all(const std::vector<UsableScan>& sca
     for (MapPoint& point : points) point.range_m /= scale;
   }
   std::vector<std::vector<BinSums>> sums(scans.size());
-  for_each_map_of_others(points_0, settings.sigma_m, scale, [&](std::size_t s, const PlaneMap& others) {
+  for_each_map_of_others(points_0, settings.point_sigma_m, scale, [&](std::size_t s, const PlaneMap& others) {
     const KnotInterval interval(knots[scans[s].interval], knots[scans[s].interval + 1]);
-    std::vector<PlaneNear> planes;
+    std::vector<CachedPlane> planes;
     sums[s] = sum_residuals(scans[s].bins, interval, others, weights, planes);
   });
   return sums;
 }
 
-// The agreement before the step, or none where there is no solution.
-std::optional<double> improve_jointly(const WindowPrior& prior, const std::vector<UsableScan>& scans,
-                                      const RegistrationSettings& settings, double scale,
-                                      Registration& registration) {
+// One step. Returns the soft inliers before it; none if there is no solution.
+std::optional<double> joint_gauss_newton_step(const WindowPrior& prior, const std::vector<UsableScan>& scans,
+                                              const RegistrationSettings& settings, double scale,
+                                              Registration& registration) {
   std::vector<TrajectoryKnot>& knots = registration.knots;
   WindowSystem system(knots.size());
   add_window_prior(prior, knots, 0, system);
   for (std::size_t k = 0; k + 1 < knots.size(); ++k) add_motion_prior(knots, k, settings.density, system);
   auto sums = sums_of_all(scans, knots, settings, scale);
-  double agreement = 0;
+  double soft_inliers = 0;
   for (std::size_t s = 0; s < scans.size(); ++s) {
     add_scan(scans[s].interval, sums[s], settings, registration, system);
-    agreement += registration.agreement;
+    soft_inliers += registration.soft_inliers;
   }
   const auto solution = solve(system);
   if (!solution) return std::nullopt;
   for (std::size_t k = 0; k < knots.size(); ++k) knots[k] = perturbed(knots[k], solution->step[k]);
   registration.last_information = solution->information.back();
-  registration.known = prior_of_last(kKnotsKept, knots, system, *solution);
-  registration.converged = are_small(solution->step, scale);
+  registration.posterior = marginal_of_last(kWindowKnots, knots, system, *solution);
+  registration.converged = has_converged(solution->step, scale);
   ++registration.iterations;
-  return agreement;
+  return soft_inliers;
 }
 
 }  // namespace
@@ -122,17 +129,17 @@ std::optional<Registration> register_jointly(std::vector<TrajectoryKnot> knots, 
   Registration out;
   out.knots = std::move(knots);
   Registration best;
-  double most = 0;
-  while (out.iterations < kSteps && !out.converged) {
+  double most_inliers = 0;
+  while (out.iterations < kMaxSteps && !out.converged) {
     const std::vector<TrajectoryKnot> before = out.knots;
-    const auto agreement = improve_jointly(prior, scans, settings, 1, out);
-    if (!agreement) return std::nullopt;
-    if (*agreement < kAboutAsMany * most) return best;
-    if (*agreement <= most) continue;
-    most = *agreement;
+    const auto soft_inliers = joint_gauss_newton_step(prior, scans, settings, 1, out);
+    if (!soft_inliers) return std::nullopt;
+    if (*soft_inliers < kMinInlierRatioOfBest * most_inliers) return best;
+    if (*soft_inliers <= most_inliers) continue;
+    most_inliers = *soft_inliers;
     best = out;
     best.knots = before;
-    std::copy(before.end() - std::ssize(best.known.mean), before.end(), best.known.mean.begin());
+    std::copy(before.end() - std::ssize(best.posterior.mean), before.end(), best.posterior.mean.begin());
   }
   return out;
 }
@@ -145,18 +152,18 @@ std::optional<Registration> register_from_rest(std::vector<TrajectoryKnot> knots
   for (TrajectoryKnot& knot : out.knots) knot = {knot.time, prior.mean.front().T_v0, Vector6d::Zero()};
   for (double scale = kScaleFromRest; scale > 1; scale /= 2) {
     out.converged = false;
-    for (int i = 0; i < kCoarseSteps && !out.converged; ++i) {
-      if (!improve_jointly(prior, scans, settings, scale, out)) return std::nullopt;
+    for (int i = 0; i < kMaxCoarseSteps && !out.converged; ++i) {
+      if (!joint_gauss_newton_step(prior, scans, settings, scale, out)) return std::nullopt;
     }
   }
   return register_jointly(out.knots, prior, scans, settings);
 }
 
-double agreement_of(const std::vector<TrajectoryKnot>& knots, const std::vector<UsableScan>& scans,
-                    const RegistrationSettings& settings) {
+double soft_inliers_of(const std::vector<TrajectoryKnot>& knots, const std::vector<UsableScan>& scans,
+                       const RegistrationSettings& settings) {
   double out = 0;
   for (const auto& sums : sums_of_all(scans, knots, settings, 1)) {
-    for (const BinSums& bin : sums) out += bin.agreement;
+    for (const BinSums& bin : sums) out += bin.soft_inliers;
   }
   return out;
 }

@@ -10,47 +10,63 @@
 namespace mapless::inline v1 {
 namespace {
 
-constexpr std::size_t kRoughPoints = 8000;  // of the first scan, for the first rough registrations
-// Not the coarsest, where the ground alone decides.
-constexpr std::size_t kGrids = 3;
-constexpr int kRoughSteps = 4;
-constexpr double kCoarsestScale = 4;  // times the map's cubes and the gate
-constexpr std::size_t kRefined = 9;   // of the velocities tried
-// Rest is left only for something clearly better.
-constexpr double kSlow = 1;             // [m/s]
-constexpr double kSlowTurn = 0.2;       // [rad/s]
-constexpr double kClearlyBetter = 1.5;  // standard deviations of a count
-// How far from a velocity that is tried another may be found, and from one that is about known.
-constexpr double kSpeedSigma = 8;           // [m/s]
-constexpr double kTurnRateSigma = 1;        // [rad/s]
-constexpr double kNearSpeedSigma = 0.5;     // [m/s]
-constexpr double kNearTurnRateSigma = 0.5;  // [rad/s]
-constexpr double kHeldSigma = 0.02;         // [m/s]
-// Velocities nearer to each other than this are one.
-constexpr double kAlikeSpeed = 0.5;  // [m/s]
-constexpr double kAlikeTurn = 0.1;   // [rad/s]
-constexpr double kFewestAgreeing = 50;
-// Where no more than so many of the matched points hold a direction, two scans do not tell the speed along it
-// (share x matched: the mean square of (plane normal . direction), summed). It is tried in steps that the
-// scans after them, each so much farther on, can find the truth from: 3 m/s are 0.3 m a scan at 10 Hz, and
-// the cubes of the map are 0.5 m and more.
-constexpr double kWeaklyHeld = 20;
-constexpr double kSpeedStep = 3;  // [m/s]
-constexpr int kSpeedSteps = 15;   // on either side
+// Points of the first scan in the maps of the coarse registrations. Chosen: half of max_scan_points, because
+// each step of the 37 coarse registrations builds a map.
+constexpr std::size_t kCoarsePoints = 8000;
+// Without the coarsest grid of PlaneMap, in which the ground alone constrains the motion.
+constexpr std::size_t kGrids = PlaneMap::kGrids - 1;
+// The initial velocities are tried with cubes and gates 4 times as large, at most 4 steps, then 2 steps in
+// their own size; the best 9 different ones are refined. Chosen: the initial speeds are 1 m per scan apart
+// (10 Hz), the enlarged gate is 2 m. Measured: with a fraction of the points, 8 of 40 motorway starts fail
+// for 4; more steps did not help (docs/notebook/odometry.md, "How it starts").
+constexpr double kCoarsestScale = 4;
+constexpr int kCoarseSteps = 4;
+constexpr int kFineSteps = 2;
+constexpr std::size_t kMaxRefined = 9;
+// A motion slower than these is preferred as rest: another one must have more soft inliers by 1.5 standard
+// deviations of a count (sqrt(n)). Chosen: most recordings begin at rest, where the noise alone favours some
+// small motion.
+constexpr double kRestSpeed_mps = 1;
+constexpr double kRestTurnRate_radps = 0.2;
+constexpr double kClearlyMoreSigmas = 1.5;
+// Prior of the velocity about an initial velocity. Derived: the initial speeds are 10 m/s apart, the turn
+// rates 1.7 rad/s, so that half of that is well within one and two standard deviations.
+constexpr double kSpeedSigma_mps = 8;
+constexpr double kTurnRateSigma_radps = 1;
+// The same about a velocity that later scans have determined; they may be half a second apart.
+constexpr double kNearSpeedSigma_mps = 0.5;
+constexpr double kNearTurnRateSigma_radps = 0.5;
+// The same along a direction in which the speed is imposed: far below the steps between these speeds.
+constexpr double kImposedSpeedSigma_mps = 0.02;
+// Velocities closer to each other are one motion. Derived: 0.05 m per scan at 10 Hz, a tenth of the gate, and
+// 0.6 deg per scan.
+constexpr double kAlikeSpeed_mps = 0.5;
+constexpr double kAlikeTurnRate_radps = 0.1;
+// Fewest soft inliers of a motion. Measured without the limit on flying starts: one better, two worse
+// (docs/notebook/odometry.md, "How it starts").
+constexpr double kMinSoftInliers = 50;
+// Two scans leave the speed along a direction open if the constraint ratio times the inliers is below this:
+// so many points facing the direction constrain it. Such a speed is sampled in steps of 3 m/s, up to 45 m/s
+// (160 km/h) either way. Derived: 3 m/s is 0.3 m per scan at 10 Hz, at most 0.15 m from the truth, which the
+// next scan corrects in cubes of 0.5 m.
+constexpr double kFewConstrainingPoints = 20;
+constexpr double kSpeedStep_mps = 3;
+constexpr int kSpeedSteps = 15;
 
-// In the sensor's frame, on all its axes alike: nothing tells which way is up, or ahead.
-std::vector<Vector6d> velocities_to_try() {
+// Rest, and speeds up to 40 m/s and turn rates up to 3.4 rad/s (195 deg/s) along every axis of the sensor: no
+// axis is assumed to point up or ahead.
+std::vector<Vector6d> initial_velocities() {
   std::vector<Vector6d> out = {Vector6d::Zero()};
   const auto add = [&](double amount, Eigen::Index first) {
     for (Eigen::Index axis = first; axis < first + 3; ++axis)
       for (const double sign : {1., -1.}) out.push_back(sign * amount * Vector6d::Unit(axis));
   };
-  for (const double speed : {10., 20., 30., 40.}) add(speed, 0);  // [m/s]
-  for (const double turn : {1.7, 3.4}) add(turn, 3);              // [rad/s]
+  for (const double speed_mps : {10., 20., 30., 40.}) add(speed_mps, 0);
+  for (const double turn_rate_radps : {1.7, 3.4}) add(turn_rate_radps, 3);
   return out;
 }
 
-Registration moving_with(std::vector<TrajectoryKnot> knots, const Vector6d& varpi) {
+Registration constant_velocity(std::vector<TrajectoryKnot> knots, const Vector6d& varpi) {
   for (TrajectoryKnot& knot : knots) {
     knot.T_v0 = SE3::exp((knot.time - knots.front().time).seconds() * varpi) * knots.front().T_v0;
     knot.varpi = varpi;
@@ -62,33 +78,35 @@ Registration moving_with(std::vector<TrajectoryKnot> knots, const Vector6d& varp
 
 bool is_nearly_at_rest(const Registration& registration) {
   const Vector6d& varpi = registration.knots.back().varpi;
-  return varpi.head<3>().norm() < kSlow && varpi.tail<3>().norm() < kSlowTurn;
+  return varpi.head<3>().norm() < kRestSpeed_mps && varpi.tail<3>().norm() < kRestTurnRate_radps;
 }
 
-bool has_more_agreement(const Registration& a, const Registration& b) { return a.agreement > b.agreement; }
+bool has_more_inliers(const Registration& a, const Registration& b) {
+  return a.soft_inliers > b.soft_inliers;
+}
 
 bool is_better(const Registration& a, const Registration& b) {
-  const double margin = is_nearly_at_rest(b) ? kClearlyBetter * std::sqrt(b.agreement) : 0;
-  return a.agreement > b.agreement + margin;
+  const double margin = is_nearly_at_rest(b) ? kClearlyMoreSigmas * std::sqrt(b.soft_inliers) : 0;
+  return a.soft_inliers > b.soft_inliers + margin;
 }
 
-bool is_known(const std::vector<Registration>& all, const Registration& registration) {
+bool is_duplicate(const std::vector<Registration>& all, const Registration& registration) {
   return std::any_of(all.begin(), all.end(), [&](const Registration& one) {
     return are_alike(one.knots.back(), registration.knots.back());
   });
 }
 
-// Keeps its place by how many points agree; rest before what is hardly better.
-void add_unless_known(std::vector<Registration>& all, const Registration& registration) {
-  if (registration.agreement < kFewestAgreeing || is_known(all, registration)) return;
+// Inserts in the order of soft inliers, rest before motions that are not clearly better.
+void add_unless_duplicate(std::vector<Registration>& all, const Registration& registration) {
+  if (registration.soft_inliers < kMinSoftInliers || is_duplicate(all, registration)) return;
   const auto place = std::find_if(all.begin(), all.end(),
                                   [&](const Registration& one) { return is_better(registration, one); });
   all.insert(place, registration);
 }
 
-std::vector<ScanPoint> every_so_often(const std::vector<ScanPoint>& points, std::size_t most) {
+std::vector<ScanPoint> evenly_sampled(const std::vector<ScanPoint>& points, std::size_t most) {
   const std::size_t number = std::min(points.size(), most);
-  const std::vector<std::uint32_t> passes = in_passes(points.size());
+  const std::vector<std::uint32_t> passes = pass_order(points.size());
   std::vector<std::uint32_t> chosen;
   for (std::size_t i = 0; i < number; ++i) chosen.push_back(passes[i * points.size() / number]);
   std::sort(chosen.begin(), chosen.end());
@@ -97,9 +115,9 @@ std::vector<ScanPoint> every_so_often(const std::vector<ScanPoint>& points, std:
   return out;
 }
 
-// What `function` makes of each, where it makes anything, in their order.
+// The results of `function` for all `starts`, in their order, without the empty ones.
 template <class Start, class Function>
-std::vector<Registration> for_each(const std::vector<Start>& starts, const Function& function) {
+std::vector<Registration> transform_parallel(const std::vector<Start>& starts, const Function& function) {
   std::vector<std::optional<Registration>> found(starts.size());
   tbb::parallel_for(std::size_t{0}, starts.size(), [&](std::size_t i) { found[i] = function(starts[i]); });
   std::vector<Registration> out;
@@ -113,7 +131,7 @@ std::vector<Registration> for_each(const std::vector<Start>& starts, const Funct
 
 bool are_alike(const TrajectoryKnot& a, const TrajectoryKnot& b) {
   const Vector6d difference = a.varpi - b.varpi;
-  return difference.head<3>().norm() < kAlikeSpeed && difference.tail<3>().norm() < kAlikeTurn;
+  return difference.head<3>().norm() < kAlikeSpeed_mps && difference.tail<3>().norm() < kAlikeTurnRate_radps;
 }
 
 PairOfScans::PairOfScans(std::vector<TrajectoryKnot> knots, WindowPrior prior, const UsableScan& first,
@@ -125,9 +143,10 @@ PairOfScans::PairOfScans(std::vector<TrajectoryKnot> knots, WindowPrior prior, c
       second_(second),
       first_interval_(first.interval - first_knot),
       settings_(settings),
-      rough_(every_so_often(first.points, kRoughPoints)) {}
+      coarse_points_(evenly_sampled(first.points, kCoarsePoints)) {}
 
-WindowPrior PairOfScans::expected(const Vector6d& varpi, double speed_sigma, double turn_rate_sigma) const {
+WindowPrior PairOfScans::velocity_prior(const Vector6d& varpi, double speed_sigma,
+                                        double turn_rate_sigma) const {
   WindowPrior out = prior_;
   out.mean.front().varpi = varpi;
   Vector6d sigma;
@@ -136,23 +155,23 @@ WindowPrior PairOfScans::expected(const Vector6d& varpi, double speed_sigma, dou
   return out;
 }
 
-// Steps with cubes and gates `scale` times as large.
-bool PairOfScans::improve_at(double scale, int steps, bool rough, const WindowPrior& prior,
-                             Registration& registration) const {
+// Gauss-Newton steps with cubes and gates `scale` times as large.
+bool PairOfScans::iterate(double scale, int steps, bool coarse, const WindowPrior& prior,
+                          Registration& registration) const {
   RegistrationSettings level = settings_;
   level.weights.gate_m *= scale;
   registration.converged = false;
   for (int i = 0; i < steps && !registration.converged; ++i) {
-    std::vector<PlaneNear> planes;
-    const PlaneMap map = map_of(registration, scale, rough);
-    if (!improve(prior, second_.bins, map, level, planes, registration)) return false;
+    std::vector<CachedPlane> planes;
+    const PlaneMap map = map_of(registration, scale, coarse);
+    if (!gauss_newton_step(prior, second_.bins, map, level, planes, registration)) return false;
   }
   return true;
 }
 
-PlaneMap PairOfScans::map_of(const Registration& registration, double scale, bool rough) const {
-  const auto& points = rough ? rough_ : first_.points;
-  PlaneMap map(scale * settings_.sigma_m, scale, kGrids);
+PlaneMap PairOfScans::map_of(const Registration& registration, double scale, bool coarse) const {
+  const auto& points = coarse ? coarse_points_ : first_.points;
+  PlaneMap map(scale * settings_.point_sigma_m, scale, kGrids);
   auto points_0 = points_in_world(points, first_.start, registration.knots[first_interval_],
                                   registration.knots[first_interval_ + 1]);
   for (MapPoint& point : points_0) point.range_m /= scale;
@@ -161,79 +180,86 @@ PlaneMap PairOfScans::map_of(const Registration& registration, double scale, boo
 }
 
 bool PairOfScans::refine(Registration& registration) const {
-  const WindowPrior prior = expected(registration.knots.back().varpi, kSpeedSigma, kTurnRateSigma);
+  const WindowPrior prior =
+      velocity_prior(registration.knots.back().varpi, kSpeedSigma_mps, kTurnRateSigma_radps);
   registration.iterations = 0;
   for (double scale = kCoarsestScale / 2; scale > 1; scale /= 2) {
-    if (!improve_at(scale, kRoughSteps, false, prior, registration)) return false;
+    if (!iterate(scale, kCoarseSteps, false, prior, registration)) return false;
   }
-  return improve_at(1, settings_.max_iterations, false, prior, registration);
+  return iterate(1, settings_.max_iterations, false, prior, registration);
 }
 
-std::optional<Registration> PairOfScans::roughly(const Vector6d& varpi) const {
-  const WindowPrior prior = expected(varpi, kSpeedSigma, kTurnRateSigma);
-  Registration out = moving_with(knots_, varpi);
-  if (!improve_at(kCoarsestScale, kRoughSteps, true, prior, out)) return std::nullopt;
-  if (!improve_at(1, 2, true, prior, out)) return std::nullopt;
+std::optional<Registration> PairOfScans::register_coarsely(const Vector6d& varpi) const {
+  const WindowPrior prior = velocity_prior(varpi, kSpeedSigma_mps, kTurnRateSigma_radps);
+  Registration out = constant_velocity(knots_, varpi);
+  if (!iterate(kCoarsestScale, kCoarseSteps, true, prior, out)) return std::nullopt;
+  if (!iterate(1, kFineSteps, true, prior, out)) return std::nullopt;
   return out;
 }
 
-std::vector<Registration> PairOfScans::all_roughly() const {
-  std::vector<Registration> found =
-      for_each(velocities_to_try(), [&](const Vector6d& varpi) { return roughly(varpi); });
-  std::stable_sort(found.begin(), found.end(), has_more_agreement);
+std::vector<Registration> PairOfScans::coarse_registrations() const {
+  std::vector<Registration> found = transform_parallel(
+      initial_velocities(), [&](const Vector6d& varpi) { return register_coarsely(varpi); });
+  std::stable_sort(found.begin(), found.end(), has_more_inliers);
   std::vector<Registration> distinct;
   for (Registration& registration : found) {
-    if (distinct.size() < kRefined && !is_known(distinct, registration))
+    if (distinct.size() < kMaxRefined && !is_duplicate(distinct, registration))
       distinct.push_back(std::move(registration));
   }
   return distinct;
 }
 
-// Keeps to the speed along the direction, but says how uncertain it is without.
-std::optional<Registration> PairOfScans::held(const Vector6d& varpi, const Eigen::Vector3d& direction) const {
-  WindowPrior prior = expected(varpi, kSpeedSigma, kTurnRateSigma);
-  Registration free = moving_with(knots_, varpi);
-  if (!improve_at(1, 1, true, prior, free)) return std::nullopt;
-  prior.diagonal.front().block<3, 3>(6, 6) += direction * direction.transpose() / (kHeldSigma * kHeldSigma);
-  Registration out = moving_with(knots_, varpi);
-  if (!improve_at(1, kRoughSteps, true, prior, out)) return std::nullopt;
+// Imposes the speed along `direction`. The posterior is the one without, so that later scans can correct the
+// speed.
+std::optional<Registration> PairOfScans::register_at_speed(const Vector6d& varpi,
+                                                           const Eigen::Vector3d& direction) const {
+  WindowPrior prior = velocity_prior(varpi, kSpeedSigma_mps, kTurnRateSigma_radps);
+  Registration free = constant_velocity(knots_, varpi);
+  if (!iterate(1, 1, true, prior, free)) return std::nullopt;
+  prior.diagonal.front().block<3, 3>(6, 6) +=
+      direction * direction.transpose() / (kImposedSpeedSigma_mps * kImposedSpeedSigma_mps);
+  Registration out = constant_velocity(knots_, varpi);
+  if (!iterate(1, kCoarseSteps, true, prior, out)) return std::nullopt;
   out.last_information = free.last_information;
-  out.known = prior_of(out.knots.back(), free.last_information);
+  out.posterior = prior_of(out.knots.back(), free.last_information);
   return out;
 }
 
-// Motions that differ along the directions that the best one is hardly held in.
-void PairOfScans::add_along_weak(std::vector<Registration>& all) const {
+// Adds motions that differ from the best one along its weakly constrained directions.
+void PairOfScans::add_along_weak_directions(std::vector<Registration>& all) const {
   const Registration best = all.front();
   const Degeneracy& degeneracy = best.degeneracy;
-  for (Eigen::Index i = 0; i < 3 && degeneracy.constraint_ratio[i] * best.matched < kWeaklyHeld; ++i) {
+  for (Eigen::Index i = 0; i < 3 && degeneracy.constraint_ratio[i] * best.inliers < kFewConstrainingPoints;
+       ++i) {
     const Eigen::Vector3d direction = degeneracy.directions_v.col(i);
     const double speed_along = direction.dot(best.knots.back().varpi.head<3>());
     std::vector<Vector6d> velocities;
     for (int step = -kSpeedSteps; step <= kSpeedSteps; ++step) {
       velocities.push_back(best.knots.back().varpi);
-      velocities.back().head<3>() += (kSpeedStep * step - speed_along) * direction;
+      velocities.back().head<3>() += (kSpeedStep_mps * step - speed_along) * direction;
     }
-    const auto along = for_each(velocities, [&](const Vector6d& varpi) { return held(varpi, direction); });
-    for (const Registration& registration : along) add_unless_known(all, registration);
+    const auto along = transform_parallel(
+        velocities, [&](const Vector6d& varpi) { return register_at_speed(varpi, direction); });
+    for (const Registration& registration : along) add_unless_duplicate(all, registration);
   }
 }
 
 std::vector<Registration> PairOfScans::register_all() const {
-  const auto refined = for_each(all_roughly(), [&](Registration candidate) -> std::optional<Registration> {
-    if (!refine(candidate)) return std::nullopt;
-    return candidate;
-  });
+  const auto refined =
+      transform_parallel(coarse_registrations(), [&](Registration candidate) -> std::optional<Registration> {
+        if (!refine(candidate)) return std::nullopt;
+        return candidate;
+      });
   std::vector<Registration> out;
-  for (const Registration& registration : refined) add_unless_known(out, registration);
-  if (!out.empty()) add_along_weak(out);
+  for (const Registration& registration : refined) add_unless_duplicate(out, registration);
+  if (!out.empty()) add_along_weak_directions(out);
   return out;
 }
 
 std::optional<Registration> PairOfScans::register_near(const Vector6d& varpi) const {
-  const WindowPrior prior = expected(varpi, kNearSpeedSigma, kNearTurnRateSigma);
-  Registration out = moving_with(knots_, varpi);
-  if (!improve_at(1, settings_.max_iterations, false, prior, out)) return std::nullopt;
+  const WindowPrior prior = velocity_prior(varpi, kNearSpeedSigma_mps, kNearTurnRateSigma_radps);
+  Registration out = constant_velocity(knots_, varpi);
+  if (!iterate(1, settings_.max_iterations, false, prior, out)) return std::nullopt;
   return out;
 }
 

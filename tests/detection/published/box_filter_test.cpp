@@ -22,8 +22,8 @@ void set_dynamic(const LidarScan& scan, std::vector<char>& dynamic, int laser,
   for (const int c : columns) dynamic[static_cast<std::size_t>(scan.cell(laser, c))] = 1;
 }
 
-int removed(const std::vector<BoxVerdict>& verdicts) {
-  return static_cast<int>(std::count(verdicts.begin(), verdicts.end(), BoxVerdict::removed));
+int removed(const std::vector<FilterVerdict>& verdicts) {
+  return static_cast<int>(std::count(verdicts.begin(), verdicts.end(), FilterVerdict::removed));
 }
 
 // A lone run scores 8 for the empty rows and 1 for each of its pixels; two rows of four lose 4 for each
@@ -94,11 +94,11 @@ TEST(BoxFilter, AgreesWithTheWindowPutEverywhere) {
     parameters.score_threshold = 7 + static_cast<int>(seed % 6);
     const std::vector<char> dynamic = random_runs(scan, random);
     const std::vector<char> expected = test::outliers_by_window(scan, dynamic, parameters);
-    const std::vector<BoxVerdict> verdicts = filter_boxes(scan, dynamic, parameters);
+    const std::vector<FilterVerdict> verdicts = filter_boxes(scan, dynamic, parameters);
     ASSERT_EQ(verdicts.size(), dynamic.size());
     for (std::size_t i = 0; i < verdicts.size(); ++i) {
-      const BoxVerdict asked = expected[i] ? BoxVerdict::removed : BoxVerdict::kept;
-      ASSERT_EQ(verdicts[i], dynamic[i] ? asked : BoxVerdict::not_asked) << "return " << i;
+      const FilterVerdict asked = expected[i] ? FilterVerdict::removed : FilterVerdict::kept;
+      ASSERT_EQ(verdicts[i], dynamic[i] ? asked : FilterVerdict::not_evaluated) << "return " << i;
       outliers += expected[i] ? 1 : 0;
     }
   }

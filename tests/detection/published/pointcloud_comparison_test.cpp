@@ -15,7 +15,7 @@ namespace MAPLESS_FILE {
 void expect_agreement(const PreparedScan& query, const PreparedScan& reference, int samples, unsigned seed) {
   SCOPED_TRACE(testing::Message() << "seed " << seed);
   const ComparisonParameters parameters;
-  const std::vector<ComparisonVerdict> verdicts = compare_pointclouds(query, reference, parameters);
+  const std::vector<CandidateVerdict> verdicts = compare_pointclouds(query, reference, parameters);
   ASSERT_EQ(verdicts.size(), query.scan().returns.size());
   std::mt19937_64 random(seed);
   int dynamic = 0;
@@ -26,7 +26,7 @@ void expect_agreement(const PreparedScan& query, const PreparedScan& reference, 
         static_cast<double>(query.scan().returns[i].range_m), reference.compensated.points_0, parameters);
     if (std::abs(expected.error_m - parameters.error_threshold_m) < 1e-9) continue;
     const bool moved = expected.compared && expected.error_m > parameters.error_threshold_m;
-    EXPECT_EQ(verdicts[i] == ComparisonVerdict::dynamic, moved) << "return " << i;
+    EXPECT_EQ(verdicts[i] == CandidateVerdict::dynamic, moved) << "return " << i;
     dynamic += moved ? 1 : 0;
   }
   EXPECT_GT(dynamic, 0);  // else the scene tests nothing
@@ -47,8 +47,8 @@ TEST(PointcloudComparison, ComparesNothingWithAnEmptyScan) {
   const PreparedScan empty = test::prepare(test::cast_scan(room, 0).scan, *room.trajectory);
   ComparisonParameters near_only;  // points without a normal are not compared even with a full scan
   near_only.max_range_without_normal_m = 0;
-  for (const ComparisonVerdict v : compare_pointclouds(query, empty, near_only)) {
-    EXPECT_EQ(v, ComparisonVerdict::not_compared);
+  for (const CandidateVerdict v : compare_pointclouds(query, empty, near_only)) {
+    EXPECT_EQ(v, CandidateVerdict::not_compared);
   }
   EXPECT_TRUE(compare_pointclouds(empty, query, {}).empty());
 }

@@ -20,55 +20,55 @@ class EvidenceImage : public test::EvidenceImage {};
 
 constexpr int kColumns = test::kSmallColumns;
 
-// 2 of its own and three times 2 of its neighbours make the 8 a seed needs; with 1 less it is removed.
+// 2 votes of its own and three times 2 of its neighbours are the 8 a seed needs; with 1 less it is removed.
 TEST_F(EvidenceImage, ASeedNeedsTheVotesOfItsNeighbours) {
   set(2, 5, 2);
   set(1, 4, 2);
   set(3, 7, 2);
   set(2, 3, 2);
-  EXPECT_EQ(filter()[at(2, 5)], BoxVerdict::kept);
-  EXPECT_EQ(filter()[at(1, 4)], BoxVerdict::removed);  // (3, 7) is two lasers and three columns off
+  EXPECT_EQ(filter()[at(2, 5)], FilterVerdict::kept);
+  EXPECT_EQ(filter()[at(1, 4)], FilterVerdict::removed);  // (3, 7) is two lasers and three columns off
   set(2, 3, 1);
-  EXPECT_EQ(filter()[at(2, 5)], BoxVerdict::removed);
+  EXPECT_EQ(filter()[at(2, 5)], FilterVerdict::removed);
   votes_[at(2, 3)].later = 1;
-  EXPECT_EQ(filter()[at(2, 5)], BoxVerdict::kept);
+  EXPECT_EQ(filter()[at(2, 5)], FilterVerdict::kept);
 }
 
-TEST_F(EvidenceImage, NeighboursAlsoSpeakAgainst) {
+TEST_F(EvidenceImage, NegativeVotesOfNeighboursCount) {
   for (int c = 3; c <= 7; ++c) set(2, c, 6);
-  EXPECT_EQ(filter()[at(2, 5)], BoxVerdict::kept);
+  EXPECT_EQ(filter()[at(2, 5)], FilterVerdict::kept);
   for (int c = 3; c <= 7; ++c) {
     set(1, c, -3);
     set(3, c, -2);
   }
-  EXPECT_EQ(filter()[at(2, 5)], BoxVerdict::removed);  // 30 - 25
+  EXPECT_EQ(filter()[at(2, 5)], FilterVerdict::removed);  // 30 - 25
 }
 
-TEST_F(EvidenceImage, OneAloneIsABorderEffect) {
+TEST_F(EvidenceImage, ASinglePointIsRemoved) {
   set(2, 5, 6);
-  EXPECT_EQ(filter()[at(2, 5)], BoxVerdict::removed);
+  EXPECT_EQ(filter()[at(2, 5)], FilterVerdict::removed);
   set(2, 6, 6);
-  EXPECT_EQ(filter()[at(2, 5)], BoxVerdict::kept);
+  EXPECT_EQ(filter()[at(2, 5)], FilterVerdict::kept);
   parameters_.link_m = 0.1;  // 15 degrees at 5 m are 1.3 m
   parameters_.link_per_m = parameters_.link_spacings = 0;
-  EXPECT_EQ(filter()[at(2, 5)], BoxVerdict::removed);
+  EXPECT_EQ(filter()[at(2, 5)], FilterVerdict::removed);
 }
 
-TEST_F(EvidenceImage, IsNotAskedOfWhatMostSayStands) {
+TEST_F(EvidenceImage, IsNotEvaluatedWithoutPositiveVotes) {
   set(2, 5, -1);
   set(2, 6, 0);
   for (int c = 7; c < 10; ++c) set(2, c, 6);
-  EXPECT_EQ(filter()[at(2, 5)], BoxVerdict::not_asked);
-  EXPECT_EQ(filter()[at(2, 6)], BoxVerdict::not_asked);
+  EXPECT_EQ(filter()[at(2, 5)], FilterVerdict::not_evaluated);
+  EXPECT_EQ(filter()[at(2, 6)], FilterVerdict::not_evaluated);
 }
 
 TEST_F(EvidenceImage, WrapsAtTheSeamAndEndsAboveAndBelow) {
   set(0, 0, 4);
   set(0, kColumns - 2, 4);
-  EXPECT_EQ(filter()[at(0, 0)], BoxVerdict::kept);
+  EXPECT_EQ(filter()[at(0, 0)], FilterVerdict::kept);
   set(0, kColumns - 2, 0);
   set(4, 0, 4);
-  EXPECT_EQ(filter()[at(0, 0)], BoxVerdict::removed);
+  EXPECT_EQ(filter()[at(0, 0)], FilterVerdict::removed);
 }
 
 TEST_F(EvidenceImage, NumbersObjectsByTheirFirstPointAndDropsSmallClusters) {
@@ -85,7 +85,7 @@ TEST_F(EvidenceImage, NumbersObjectsByTheirFirstPointAndDropsSmallClusters) {
   EXPECT_EQ(grow().objects, 3);
 }
 
-TEST_F(EvidenceImage, GrowsOverWhatAnyoneSawThroughAndNoFurther) {
+TEST_F(EvidenceImage, GrowsOverPointsThatAnyScanSawThrough) {
   for (int c : {4, 5, 6}) set(2, c, 3);
   see_through(2, 9);
   see_through(2, 13);
@@ -100,12 +100,12 @@ TEST_F(EvidenceImage, GrowsOverWhatAnyoneSawThroughAndNoFurther) {
   EXPECT_EQ(grow().verdict[at(2, 9)], GrowthVerdict::not_reached);
 }
 
-// That the thing which hid a point has left makes it move only where the others do not outvote it.
-TEST_F(EvidenceImage, GrowsOverWhatWasVacatedByTheSumOfItsVotes) {
-  std::vector<BoxVerdict> seeds(votes_.size(), BoxVerdict::not_asked);
+// A point whose occluder has left is reached only if its votes sum above 0.
+TEST_F(EvidenceImage, GrowsOverPointsWithADepartedOccluderByTheirVotes) {
+  std::vector<FilterVerdict> seeds(votes_.size(), FilterVerdict::not_evaluated);
   for (int c : {4, 5, 6}) {
     set(2, c, 3);
-    seeds[at(2, c)] = BoxVerdict::kept;
+    seeds[at(2, c)] = FilterVerdict::kept;
   }
   votes_[at(2, 9)].vacated = votes_[at(2, 10)].vacated = true;
   votes_[at(2, 9)].earlier = 2;
@@ -115,8 +115,8 @@ TEST_F(EvidenceImage, GrowsOverWhatWasVacatedByTheSumOfItsVotes) {
   EXPECT_EQ(result.verdict[at(2, 10)], GrowthVerdict::not_reached);
 }
 
-// Growth that meets another cluster makes one object of both, also of a cluster that was too small.
-TEST_F(EvidenceImage, WhatIsLinkedIsOneObject) {
+// Growth that meets another cluster joins both into one object, also a cluster that was too small.
+TEST_F(EvidenceImage, LinkedPointsAreOneObject) {
   for (int c : {2, 3, 4, 12, 13, 14}) set(2, c, 3);
   EXPECT_EQ(grow().objects, 2);
   see_through(2, 8);
@@ -129,8 +129,7 @@ TEST_F(EvidenceImage, WhatIsLinkedIsOneObject) {
   EXPECT_EQ(grow().verdict[at(2, 14)], GrowthVerdict::grown);
 }
 
-// Five of the 14 around it, unless what saw surfaces there outweighs by more than two scans that saw through,
-// 8 votes; and once more from what was filled.
+// Five of the 14 neighbours fill a point of at least -12 votes; the second round starts from filled points.
 TEST_F(EvidenceImage, FillsHolesAndRims) {
   for (int c : {4, 5, 6}) set(2, c, 3);
   for (int c : {5, 6}) set(3, c, 3);
@@ -150,9 +149,9 @@ TEST_F(EvidenceImage, FillsHolesAndRims) {
   EXPECT_EQ(grow().verdict[at(2, 7)], GrowthVerdict::not_reached);
 }
 
-// A straight end of it goes on by a column a round, in the middle: twice, and six times more over what four
-// scans of a moment ago can have seen.
-TEST_F(EvidenceImage, FillsOnOverWhatSlides) {
+// A straight end advances by one column per round in its middle: two rounds, and six more over points of at
+// least -4 votes.
+TEST_F(EvidenceImage, FillsFartherOverTangentialSurfaces) {
   for (const int votes : {-4, -5}) {
     SCOPED_TRACE(votes);
     for (int r = 0; r < 5; ++r) {
@@ -165,8 +164,8 @@ TEST_F(EvidenceImage, FillsOnOverWhatSlides) {
   }
 }
 
-// Of two points d apart one was seen through lately: they went on by about d / 2; both: by d.
-TEST_F(EvidenceImage, TellsHowFarAnObjectAdvanced) {
+// Of two points at distance d one was seen through recently: a displacement of d / 2; both: of d.
+TEST_F(EvidenceImage, EstimatesTheDisplacementOfAnObject) {
   parameters_.grow = false;  // which would fill its rims
   parameters_.min_seeds = 2;
   set(1, 4, 3);
@@ -181,8 +180,8 @@ TEST_F(EvidenceImage, TellsHowFarAnObjectAdvanced) {
   EXPECT_NEAR(grow().evidence[0].displacement_m, d, 1e-5);
 }
 
-// Ten times as large, ten times as far.
-TEST_F(EvidenceImage, TheSameShareOfALongerThingIsFarther) {
+// A ten times smaller object with the same share has a tenth of the displacement.
+TEST_F(EvidenceImage, DisplacementIsProportionalToSize) {
   parameters_.grow = false;
   for (int c = 2; c < 12; ++c) {
     set(0, c, 3);
@@ -194,8 +193,8 @@ TEST_F(EvidenceImage, TheSameShareOfALongerThingIsFarther) {
   EXPECT_NEAR(grow().evidence.at(0).displacement_m, 0.1F * displacement_m, 1e-5);
 }
 
-// Growth and filled holes count with the rest of their object; there is one for each, in their order.
-TEST_F(EvidenceImage, EveryObjectHasItsOwnAdvance) {
+// Grown and filled points count with the rest of their object; there is one element per object, in order.
+TEST_F(EvidenceImage, EveryObjectHasItsOwnDisplacement) {
   for (int c : {2, 3, 4}) {
     set(0, c, 3);
     make_old(0, c);
@@ -209,8 +208,8 @@ TEST_F(EvidenceImage, EveryObjectHasItsOwnAdvance) {
   EXPECT_GT(grow().evidence.at(0).displacement_m, 0);
 }
 
-// Half of the second's: of two rows 40 and 20 votes, together 30 where surfaces were seen at all of them.
-TEST_F(EvidenceImage, WhereASurfaceWasSeenVotesCountHalf) {
+// Two rows of 40 and 20 votes: half of a row where a surface was seen.
+TEST_F(EvidenceImage, ContradictedVotesCountHalf) {
   parameters_.grow = false;
   for (int c = 2; c < 6; ++c) set(0, c, 10);
   for (int c = 2; c < 6; ++c) set(1, c, 5);
@@ -227,8 +226,8 @@ TEST_F(EvidenceImage, WhereASurfaceWasSeenVotesCountHalf) {
   EXPECT_EQ(seen(true, true), 30);
 }
 
-// A row of 40 votes counts 25, or half of that, the one of 20 as it is: one laser alone may be wrong.
-TEST_F(EvidenceImage, OneRowCountsNoMoreThanBeginsAnObject) {
+// A row of 40 votes counts 25, or half of that; the one of 20 counts in full.
+TEST_F(EvidenceImage, OneRowCountsAtMostMinEvidence) {
   parameters_.grow = false;
   parameters_.min_evidence = 25;
   for (int c = 2; c < 6; ++c) set(0, c, 10);
@@ -239,9 +238,9 @@ TEST_F(EvidenceImage, OneRowCountsNoMoreThanBeginsAnObject) {
   EXPECT_EQ(grow().evidence.at(0).votes, 33);  // 32.5
 }
 
-// Three rows of seven: five of 21 points that nobody saw through are a fifth, four are not; nor are two rows
-// a body, whatever they hide.
-TEST_F(EvidenceImage, WhatIsNotAllSeenThroughIsSolid) {
+// Three rows of seven points: five of 21 that no scan saw through are a fifth, four are less. Two rows are
+// too few.
+TEST_F(EvidenceImage, ABodyNotSeenThroughEverywhereIsRigid) {
   parameters_.grow = false;
   const auto body = [&](int rows, int hidden) {
     for (int r = 0; r < 3; ++r) {
@@ -255,15 +254,15 @@ TEST_F(EvidenceImage, WhatIsNotAllSeenThroughIsSolid) {
   EXPECT_EQ(body(2, 8), Body::unclear);
 }
 
-// Eight of ten points now hit, now passed: leaves. Seven could be a thing that stood there a while ago.
-TEST_F(EvidenceImage, WhatIsSeenAndSeenThroughFlickers) {
+// Eight of ten points were seen through and on a surface: more than 0.7 of them; seven are not.
+TEST_F(EvidenceImage, ABodySeenThroughAndOnASurfaceIsPorous) {
   parameters_.grow = false;
-  for (const int flickering : {8, 7}) {
+  for (const int contradicted : {8, 7}) {
     for (int c = 4; c < 14; ++c) {
       set(1, c, 3);
-      votes_[at(1, c)].surface_seen = c < 4 + flickering;
+      votes_[at(1, c)].surface_seen = c < 4 + contradicted;
     }
-    EXPECT_EQ(grow().evidence.at(0).body, flickering == 8 ? Body::porous : Body::unclear);
+    EXPECT_EQ(grow().evidence.at(0).body, contradicted == 8 ? Body::porous : Body::unclear);
   }
 }
 
@@ -278,7 +277,7 @@ TEST_F(EvidenceImage, SumsTheVotesOfEveryObject) {
   EXPECT_EQ(result.evidence[1].votes, 14);
 }
 
-TEST_F(EvidenceImage, HasNothingToDoWithoutPointsOrWithoutSeeds) {
+TEST_F(EvidenceImage, FindsNoObjectWithoutPointsOrSeeds) {
   EXPECT_EQ(grow().objects, 0);
   const LidarScan empty = small_scan({0, 0}, 5, std::vector<char>(2 * kColumns, 1));
   EXPECT_TRUE(filter_evidence(empty, points_of(empty), {}, parameters_).empty());
@@ -314,7 +313,7 @@ RandomImage random_image(std::mt19937_64& random) {
   return image;
 }
 
-TEST(EvidenceGrowth, AgreesWithAllPairs) {
+TEST(EvidenceGrowth, AgreesWithExhaustiveSearch) {
   int kept = 0, grown = 0, objects = 0;
   std::set<Body> bodies;
   for (unsigned seed = 0; seed < 150; ++seed) {
@@ -344,7 +343,7 @@ TEST(EvidenceGrowth, AgreesWithAllPairs) {
       ASSERT_EQ(result.evidence[n].body, expected.evidence[n].body);
       bodies.insert(result.evidence[n].body);
     }
-    kept += static_cast<int>(std::count(seeds.begin(), seeds.end(), BoxVerdict::kept));
+    kept += static_cast<int>(std::count(seeds.begin(), seeds.end(), FilterVerdict::kept));
     grown += static_cast<int>(std::count(result.verdict.begin(), result.verdict.end(), GrowthVerdict::grown));
     objects += result.objects;
   }

@@ -7,9 +7,9 @@ namespace MAPLESS_FILE {
 
 constexpr int kColumns = test::kSmallColumns;
 
-/// The side of a bus, columns 6 to 15 of all lasers, 5 m off, before a wall that stands 10 m off. A column is
-/// 15 degrees: 1.3 m on the bus, 2.6 m on the wall. Three lasers see both ends of it move, two columns each,
-/// and it slide between them; the first and the last see it slide from end to end, in front of the wall.
+/// The side of a bus, columns 6 to 15 of all lasers, at 5 m, in front of a wall at 10 m. A column is 15
+/// degrees: 1.3 m on the bus, 2.6 m on the wall. On three lasers both ends have votes for motion, two columns
+/// each, and the side between them has kTangentialVotes; on the first and the last laser all of the side has.
 class BusSide : public test::EvidenceImage {
  protected:
   static constexpr int kFirst = 6, kLast = 15, kAll = 5 * 10, kFound = 3 * 4;
@@ -33,7 +33,7 @@ class BusSide : public test::EvidenceImage {
     points_.points[at(laser, column)] = r.position_v;
     set(laser, column, votes);
   }
-  // Half a metre from row to row: far enough apart to tell how straight a surface goes on.
+  // Half a metre from row to row, more than kBaseline_m.
   void stretch() {
     for (std::size_t i = 0; i < scan_.returns.size(); ++i)
       points_.points[i].z() = 0.5F * static_cast<float>(scan_.returns[i].laser);
@@ -44,24 +44,24 @@ class BusSide : public test::EvidenceImage {
   }
 };
 
-TEST_F(BusSide, MovesBetweenEndsThatMove) {
+TEST_F(BusSide, BelongsToTheEndsThatMove) {
   EXPECT_EQ(found(), kAll);
   EXPECT_EQ(grow().objects, 1);
   parameters_.grow = false;
   EXPECT_EQ(found(), kFound);
 }
 
-// For one end that goes on into what stands there must be more than three in front of something farther.
-TEST_F(BusSide, IsNoneWhereItGoesOnIntoWhatStands) {
+// For one end that continues into static points there must be more than three in front of something farther.
+TEST_F(BusSide, IsStaticIfItContinuesIntoStaticPoints) {
   put(0, kLast + 1, 5, -9);
-  EXPECT_EQ(found(), kFound);  // three, and one that goes on
+  EXPECT_EQ(found(), kFound);  // three free ends, one that continues
   set(2, kLast - 1, -4);
   set(2, kLast, -4);
-  EXPECT_EQ(found(), kAll);  // four
+  EXPECT_EQ(found(), kAll);  // four free ends
 }
 
-// The row above stands, in line with those below.
-TEST_F(BusSide, IsNoneWhereItGoesStraightOnAcrossRowsIntoWhatStands) {
+// The row above is static, in line with those below.
+TEST_F(BusSide, IsStaticIfItContinuesStraightAcrossRowsIntoStaticPoints) {
   for (int c = kFirst; c <= kLast; ++c) set(4, c, -9);
   stretch();
   EXPECT_EQ(found(), kFound);
@@ -70,8 +70,8 @@ TEST_F(BusSide, IsNoneWhereItGoesStraightOnAcrossRowsIntoWhatStands) {
   EXPECT_EQ(found(), kAll - 10);
 }
 
-// The row above nobody saw before. The side goes straight on from both ends, as the ground would not.
-TEST_F(BusSide, GoesStraightOnIntoWhatIsNotKnownIfItDoesFromWhatMoves) {
+// No scan observed the row above before. The side continues straight into both ends, as the ground would not.
+TEST_F(BusSide, ContinuesIntoUnobservedPointsIfItContinuesStraightIntoMovingOnes) {
   for (int c = kFirst; c <= kLast; ++c) votes_[at(4, c)] = {0, -1, false, true, false, false, false};
   stretch();
   EXPECT_EQ(found(), kAll - 10);
@@ -82,8 +82,8 @@ TEST_F(BusSide, GoesStraightOnIntoWhatIsNotKnownIfItDoesFromWhatMoves) {
   EXPECT_EQ(found(), kFound);
 }
 
-// A nearer thing hides where it ends.
-TEST_F(BusSide, IsNoneWhereNoEndIsSeen) {
+// Something nearer occludes its ends.
+TEST_F(BusSide, IsStaticIfNoEndIsVisible) {
   for (const int l : {0, 4}) {
     for (const int c : {kFirst - 1, kLast + 1}) put(l, c, 2, -9);
   }
@@ -92,15 +92,15 @@ TEST_F(BusSide, IsNoneWhereNoEndIsSeen) {
   EXPECT_EQ(found(), kAll);
 }
 
-TEST_F(BusSide, IsNotWhatOnlyTheLaterScanSaw) {
+TEST_F(BusSide, ExcludesPointsThatOnlyTheLaterScanObserved) {
   for (int c = 10; c < 12; ++c) votes_[at(0, c)] = {0, -1, false, true, false, false, false};
   EXPECT_EQ(found(), kAll - 2);
   for (int c = 10; c < 12; ++c) votes_[at(0, c)].moving_seen = true;
   EXPECT_EQ(found(), kAll);
 }
 
-// Of six that move, eight times as many; of three not.
-TEST_F(BusSide, IsNotMuchLargerThanWhatWasFound) {
+// 44 candidates are at most eight times the six labelled points, 47 more than eight times three.
+TEST_F(BusSide, IsAtMostEightTimesTheLabelledPoints) {
   for (int l = 1; l < 4; ++l) {
     for (int c = kFirst; c < kFirst + 2; ++c) set(l, c, -4);
   }
@@ -109,7 +109,7 @@ TEST_F(BusSide, IsNotMuchLargerThanWhatWasFound) {
   EXPECT_EQ(found(), 3);  // 47
 }
 
-TEST_F(BusSide, IsNotKnownBeforeAnythingIsKnownToStand) {
+TEST_F(BusSide, IsStaticUntilSomePointIsKnownToBeStatic) {
   for (PointVotes& v : votes_) v.earlier = std::max<std::int16_t>(v.earlier, -4);
   EXPECT_EQ(found(), kFound);
 }

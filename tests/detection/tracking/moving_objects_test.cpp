@@ -8,8 +8,8 @@
 namespace mapless {
 namespace MAPLESS_FILE {
 
-constexpr double kAdvance_m = 1;  // far more than an object needs
-constexpr int kVotes = 1000;      // and so is this
+constexpr double kDisplacement_m = 1;  // far more than min_displacement_m
+constexpr int kVotes = 1000;           // far more than min_evidence
 
 test::ToyScene room_with_box(double speed_mps) {
   auto room = test::toy_room("OS1-64", test::drive(0, 0));
@@ -19,7 +19,7 @@ test::ToyScene room_with_box(double speed_mps) {
   return room;
 }
 
-// By its place: truth names only what moves.
+// By its place: ground truth names moving bodies only.
 bool is_of_box(const test::ToyScene& scene, const LidarScan& scan, const LidarReturn& r) {
   const test::ToyBody& box = scene.world.back();
   const Eigen::Vector3d centre = box.pose_at(scan.time_of(r)).translation();
@@ -27,7 +27,7 @@ bool is_of_box(const test::ToyScene& scene, const LidarScan& scan, const LidarRe
   return off.cwiseAbs().maxCoeff() < 0.9 && off.head<2>().cwiseAbs().maxCoeff() < 0.6;
 }
 
-/// The box, proposed with an advance and votes.
+/// The box as a proposed object, with displacement and votes.
 ProposedObjects propose(const test::ToyScene& scene, int k, double displacement_m, int votes = kVotes) {
   const auto cast = test::cast_scan(scene, k);
   ProposedObjects proposed;
@@ -43,13 +43,13 @@ ProposedObjects propose(const test::ToyScene& scene, int k, double displacement_
   return proposed;
 }
 
-TEST(MovingObjects, WhatGoesOnMovesAndWhatStandsHasNoNumber) {
+TEST(MovingObjects, NumbersMovingObjectsOnly) {
   for (const double speed_mps : {0.0, 1.0}) {
     SCOPED_TRACE(speed_mps);
     const auto scene = room_with_box(speed_mps);
     MovingObjects moving{DetectorParameters{}};
     for (int k = 0; k < 6; ++k) {
-      ProposedObjects proposed = propose(scene, k, k < 2 ? kAdvance_m : 0);
+      ProposedObjects proposed = propose(scene, k, k < 2 ? kDisplacement_m : 0);
       const std::vector<std::uint16_t> box = proposed.detection.object;
       const Detection detection = moving.classify(std::move(proposed));
       if (k < 4) continue;
@@ -64,22 +64,25 @@ TEST(MovingObjects, WhatGoesOnMovesAndWhatStandsHasNoNumber) {
   }
 }
 
-// An error of registration is no motion: without an advance nothing begins to move, whatever its speed.
-TEST(MovingObjects, WithoutAdvanceNothingBeginsToMove) {
+// An error of the registration is no motion: without displacement no object begins to move, whatever its
+// speed.
+TEST(MovingObjects, NothingBeginsToMoveWithoutDisplacement) {
   const auto scene = room_with_box(1);
   MovingObjects moving{DetectorParameters{}};
   for (int k = 0; k < 5; ++k) EXPECT_EQ(moving.classify(propose(scene, k, 0.029)).objects, 0);
   EXPECT_EQ(moving.classify(propose(scene, 5, 0.031)).objects, 1);
 }
 
-// After more than a second an object is a new one: the votes it had before are forgotten. (Ten scans later
-// they would count 1 / 1024.)
-TEST(MovingObjects, WhatWasAbsentForMoreThanASecondIsNew) {
+// After more than a second an object is a new track without past evidence (which after ten scans is 1 /
+// 1024).
+TEST(MovingObjects, AnObjectUnseenForMoreThanASecondIsNew) {
   const auto scene = room_with_box(1);
   for (const int again : {11, 13}) {
     SCOPED_TRACE(again);
     MovingObjects moving{DetectorParameters{}};
-    const auto objects = [&](int k) { return moving.classify(propose(scene, k, kAdvance_m, 75)).objects; };
+    const auto objects = [&](int k) {
+      return moving.classify(propose(scene, k, kDisplacement_m, 75)).objects;
+    };
     EXPECT_EQ(objects(0), 0);  // 75 votes of 100
     EXPECT_EQ(objects(1), 1);  // 112
     EXPECT_EQ(objects(again), again == 11 ? 1 : 0);
@@ -87,12 +90,12 @@ TEST(MovingObjects, WhatWasAbsentForMoreThanASecondIsNew) {
   }
 }
 
-// The second half of the box is an object of its own: the one that advances moves, and has number 1.
-TEST(MovingObjects, EveryObjectHasItsOwnAdvance) {
+// The second half of the box is an object of its own: the one with a displacement moves, and has number 1.
+TEST(MovingObjects, EveryObjectHasItsOwnDisplacement) {
   const auto scene = room_with_box(0);
   for (const bool second : {false, true}) {
     SCOPED_TRACE(second);
-    ProposedObjects proposed = propose(scene, 0, kAdvance_m);
+    ProposedObjects proposed = propose(scene, 0, kDisplacement_m);
     std::vector<std::uint16_t>& object = proposed.detection.object;
     std::size_t count = 0;
     for (std::uint16_t& number : object) {
@@ -108,7 +111,7 @@ TEST(MovingObjects, EveryObjectHasItsOwnAdvance) {
   }
 }
 
-/// Objects 1 to 3 with two points each, between points of none.
+/// Objects 1 to 3 with two points each, between static points.
 Detection three_objects() {
   Detection detection;
   detection.object = {0, 1, 2, 3, 0, 3, 2, 1};
@@ -122,7 +125,7 @@ Detection three_objects() {
   return detection;
 }
 
-TEST(KeepMoving, NumbersAnewWhatMovesAndStopsTheRest) {
+TEST(KeepMoving, RenumbersMovingObjectsAndMarksTheOthersStatic) {
   Detection detection = three_objects();
   keep_moving({true, false, true}, detection);
   EXPECT_EQ(detection.object, (std::vector<std::uint16_t>{0, 1, 0, 2, 0, 2, 0, 1}));
@@ -139,7 +142,7 @@ TEST(KeepMoving, NumbersAnewWhatMovesAndStopsTheRest) {
   }
 }
 
-TEST(KeepMoving, LeavesNoObjectWhereNothingMoves) {
+TEST(KeepMoving, LeavesNoObjectIfNoneMoves) {
   Detection detection = three_objects();
   keep_moving({false, false, false}, detection);
   EXPECT_EQ(detection.object, std::vector<std::uint16_t>(8, 0));
@@ -147,7 +150,7 @@ TEST(KeepMoving, LeavesNoObjectWhereNothingMoves) {
   EXPECT_TRUE(detection.tracked.empty());
 }
 
-// The tracker sees as one object what shares the last number, 65535.
+// Objects that share the last number, 65535, are one to the tracker.
 TEST(KeepMoving, ObjectsThatShareTheLastNumberMoveTogether) {
   Detection detection = three_objects();
   detection.object = {65535, 1, 65535, 65535, 0, 0, 0, 0};
@@ -163,7 +166,7 @@ TEST(KeepMoving, ObjectsThatShareTheLastNumberMoveTogether) {
   EXPECT_EQ(last.objects, 1);
 }
 
-TEST(KeepMoving, HasANumberForAsManyObjectsAsThereAreNumbers) {
+TEST(KeepMoving, KeepsAllNumbers) {
   Detection detection;
   detection.objects = 65535;
   for (int number = 1; number <= 65535; ++number) {
@@ -177,8 +180,8 @@ TEST(KeepMoving, HasANumberForAsManyObjectsAsThereAreNumbers) {
   EXPECT_EQ(detection.objects, 65535);
 }
 
-// The method as published calls moving what its five steps do.
-TEST(MovingObjects, AreAllThatThePublishedMethodProposes) {
+// The method as published labels all proposed objects as dynamic.
+TEST(MovingObjects, AreAllProposedObjectsOfThePublishedMethod) {
   DetectorParameters parameters;
   parameters.method = DetectionMethod::published;
   MovingObjects moving{parameters};

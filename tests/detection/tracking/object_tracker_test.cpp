@@ -37,7 +37,7 @@ ToyBody moving(ToyBody body, const Vector3d& velocity) {
   return body;
 }
 
-// What a detector that knows the truth would say: the points of each moving body as one object.
+// The detection of ground truth: the points of each moving body as one object.
 Detection true_detection(const ToyScene& scene, int number) {
   const test::ToyScan toy = test::cast_scan(scene, number);
   Detection detection;
@@ -58,7 +58,7 @@ std::vector<TrackedObject> track(ObjectTracker& tracker, const ToyScene& scene, 
 
 double longest_std(const TrackedObject& object) { return object.velocity_std_0().maxCoeff(); }
 
-TEST(ObjectTracker, FindsTheVelocityOfWhatItSeesWellAndSaysHowWell) {
+TEST(ObjectTracker, EstimatesVelocityAndItsUncertainty) {
   double normalised = 0;
   constexpr int kSeeds = 8;
   for (unsigned seed = 1; seed <= kSeeds; ++seed) {
@@ -86,7 +86,7 @@ TEST(ObjectTracker, FindsTheVelocityOfWhatItSeesWellAndSaysHowWell) {
   EXPECT_LT(normalised, 3) << "errors are much larger than said";
 }
 
-TEST(ObjectTracker, TellsCentreExtentAndTimeOfTheMeanPoint) {
+TEST(ObjectTracker, ReportsCentreExtentAndTimeOfTheMeanPoint) {
   const ToyBody ball = moving(test::toy_sphere({6, 0, 0}, 0.5), {0, 3, 0});
   const ToyScene scene = scene_of({ball});
   ObjectTracker tracker;
@@ -103,8 +103,8 @@ TEST(ObjectTracker, TellsCentreExtentAndTimeOfTheMeanPoint) {
   EXPECT_GT(o.points, 100);
 }
 
-// A wall of which no end is in sight looks the same wherever along itself it is.
-TEST(ObjectTracker, DoesNotPretendToKnowHowAWallSlidesWithinItself) {
+// A wall without a visible end looks the same wherever along itself it is.
+TEST(ObjectTracker, AWallHasALargeStandardDeviationAlongItself) {
   const ToyScene scene = scene_of({moving(test::toy_box({0, 6, 0}, {300, 0.5, 60}), {7, 0, 0})});
   ObjectTracker tracker;
   const std::vector<TrackedObject> objects = track(tracker, scene, 0, 6);
@@ -116,9 +116,9 @@ TEST(ObjectTracker, DoesNotPretendToKnowHowAWallSlidesWithinItself) {
   EXPECT_LT(std::abs(objects[0].velocity_0.y()), 0.5);
 }
 
-// The bus comes out from behind a house: what is seen of it grows at its front alone, and its middle moves
-// at half its speed.
-TEST(ObjectTracker, IsNotMisledByWhatComesIntoSight) {
+// A bus comes out from behind a house: its visible part grows at the front alone, and the centre of that part
+// moves at half its speed.
+TEST(ObjectTracker, AGrowingVisiblePartDoesNotBiasTheVelocity) {
   ToyScene scene = scene_of({moving(test::toy_box({-7, 9, 0}, {5, 1.2, 1.4}), {8, 0, 0})});
   scene.world.push_back(test::toy_box({-12, 5, 0}, {8, 0.2, 3}));
   ObjectTracker tracker;
@@ -145,7 +145,7 @@ TEST(ObjectTracker, CrossingObjectsKeepTheirIds) {
   }
 }
 
-// Two that the detector takes for one while they are close.
+// Two objects are detected as one while they are close.
 TEST(ObjectTracker, ObjectsThatMergeAndSplitGetTheirIdsBack) {
   const ToyScene scene = scene_of({moving(test::toy_cylinder({8, -1.2, 0}, 0.3, 0.9), {0, 1, 0}),
                                    moving(test::toy_cylinder({8, 1.2, 0}, 0.3, 0.5), {0, -1, 0})});
@@ -169,7 +169,7 @@ TEST(ObjectTracker, ObjectsThatMergeAndSplitGetTheirIdsBack) {
   EXPECT_EQ(after[1].id, before[1].id);
 }
 
-TEST(ObjectTracker, ThePartThatSplitsOffIsNewAndMovesLikeTheWhole) {
+TEST(ObjectTracker, APartThatSplitsOffIsNewAndStartsWithTheVelocityOfTheWhole) {
   const ToyScene scene = scene_of({moving(test::toy_box({9, -2, 0}, {0.9, 2.2, 0.75}), {0, 5, 0})});
   ObjectTracker tracker;
   const auto whole = track(tracker, scene, 0, 6);
@@ -188,7 +188,7 @@ TEST(ObjectTracker, ThePartThatSplitsOffIsNewAndMovesLikeTheWhole) {
   EXPECT_NEAR(parts[1].velocity_0.y(), 5, 1);
 }
 
-TEST(ObjectTracker, WhatIsSoonBackIsTheSame) {
+TEST(ObjectTracker, AnObjectSeenAgainWithinASecondKeepsItsId) {
   const ToyScene scene = scene_of({moving(test::toy_box({9, -2, 0}, {0.9, 2.2, 0.75}), {0, 2, 0})});
   ToyScene hidden = scene;
   hidden.world[0].T_0b = SE3(Eigen::Matrix3d::Identity(), {0, 0, 500});
@@ -230,7 +230,7 @@ TEST(ObjectTracker, FollowsABrakingCar) {
   EXPECT_NEAR(last.velocity_0.x(), 2, 0.4);
 }
 
-TEST(ObjectTracker, TakesScansWithoutObjects) {
+TEST(ObjectTracker, AcceptsScansWithoutObjects) {
   const ToyScene scene = scene_of({test::toy_box({9, 0, 0}, {1, 1, 1})});  // stands
   ObjectTracker tracker;
   EXPECT_TRUE(track(tracker, scene, 0, 3).empty());

@@ -13,12 +13,12 @@ namespace MAPLESS_FILE {
 
 using Eigen::Vector3d;
 
-TEST(SortedPoints, FindsTheNearestAsTryingAllDoes) {
-  SortedPoints sorted;  // those of one seed take the place of those before
+TEST(SortedPoints, AgreesWithExhaustiveSearch) {
+  SortedPoints sorted;  // reused over the seeds
   for (unsigned seed = 1; seed <= 20; ++seed) {
     SCOPED_TRACE(seed);
     std::mt19937 random(seed);
-    std::uniform_int_distribution<int> place(-5, 5);  // a coarse grid: many as near as each other
+    std::uniform_int_distribution<int> place(-5, 5);  // a coarse grid, so that many distances are equal
     const auto point = [&] { return Vector3d(place(random), 3 * place(random), place(random)); };
     std::vector<Vector3d> points;
     for (unsigned i = 0; i < 4 * seed; ++i) points.push_back(point());
@@ -29,23 +29,23 @@ TEST(SortedPoints, FindsTheNearestAsTryingAllDoes) {
       for (std::size_t i = 1; i < points.size(); ++i) {
         if ((points[i] - p).squaredNorm() < (points[best] - p).squaredNorm()) best = i;
       }
-      double others = std::numeric_limits<double>::infinity();
+      double second = std::numeric_limits<double>::infinity();
       for (std::size_t i = 0; i < points.size(); ++i) {
-        if (i != best) others = std::min(others, (points[i] - p).squaredNorm());
+        if (i != best) second = std::min(second, (points[i] - p).squaredNorm());
       }
       const SortedPoints::Nearest found = sorted.nearest(p);
       EXPECT_EQ(found.index, best);
       EXPECT_EQ(found.square, (points[best] - p).squaredNorm());
-      EXPECT_EQ(found.others_square, others);
+      EXPECT_EQ(found.second_square, second);
     }
   }
 }
 
-TEST(SortedPoints, NothingIsNearToNoPoints) {
+TEST(SortedPoints, IsInfinitelyFarFromNoPoints) {
   SortedPoints sorted;
   EXPECT_TRUE(std::isinf(sorted.nearest({1, 2, 3}).square));
   sorted.assign(std::vector<Vector3d>{{1, 2, 3}});
-  EXPECT_TRUE(std::isinf(sorted.nearest({1, 2, 3}).others_square));
+  EXPECT_TRUE(std::isinf(sorted.nearest({1, 2, 3}).second_square));
   sorted.assign({});
   EXPECT_TRUE(std::isinf(sorted.nearest({1, 2, 3}).square));
 }

@@ -21,9 +21,9 @@ TEST(VelocityFilter, VelocityGrowsUncertainWithTime) {
   EXPECT_EQ(motion.time(), seconds(3)) << "never back";
 }
 
-// One displacement over 0.1 s, nothing known before: the velocity is the displacement over the time. Its
+// One displacement over 0.1 s and no prior velocity: the velocity is the displacement over the time. Its
 // variance is that of the displacement over the time squared, plus q dt / 3 for the acceleration meanwhile.
-TEST(VelocityFilter, OneDisplacementTellsTheVelocity) {
+TEST(VelocityFilter, OneDisplacementDeterminesTheVelocity) {
   const double q = 0.5, dt = 0.1, std_m = 0.02;
   VelocityFilter motion(seconds(0), Vector3d::Zero(), 1e8 * Matrix3d::Identity(), q);
   motion.remember(3);
@@ -35,8 +35,8 @@ TEST(VelocityFilter, OneDisplacementTellsTheVelocity) {
   EXPECT_NEAR(motion.velocity_covariance()(0, 0) / variance, 1, 1e-3);
 }
 
-// What the displacement does not tell stays as unknown as it was.
-TEST(VelocityFilter, ADirectionNobodySawStaysUnknown) {
+// An unobserved direction keeps its uncertainty.
+TEST(VelocityFilter, AnUnobservedDirectionStaysUnknown) {
   VelocityFilter motion(seconds(0), Vector3d::Zero(), 100 * Matrix3d::Identity(), 0.1);
   for (int k = 1; k <= 20; ++k) {
     motion.remember(3);
@@ -48,7 +48,7 @@ TEST(VelocityFilter, ADirectionNobodySawStaysUnknown) {
   EXPECT_LT(motion.velocity_covariance()(0, 0), 0.1);
 }
 
-// A long time between two scans tells the velocity better than many short ones.
+// One displacement over a long time determines the velocity better than many over short times.
 TEST(VelocityFilter, RemembersEarlierScans) {
   const Matrix3d covariance = 1e-4 * Matrix3d::Identity();
   const auto run = [&covariance](bool far) {
@@ -69,7 +69,7 @@ TEST(VelocityFilter, RemembersEarlierScans) {
   EXPECT_NEAR(run(true).velocity_covariance()(0, 0), 1e-4 / 1.2 / 0.25, 1e-5);
 }
 
-TEST(VelocityFilter, ASurpriseMakesItUncertain) {
+TEST(VelocityFilter, AnUnexpectedDisplacementMakesItUncertain) {
   const Matrix3d covariance = 1e-4 * Matrix3d::Identity();
   VelocityFilter motion(seconds(0), Vector3d::Zero(), 100 * Matrix3d::Identity(), 0.1);
   for (int k = 1; k <= 10; ++k) {
@@ -90,7 +90,7 @@ TEST(VelocityFilter, ASurpriseMakesItUncertain) {
   EXPECT_NEAR(motion.velocity().x(), -3, 0.5) << "a ball that bounced is believed soon";
 }
 
-TEST(VelocityFilter, StaysSoundOverAnHour) {
+TEST(VelocityFilter, KeepsAPositiveVarianceOverAnHour) {
   VelocityFilter motion(seconds(0), Vector3d::Zero(), 100 * Matrix3d::Identity(), 0.25);
   for (int k = 1; k <= 36000; ++k) {
     motion.remember(5);

@@ -17,10 +17,10 @@ Detection detection_of_three_returns() {
   detection.scan = scan;
   detection.object = {7, 0, 0};
   detection.trace.resize(3);
-  detection.trace[0] = {ComparisonVerdict::dynamic, FreespaceVerdict::outside, FreespaceVerdict::inside,
-                        BoxVerdict::kept, GrowthVerdict::seed};
-  detection.trace[1] = {ComparisonVerdict::dynamic, FreespaceVerdict::inside, FreespaceVerdict::not_asked,
-                        BoxVerdict::removed, GrowthVerdict::not_reached};
+  detection.trace[0] = {CandidateVerdict::dynamic, FreespaceVerdict::outside, FreespaceVerdict::inside,
+                        FilterVerdict::kept, GrowthVerdict::seed};
+  detection.trace[1] = {CandidateVerdict::dynamic, FreespaceVerdict::inside, FreespaceVerdict::not_evaluated,
+                        FilterVerdict::removed, GrowthVerdict::not_reached};
   return detection;
 }
 

@@ -6,9 +6,8 @@ namespace mapless {
 namespace MAPLESS_FILE {
 namespace {
 
-// Two lasers, one after the other as a recording has them, fire at the same instants, into cubes of their
-// own.
-TEST(Keypoints, AreByTimeAndThoseOfOneInstantInTheOrderOfTheReturns) {
+// Two lasers, one after the other in the recording, fire at the same instants into different cubes.
+TEST(Keypoints, AreOrderedByTimeAndThenByReturn) {
   constexpr int kInstants = 100;
   std::vector<ScanPoint> points;
   for (int laser = 0; laser < 2; ++laser) {

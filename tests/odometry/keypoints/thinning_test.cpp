@@ -38,10 +38,10 @@ double sum_of_shares(const std::vector<float>& squares, double r2) {
 }
 
 TEST(Thinning, ByHand) {
-  EXPECT_DOUBLE_EQ(full_square_of({9, 1, 4}, 2), 5);     // 1/5 + 4/5 + 1
-  EXPECT_DOUBLE_EQ(full_square_of({9, 1, 4}, 2.25), 4);  // 1/4 + 1 + 1
-  EXPECT_DOUBLE_EQ(full_square_of({9, 1, 4}, 0.5), 28);  // 1/28 + 4/28 + 9/28
-  EXPECT_DOUBLE_EQ(full_square_of({4, 4, 4, 4}, 2), 8);
+  EXPECT_DOUBLE_EQ(full_density_square({9, 1, 4}, 2), 5);     // 1/5 + 4/5 + 1
+  EXPECT_DOUBLE_EQ(full_density_square({9, 1, 4}, 2.25), 4);  // 1/4 + 1 + 1
+  EXPECT_DOUBLE_EQ(full_density_square({9, 1, 4}, 0.5), 28);  // 1/28 + 4/28 + 9/28
+  EXPECT_DOUBLE_EQ(full_density_square({4, 4, 4, 4}, 2), 8);
 }
 
 TEST(Thinning, ShareOfEveryReturnSumsToTheTarget) {
@@ -50,13 +50,13 @@ TEST(Thinning, ShareOfEveryReturnSumsToTheTarget) {
     std::vector<float> squares = ranges_of(seed, 200 + 11 * seed);
     for (float& square : squares) square *= square;
     const double target = static_cast<double>(squares.size()) * (0.5 + seed) / 100.5;
-    EXPECT_NEAR(sum_of_shares(squares, full_square_of(squares, target)), target, 1e-6 * target);
+    EXPECT_NEAR(sum_of_shares(squares, full_density_square(squares, target)), target, 1e-6 * target);
   }
 }
 
-// The definition gives the expected count. Beside the throw for each return (below a sigma of 110), a
-// thousandth of the returns tells the ranges of all, to some 4 %.
-TEST(Thinning, KeepsAboutAsManyAsAreWanted) {
+// The definition gives the expected count. Its error has two parts: the random choice (standard deviation
+// below 110), and the distribution of ranges, estimated from a thousandth of the returns to 4 %.
+TEST(Thinning, KeepsAboutTheNumberWanted) {
   for (const int wanted : {2000, 16000, 40000}) {
     for (unsigned seed = 0; seed < 5; ++seed) {
       SCOPED_TRACE(testing::Message() << "seed " << seed << ", wanted " << wanted);
@@ -76,11 +76,11 @@ TEST(Thinning, KeepsTheOrderOfTheReturns) {
   }));
 }
 
-// Whatever the size, 400 that follow one another have some of every tenth of them.
-TEST(Thinning, PassesHaveEachIndexOnceAndAreOfEverywhere) {
+// For any size, 400 consecutive elements include some of every tenth of the scan.
+TEST(Thinning, PassOrderIsAPermutationThatCoversTheScan) {
   for (const std::size_t size : {3000u, 3017u, 16000u}) {
     SCOPED_TRACE(size);
-    const std::vector<std::uint32_t> order = in_passes(size);
+    const std::vector<std::uint32_t> order = pass_order(size);
     std::vector<std::uint32_t> sorted = order;
     std::sort(sorted.begin(), sorted.end());
     for (std::size_t i = 0; i < size; ++i) ASSERT_EQ(sorted[i], i);
@@ -90,7 +90,7 @@ TEST(Thinning, PassesHaveEachIndexOnceAndAreOfEverywhere) {
       EXPECT_GT(*std::min_element(of_tenth.begin(), of_tenth.end()), 0);
     }
   }
-  EXPECT_TRUE(in_passes(0).empty());
+  EXPECT_TRUE(pass_order(0).empty());
 }
 
 TEST(Thinning, KeepsAllOfFew) { EXPECT_EQ(thin(scan_of(ranges_of(1, 9000)), {}).size(), 9000); }
@@ -116,8 +116,8 @@ TEST(Keypoints, CubesAreHalvedUntilThereAreEnough) {
 }
 
 // 100,000 returns at 3 m and 10,000 at 6 m, of which 12,000 are wanted: 900,000 / r^2 + 360,000 / r^2 =
-// 12,000, so r^2 is 105, and the shares are 9 / 105 and 36 / 105.
-TEST(Thinning, ThinsWhatIsNearByTheSquare) {
+// 12,000, so that r^2 is 105, and 9 / 105 and 36 / 105 of them are kept.
+TEST(Thinning, ThinsByTheSquareOfTheRange) {
   std::vector<float> ranges(110000, 3);
   for (std::size_t i = 0; i < ranges.size(); i += 11) ranges[i] = 6;
   int near = 0, far = 0;

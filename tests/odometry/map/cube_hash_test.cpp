@@ -9,7 +9,7 @@
 namespace mapless {
 namespace MAPLESS_FILE {
 
-// Cube n reaches from n - 1/2 to n + 1/2, on both sides of 0 alike.
+// Cube n extends from n - 1/2 to n + 1/2, for negative n too.
 TEST(CubeHash, CubesAreNumberedByTheirMiddles) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> anywhere(-1000, 1000), inside(-0.499999, 0.499999);
@@ -21,7 +21,7 @@ TEST(CubeHash, CubesAreNumberedByTheirMiddles) {
     ASSERT_EQ(cube_number(key, 1), y);
     ASSERT_EQ(cube_number(key, 2), z);
     ASSERT_LT(key, std::uint64_t{1} << 63U);
-    ASSERT_EQ(nearest_whole(x + inside(random)), x);
+    ASSERT_EQ(nearest_integer(x + inside(random)), x);
   }
 }
 

@@ -40,9 +40,10 @@ std::vector<Vector3d> points_on(const Patch& patch, int count, double half_m, st
   return out;
 }
 
-// A plane is fitted anew when its cube has grown by a quarter: so many points that the last is just fitted.
+// A plane is fitted again when its cube has grown by a quarter: numbers of points at which the last fit has
+// all.
 int next_fit(int count) {
-  int fitted = PlaneGrid::kFewest;
+  int fitted = PlaneGrid::kMinPoints;
   while (fitted < count) fitted = static_cast<int>(std::ceil(1.25 * fitted));
   return fitted;
 }
@@ -57,7 +58,7 @@ TEST(PlaneGrid, GivesTheLeastSquaresPlaneOfTheCube) {
   for (unsigned seed = 1; seed <= 50; ++seed) {
     SCOPED_TRACE(seed);
     std::mt19937 generator(seed);
-    // Far from the origin, too: 30 km away a float has steps of 2 mm.
+    // Also far from the origin: 30 km away the resolution of a float is 2 mm.
     const Vector3d centre = seed % 2 == 0 ? Vector3d(0.5, 0.5, 0.5) : Vector3d(30000.5, -19999.5, 5.5);
     const Patch patch = random_patch(generator, centre);
     const auto points = points_on(patch, next_fit(6 + static_cast<int>(seed)), 0.2, generator);
@@ -74,7 +75,7 @@ TEST(PlaneGrid, GivesTheLeastSquaresPlaneOfTheCube) {
   }
 }
 
-// Points of a scan come together, in whatever order: cubes side by side, and some that are left out.
+// The points of a scan in random order: in adjacent cubes, and some beyond the maximum range.
 void expect_many_at_once_as_one_by_one(bool shuffled) {
   std::mt19937 generator(5);
   std::vector<MapPoint> points;
@@ -103,16 +104,16 @@ void expect_many_at_once_as_one_by_one(bool shuffled) {
   }
 }
 
-TEST(PlaneGrid, ManyPointsAtOnceAreAsManyOneByOne) {
+TEST(PlaneGrid, InsertingManyPointsEqualsInsertingOneByOne) {
   for (const bool shuffled : {false, true}) {
     SCOPED_TRACE(shuffled);
     expect_many_at_once_as_one_by_one(shuffled);
   }
 }
 
-// Of 480 points, the lowest first, which leave the cube and come back as a laser's firings do beside an edge:
-// it takes those of the lowest passes, and of the last of these the first.
-TEST(PlaneGrid, ACubeWithTooLittleRoomTakesTheLowestPasses) {
+// 480 points in runs that leave the cube and return, as the firings of a laser do beside an edge. The cube
+// accepts those of the lowest passes, and the first ones of the last of these passes.
+TEST(PlaneGrid, ACubeWithoutRoomForAllAcceptsTheLowestPasses) {
   for (const int before : {0, 100}) {
     SCOPED_TRACE(before);
     PlaneGrid grid(1, 0, kSigma);
@@ -124,7 +125,7 @@ TEST(PlaneGrid, ACubeWithTooLittleRoomTakesTheLowestPasses) {
     }
     std::vector<unsigned> taken(points.size(), 0);
     grid.insert(points, 10, 1, taken);
-    int room = PlaneGrid::kFull - before;
+    int room = PlaneGrid::kMaxPoints - before;
     for (unsigned pass = 0; pass < 9; ++pass) {
       for (std::size_t i = 0; i < points.size(); ++i) {
         if (points[i].pass != pass) continue;
@@ -137,7 +138,7 @@ TEST(PlaneGrid, ACubeWithTooLittleRoomTakesTheLowestPasses) {
   }
 }
 
-TEST(PlaneGrid, WhatIsTakenOutAgainLeavesNothing) {
+TEST(PlaneGrid, RemovedPointsLeaveNoTrace) {
   std::mt19937 generator(4);
   const Patch patch = random_patch(generator, {2.5, 0.5, 0.5});
   const auto points = points_on(patch, next_fit(30), 0.2, generator);
@@ -162,7 +163,7 @@ TEST(PlaneGrid, HasNoPlaneOfFewPointsALineOrACloud) {
   PlaneGrid few(1, 0, kSigma), line(1, 0, kSigma), cloud(1, 0, kSigma);
   std::mt19937 generator(8);
   std::uniform_real_distribution<double> uniform(0.1, 0.9);
-  for (int i = 0; i + 1 < PlaneGrid::kFewest; ++i)
+  for (int i = 0; i + 1 < PlaneGrid::kMinPoints; ++i)
     (void)insert(few, {0.15 * i + 0.05, 0.3 * (i % 3) + 0.1, 0.5}, next_line++);
   for (int i = 0; i < 60; ++i) {
     (void)insert(line, {uniform(generator), 0.5, 0.5}, next_line++);
@@ -171,8 +172,8 @@ TEST(PlaneGrid, HasNoPlaneOfFewPointsALineOrACloud) {
   for (const PlaneGrid* grid : {&few, &line, &cloud}) EXPECT_FALSE(grid->plane_at({0.5, 0.5, 0.5}));
 }
 
-// The floor lies on the face between two cubes: each has the half of its noise, and neither the surface.
-TEST(PlaneGrid, HasNoPlaneThatAFaceCuts) {
+// A floor on the face between two cubes: each has the points of half of its noise, neither has the surface.
+TEST(PlaneGrid, HasNoPlaneThatAFaceOfTheCubeCuts) {
   std::mt19937 generator(9);
   const Patch floor = {{0.5, 0.5, 1}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   PlaneGrid cut(1, 0, kSigma), shifted(1, 0.4, kSigma);
@@ -203,28 +204,28 @@ TEST(PlaneGrid, CubesAtTheOriginAreAsWideAsOthers) {
   EXPECT_EQ(grid.cubes(), 3u);
 }
 
-TEST(PlaneGrid, AFullCubeTakesNoMore) {
+TEST(PlaneGrid, AFullCubeAcceptsNoMore) {
   PlaneGrid grid(1, 0, kSigma);
-  for (int i = 0; i < PlaneGrid::kFull; ++i) EXPECT_TRUE(insert(grid, {0.5, 0.5, 0.5}, next_line++));
+  for (int i = 0; i < PlaneGrid::kMaxPoints; ++i) EXPECT_TRUE(insert(grid, {0.5, 0.5, 0.5}, next_line++));
   EXPECT_FALSE(insert(grid, {0.5, 0.5, 0.5}, next_line++));
   grid.remove({{0.5, 0.5, 0.5}});
   EXPECT_TRUE(insert(grid, {0.5, 0.5, 0.5}, next_line++));
   EXPECT_FALSE(insert(grid, {0.5, 0.5, 0.5}, next_line++));
 }
 
-TEST(PlaneGrid, ForgetsWhatIsFar) {
+TEST(PlaneGrid, RemovesCubesThatAreFar) {
   PlaneGrid grid(1, 0, kSigma);
   for (int x = 0; x < 3000; ++x) (void)insert(grid, {x + 0.5, 0.5, 0.5}, next_line++);
   grid.keep_within({1000, 0, 0}, 100);
   EXPECT_EQ(grid.cubes(), 201u);
   (void)insert(grid, {1000.9, 0.5, 0.5}, next_line++);
-  EXPECT_EQ(grid.cubes(), 201u) << "the table still finds them";
+  EXPECT_EQ(grid.cubes(), 201u) << "the table still finds the others";
   for (int x = -3000; x < 0; ++x) (void)insert(grid, {x + 0.5, -0.5, 0.5}, next_line++);
   grid.keep_within({-1000, 0, 0}, 100);
-  EXPECT_EQ(grid.cubes(), 199u) << "on the negative side, their corners 1 m aside";
+  EXPECT_EQ(grid.cubes(), 199u) << "on the negative side, whose corners are 1 m farther";
 }
 
-TEST(PlaneGrid, IgnoresPointsThatAreNowhere) {
+TEST(PlaneGrid, IgnoresPointsWithoutACube) {
   PlaneGrid grid(1, 0, kSigma);
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_FALSE(insert(grid, {nan, 0, 0}, next_line++));
@@ -235,12 +236,12 @@ TEST(PlaneGrid, IgnoresPointsThatAreNowhere) {
 }
 
 std::optional<MapPlane> plane_near(const PlaneMap& map, const Vector3d& p_0) {
-  PlaneNear found;
+  CachedPlane found;
   map.find_planes({&p_0, 1}, {&found, 1});
   return found.plane;
 }
 
-TEST(PlaneMap, WhatHoldsIsWhatWouldBeFoundAnew) {
+TEST(PlaneMap, ACachedPlaneEqualsTheOneFoundAgain) {
   std::mt19937 generator(12);
   std::uniform_real_distribution<double> uniform(-1, 1);
   PlaneMap map(kSigma);
@@ -250,27 +251,27 @@ TEST(PlaneMap, WhatHoldsIsWhatWouldBeFoundAnew) {
     for (const Vector3d& p : points_on(patch, 300, 1, generator)) (void)map.insert({{p, next_line++, 10}});
     for (const Vector3d& p : points_on(patch, 30, 1, generator)) queries.push_back(p);
   }
-  std::vector<PlaneNear> kept(queries.size());
+  std::vector<CachedPlane> kept(queries.size());
   map.find_planes(queries, kept);
-  int held = 0, planes = 0;
+  int still_valid = 0, planes = 0;
   for (std::size_t i = 0; i < queries.size(); ++i) {
     SCOPED_TRACE(i);
-    const PlaneNear before = kept[i];
+    const CachedPlane before = kept[i];
     const Vector3d moved =
         queries[i] + 0.003 * Vector3d(uniform(generator), uniform(generator), uniform(generator));
     map.find_planes({&moved, 1}, {&kept[i], 1});
     const auto anew = plane_near(map, moved);
     ASSERT_EQ(kept[i].plane.has_value(), anew.has_value());
-    EXPECT_EQ(kept[i].asked_0, before.holds_at(moved) ? queries[i] : moved);
-    held += before.holds_at(moved) ? 1 : 0;
+    EXPECT_EQ(kept[i].query_0, before.valid_at(moved) ? queries[i] : moved);
+    still_valid += before.valid_at(moved) ? 1 : 0;
     if (!anew) continue;
     ++planes;
     EXPECT_EQ(kept[i].plane->point_0, anew->point_0);
     EXPECT_EQ(kept[i].plane->normal_0, anew->normal_0);
     EXPECT_NEAR(kept[i].plane->variance, anew->variance, 0.03 * anew->variance);
   }
-  EXPECT_GT(held, 1000);
-  EXPECT_LT(held, 1200) << "some cross into another cube";
+  EXPECT_GT(still_valid, 1000);
+  EXPECT_LT(still_valid, 1200) << "some points enter another cube";
   EXPECT_GT(planes, 600);
 }
 

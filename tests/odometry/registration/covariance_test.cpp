@@ -12,7 +12,7 @@
 namespace mapless {
 namespace MAPLESS_FILE {
 
-// A ride whose acceleration is white noise, which is what the prior takes it for.
+// A motion whose acceleration is white noise, as the motion prior assumes.
 std::shared_ptr<const Trajectory> random_walk(unsigned seed, double seconds) {
   constexpr double kStep = 0.005;
   constexpr double kDensity[2] = {0.02, 0.004};  // [m^2/s^3], [rad^2/s^3]
@@ -30,13 +30,13 @@ std::shared_ptr<const Trajectory> random_walk(unsigned seed, double seconds) {
   return std::make_shared<SampledTrajectory>(poses, Duration(), "walk");
 }
 
-/// Squared error of a vector of `n` freedoms in units of its covariance, by freedom: 1 on average where that
-/// is right.
+/// Normalised squared error of a vector per degree of freedom (NEES): 1 on average if the covariance is
+/// right.
 double normalised(const Eigen::VectorXd& error, const Eigen::MatrixXd& covariance) {
   return error.dot(covariance.ldlt().solve(error)) / static_cast<double>(error.size());
 }
 
-TEST(OdometryCovariance, OfTheVelocityIsWhatItsErrorIs) {
+TEST(OdometryCovariance, MatchesTheErrorOfTheVelocity) {
   constexpr int kScans = 36, kSettled = 8;
   double linear = 0, angular = 0;
   int count = 0;
@@ -61,9 +61,9 @@ TEST(OdometryCovariance, OfTheVelocityIsWhatItsErrorIs) {
   EXPECT_LT(angular / count, 3);
 }
 
-// The velocity at the end of a scan decides the begin of the next one, and that scan tells it: what is said
-// of it at once errs by the motion's own density, what is said two scans later hardly.
-TEST(OdometryCovariance, LaterScansTellTheVelocityBetter) {
+// The velocity at the end of a scan shows in the next scans: the first estimate errs by the density of the
+// motion, the estimate two scans later hardly.
+TEST(OdometryCovariance, LaterScansReduceTheErrorOfTheVelocity) {
   constexpr int kScans = 30, kSettled = 8;
   test::ToyScene street = test::toy_street("VLP-16");
   street.trajectory = random_walk(3, 0.1 * (kScans + 2));

@@ -11,8 +11,8 @@ namespace MAPLESS_FILE {
 constexpr double kScan = 0.1;  // [s]
 constexpr AccelerationDensity kDensity = {0.3, 0.02};
 
-// Of a sensor at rest pose and velocity are as on a line: the pose takes the velocity times the time, and the
-// white noise of the acceleration adds its covariance (Barfoot, State Estimation for Robotics, 11.1.4).
+// For a sensor at rest, pose and velocity propagate as on a line: the pose by velocity x time, with the
+// covariance of white noise on acceleration added (Barfoot, State Estimation for Robotics, 11.1.4).
 Matrix12d propagated(const Matrix12d& covariance) {
   Matrix12d F = Matrix12d::Identity(), Q = Matrix12d::Zero();
   F.topRightCorner<6, 6>().diagonal().setConstant(kScan);
@@ -25,8 +25,9 @@ Matrix12d propagated(const Matrix12d& covariance) {
   return F * covariance * F.transpose() + Q;
 }
 
-// Scan after scan without a point to register: whatever knots are kept, each motion counts once.
-TEST(ScanRegistration, CarriedByThePriorTheCovarianceGrowsByTheMotionOfEveryScan) {
+// Scans without a point to register: the motion prior of each interval must enter exactly once, for any
+// number of open knots.
+TEST(ScanRegistration, ExtrapolatedWithThePriorTheCovarianceGrowsByTheMotionOfEveryScan) {
   const RegistrationSettings settings = {kDensity, {1, 2.5}, 0.02, 1e-4, 10};
   const PlaneMap map(0.02);
   Matrix12d covariance = 1e-4 * Matrix12d::Identity();
@@ -39,8 +40,8 @@ TEST(ScanRegistration, CarriedByThePriorTheCovarianceGrowsByTheMotionOfEveryScan
     ASSERT_TRUE(carried);
     covariance = propagated(covariance);
     EXPECT_LT((carried->last_information.inverse() - covariance).norm(), 1e-6 * covariance.norm()) << k;
-    EXPECT_EQ(carried->known.mean.size(), std::min<std::size_t>(kKnotsKept, knots.size())) << k;
-    prior = carried->known;
+    EXPECT_EQ(carried->posterior.mean.size(), std::min<std::size_t>(kWindowKnots, knots.size())) << k;
+    prior = carried->posterior;
   }
 }
 

@@ -40,8 +40,8 @@ TEST(TimeBins, ResidualAndItsDerivative) {
   EXPECT_LT((numerical + residual.a.transpose() * at.pose_jacobian).cwiseAbs().maxCoeff(), 3e-5);
 }
 
-// All lasers of a column share one stamp. Summed before squaring, they would count as one residual.
-TEST(TimeBins, SixtyFourPointsAtOneStampCountSixtyFourTimes) {
+// All lasers of a column share one time stamp. Summed before squaring, they would count as one residual.
+TEST(TimeBins, SixtyFourPointsAtOneStampAreSixtyFourResiduals) {
   std::mt19937 generator(6);
   const auto knots = test::moving_knots(2, generator);
   const auto at = KnotInterval(knots[0], knots[1]).at(knots[0].time + Duration::from_seconds(0.07));
@@ -61,7 +61,7 @@ TEST(TimeBins, SixtyFourPointsAtOneStampCountSixtyFourTimes) {
   }
   WindowSystem system(2);
   add_points({sums}, 0, 1, system);
-  EXPECT_EQ(sums.matched, 64);
+  EXPECT_EQ(sums.inliers, 64);
   EXPECT_LT((system.diagonal[0] - H.topLeftCorner<12, 12>()).norm(), 1e-9 * H.norm());
   EXPECT_LT((system.above[0] - H.topRightCorner<12, 12>()).norm(), 1e-9 * H.norm());
   EXPECT_LT((system.diagonal[1] - H.bottomRightCorner<12, 12>()).norm(), 1e-9 * H.norm());
@@ -69,7 +69,7 @@ TEST(TimeBins, SixtyFourPointsAtOneStampCountSixtyFourTimes) {
   EXPECT_LT((system.gradient[1] - g.tail<12>()).norm(), 1e-9 * g.norm());
 }
 
-TEST(TimeBins, HoldEveryPointOnceInShortBins) {
+TEST(TimeBins, ContainEveryPointOnceInShortBins) {
   std::vector<ScanPoint> keypoints;
   for (int i = 0; i < 1000; ++i) {
     const auto x = static_cast<float>(i);
@@ -92,13 +92,13 @@ TEST(TimeBins, HoldEveryPointOnceInShortBins) {
   EXPECT_EQ(next, 900u);
 }
 
-// Weight as of the Cauchy loss k^2/2 log(1 + r^2/k^2) of r = error / sigma, divided by sigma^2.
-TEST(TimeBins, WeightsAreThoseOfTheNoiseAndTheCauchyLoss) {
+// The weight of the Cauchy loss k^2/2 log(1 + r^2/k^2) of r = error / sigma, divided by sigma^2.
+TEST(TimeBins, WeightsFollowTheNoiseAndTheCauchyLoss) {
   const MapPlane plane = {Vector3d::Zero(), Vector3d::UnitZ(), 0.04, 0};
   EXPECT_NEAR(point_residual({0, 0, 0}, SE3(), plane, kWeights).weight, 25, 1e-12);
   const PointResidual off = point_residual({3, -2, 0.4}, SE3(), plane, kWeights);
   EXPECT_NEAR(off.weight, 25 / (1 + 2 * 2 / (2.5 * 2.5)), 1e-12);
-  EXPECT_NEAR(off.agreement, 1 / (1 + 2 * 2 / (2.5 * 2.5)), 1e-12);
+  EXPECT_NEAR(off.robust_weight, 1 / (1 + 2 * 2 / (2.5 * 2.5)), 1e-12);
   EXPECT_EQ(point_residual({0, 0, 0.6}, SE3(), plane, kWeights).weight, 0) << "beyond the gate";
 }
 

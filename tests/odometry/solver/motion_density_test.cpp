@@ -24,35 +24,35 @@ Knots knots_of(const std::vector<Vector6d>& means) {
   return knots;
 }
 
-TEST(MotionDensity, IsTheExpectedOneBeforeAnythingIsKnown) {
+TEST(MotionDensity, IsTheExpectedOneBeforeTheFirstMotion) {
   const Knots knots = knots_of({Vector6d::Constant(3)});
   for (std::size_t n = 0; n <= knots.size(); ++n) {
     SCOPED_TRACE(n);
-    const AccelerationDensity density = density_of(std::span(knots).first(n), kExpected);
+    const AccelerationDensity density = estimate_density(std::span(knots).first(n), kExpected);
     EXPECT_DOUBLE_EQ(density.translation, kExpected.translation);
     EXPECT_DOUBLE_EQ(density.rotation, kExpected.rotation);
   }
 }
 
-TEST(MotionDensity, OfASteadyMotionIsThatShareOfTheExpectedThatCountsAlways) {
+TEST(MotionDensity, OfASteadyMotionIsTheWeightOfTheExpectedOne) {
   const Knots knots = knots_of(std::vector<Vector6d>(60, Vector6d::LinSpaced(1, 6)));
-  const AccelerationDensity density = density_of(knots, kExpected);
-  // 21 knots have 20 intervals and 19 changes between them; the expected one counts as two.
+  const AccelerationDensity density = estimate_density(knots, kExpected);
+  // 21 knots have 20 intervals and 19 changes between them; the expected one has the weight of two.
   EXPECT_NEAR(density.translation, kExpected.translation * 2 / 21, 1e-9);
   EXPECT_NEAR(density.rotation, kExpected.rotation * 2 / 21, 1e-9);
 }
 
 // An angular acceleration a: the error of the prior, (a dt^2 / 2, a dt), has e^T Q^-1 e = a^2 dt / Qc on its
 // axis, which is to be two. Over three axes that is a third as much each.
-TEST(MotionDensity, OfALastingAngularAccelerationMakesThePriorsErrorWhatItIs) {
+TEST(MotionDensity, OfAConstantAngularAccelerationMatchesThePriorsError) {
   constexpr double kAcceleration = 2;  // [rad/s^2]
   std::vector<Vector6d> means;
   for (int k = 0; k < 60; ++k) means.push_back(kAcceleration * kDt * k * Vector6d::Unit(5));
   const double expected = kAcceleration * kAcceleration * kDt / 2 / 3;
-  EXPECT_NEAR(density_of(knots_of(means), {0, expected}).rotation, expected, 1e-6);
+  EXPECT_NEAR(estimate_density(knots_of(means), {0, expected}).rotation, expected, 1e-6);
 }
 
-// Velocities of white noise on acceleration, averaged over their intervals from many small steps.
+// Velocities under white noise on acceleration, averaged over their intervals from many small steps.
 TEST(MotionDensity, OfWhiteNoiseOnAccelerationIsItsDensity) {
   constexpr double kDensity = 0.5;
   constexpr int kSteps = 200;
@@ -71,9 +71,9 @@ TEST(MotionDensity, OfWhiteNoiseOnAccelerationIsItsDensity) {
       }
       means.push_back(mean);
     }
-    sum += density_of(knots_of(means), {kDensity, 0}).translation;
+    sum += estimate_density(knots_of(means), {kDensity, 0}).translation;
   }
-  // 19 changes of three axes, each with its neighbours: 5 % are four standard deviations of the mean.
+  // 19 changes on three axes, neighbours correlated: 5 % are four standard deviations of the mean.
   EXPECT_NEAR(sum / kRuns, kDensity, 0.05 * kDensity);
 }
 
@@ -81,8 +81,8 @@ TEST(MotionDensity, ForgetsAManoeuvre) {
   std::vector<Vector6d> means(60, Vector6d::Zero());
   for (std::size_t k = 10; k < 20; ++k) means[k] = Vector6d::Constant(static_cast<double>(k % 2));
   const Knots knots = knots_of(means);
-  EXPECT_GT(density_of(std::span(knots).first(22), kExpected).translation, 10 * kExpected.translation);
-  EXPECT_LT(density_of(knots, kExpected).translation, kExpected.translation);
+  EXPECT_GT(estimate_density(std::span(knots).first(22), kExpected).translation, 10 * kExpected.translation);
+  EXPECT_LT(estimate_density(knots, kExpected).translation, kExpected.translation);
 }
 
 }  // namespace MAPLESS_FILE

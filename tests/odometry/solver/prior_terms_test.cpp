@@ -7,7 +7,7 @@
 namespace mapless {
 namespace MAPLESS_FILE {
 
-TEST(PriorTerms, ConstantVelocityCostsNothing) {
+TEST(PriorTerms, ConstantVelocityHasNoCost) {
   Vector6d varpi;
   varpi << -20, 1, 0.5, 0.3, -1, 3;
   const TrajectoryKnot k1 = {Time::from_seconds(1), SE3::exp(varpi), varpi};
@@ -38,10 +38,10 @@ TEST(PriorTerms, InformationIsTheInverseOfTheCovariance) {
 
 // Ends that are both faster by dv than the mean between them cost dv^2 / 2 over the variance T Qc / 12 that
 // white noise has there (method.md section 6), with the smaller density; a change from one steady velocity to
-// another, here by 2 dv over the interval, costs the same whatever is held within it.
-TEST(PriorTerms, WhatHappensWithinAnIntervalIsHeldByItself) {
+// another, here by 2 dv over the interval, has the same cost for any density within.
+TEST(PriorTerms, TheMotionWithinAnIntervalHasItsOwnDensity) {
   const double dt = 0.1, dv = 0.3;
-  const AccelerationDensity free = {2, 0.5}, held = {2, 0.5, 0.02, 0.01};
+  const AccelerationDensity free = {2, 0.5}, register_at_speed = {2, 0.5, 0.02, 0.01};
   for (int axis = 0; axis < 6; ++axis) {
     SCOPED_TRACE(axis);
     Vector12d bent = Vector12d::Zero(), change = Vector12d::Zero();
@@ -52,11 +52,12 @@ TEST(PriorTerms, WhatHappensWithinAnIntervalIsHeldByItself) {
       return 0.5 * e.dot(motion_information(dt, density) * e);
     };
     const double density = axis < 3 ? free.translation : free.rotation;
-    const double within = axis < 3 ? held.most_within_translation : held.most_within_rotation;
+    const double within =
+        axis < 3 ? register_at_speed.max_within_translation : register_at_speed.max_within_rotation;
     EXPECT_NEAR(cost(bent, free), 0.5 * dv * dv / (dt * density / 12), 1e-9);
-    EXPECT_NEAR(cost(bent, held), 0.5 * dv * dv / (dt * within / 12), 1e-9);
-    EXPECT_NEAR(cost(change, held), 0.5 * 4 * dv * dv / (dt * density), 1e-9);
-    EXPECT_NEAR(cost(change, held), cost(change, free), 1e-9);
+    EXPECT_NEAR(cost(bent, register_at_speed), 0.5 * dv * dv / (dt * within / 12), 1e-9);
+    EXPECT_NEAR(cost(change, register_at_speed), 0.5 * 4 * dv * dv / (dt * density), 1e-9);
+    EXPECT_NEAR(cost(change, register_at_speed), cost(change, free), 1e-9);
   }
 }
 

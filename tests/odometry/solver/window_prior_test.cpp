@@ -38,10 +38,10 @@ class Chain : public testing::TestWithParam<std::size_t> {
 
   struct Solved {
     std::vector<TrajectoryKnot> knots;
-    WindowPrior known;
+    WindowPrior posterior;
   };
-  // `knots` follow one another from number `first` on; of those from `newest` on, measurement and motion
-  // count.
+  // `knots` are consecutive from number `first` on; those from `newest` on have a measurement and a motion
+  // prior.
   [[nodiscard]] Solved solved(std::vector<TrajectoryKnot> knots, const WindowPrior& prior, std::size_t first,
                               std::size_t newest, std::size_t kept) const {
     Solved out;
@@ -54,7 +54,7 @@ class Chain : public testing::TestWithParam<std::size_t> {
       }
       const WindowSolution solution = solve(system).value();
       for (std::size_t k = 0; k < knots.size(); ++k) knots[k] = perturbed(knots[k], solution.step[k]);
-      out.known = prior_of_last(kept, knots, system, solution);
+      out.posterior = marginal_of_last(kept, knots, system, solution);
     }
     out.knots = std::move(knots);
     return out;
@@ -64,27 +64,27 @@ class Chain : public testing::TestWithParam<std::size_t> {
   std::vector<WindowPrior> measured_;
 };
 
-// One window after the other, the knots before the last few marginalised, must end where everything solved
-// together ends, the last few knots too: what the newest tells of them is not lost.
+// A sliding window that marginalises all but the last few knots must give the same last knots as the full
+// batch.
 TEST_P(Chain, WindowsAgreeWithTheFullBatch) {
   const std::size_t kept = GetParam();
   const Solved batch = solved(truth_, measured_[0], 0, 1, 1);
 
   Solved window = {{}, measured_[0]};
   for (std::size_t k = 1; k < truth_.size(); ++k) {
-    std::vector<TrajectoryKnot> knots = window.known.mean;
+    std::vector<TrajectoryKnot> knots = window.posterior.mean;
     knots.push_back(truth_[k]);
-    window = solved(knots, window.known, k + 1 - knots.size(), k, kept);
+    window = solved(knots, window.posterior, k + 1 - knots.size(), k, kept);
   }
   ASSERT_EQ(window.knots.size(), kept + 1);
-  // Less than the curvature of the problem, which a linear prior does not hold.
+  // The bound is the curvature of the problem, which a linear prior does not contain.
   for (std::size_t back = 1; back <= kept + 1; ++back)
     EXPECT_LT(knot_error(batch.knots[7 - back], window.knots[kept + 1 - back]).norm(), 2e-5) << back;
-  const Matrix12d& expected = batch.known.diagonal.back();
-  const WindowPrior& known = window.known;
-  EXPECT_EQ(known.mean.size(), kept);
+  const Matrix12d& expected = batch.posterior.diagonal.back();
+  const WindowPrior& posterior = window.posterior;
+  EXPECT_EQ(posterior.mean.size(), kept);
   WindowSystem system(kept);
-  add_window_prior(known, known.mean, 0, system);
+  add_window_prior(posterior, posterior.mean, 0, system);
   EXPECT_LT((solve(system).value().information.back() - expected).norm(), 1e-3 * expected.norm());
 }
 INSTANTIATE_TEST_SUITE_P(KnotsKept, Chain, testing::Values(1, 2, 3));

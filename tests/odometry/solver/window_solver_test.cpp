@@ -46,12 +46,12 @@ TEST(WindowSolver, AgreesWithTheDenseSolution) {
     EXPECT_LT((solution->step[static_cast<std::size_t>(k)] - expected.segment<12>(12 * k)).norm(),
               1e-7 * expected.norm());
   }
-  // The covariance of the last knot is its block of the inverse of everything.
+  // The covariance of the last knot is its block of the inverse of the whole matrix.
   const Matrix12d covariance = H.inverse().bottomRightCorner<12, 12>();
   EXPECT_LT((solution->information.back() * covariance - Matrix12d::Identity()).norm(), 1e-6);
 }
 
-TEST(WindowSolver, HasNoAnswerWithoutOne) {
+TEST(WindowSolver, HasNoSolutionOfASingularSystem) {
   WindowSystem system = random_system(8);
   system.diagonal[2].setZero();
   EXPECT_FALSE(solve(system));

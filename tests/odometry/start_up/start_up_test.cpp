@@ -10,14 +10,14 @@
 #include <mapless/simulation/scene.hpp>
 #include <mapless/simulation/simulated_sensor.hpp>
 
-// Starts that went wrong, of simulated drives with sixteen lasers, which know the truth.
+// Difficult starts of simulated drives with sixteen lasers, against the simulated truth.
 namespace mapless {
 namespace MAPLESS_FILE {
 
-constexpr double kRight_m = 0.2;  // over four scans; those that went wrong were off by 0.35 m and more
-constexpr int kAfterwards = 12;   // scans, by when any start is decided
+constexpr double kRight_m = 0.2;  // over four scans; wrong starts err by at least 0.35 m
+constexpr int kAfterwards = 12;   // scans, after which every start is decided
 
-/// A sensor on its way through a scene, whose recording begins with scan `first`.
+/// A drive through a scene whose recording begins with scan `first`.
 class SimulatedStart {
  public:
   SimulatedStart(const std::string& scene, std::uint64_t seed, int first)
@@ -29,13 +29,13 @@ class SimulatedStart {
     for (int k = 0; k < kAfterwards; ++k) process(first + k);
   }
 
-  /// How far, after the motion from instant `a` to instant `b`, the sensor is from where it says [m].
+  /// Error of the translation from instant `a` to instant `b` [m].
   [[nodiscard]] double error_m(Time a, Time b) const {
     const auto moved = [&](const Trajectory& t) { return t.at(a).T_v0 * t.at(b).T_v0.inverse(); };
     return (moved(odometry.trajectory()).translation() - moved(*truth_).translation()).norm();
   }
 
-  /// The same of the turn.
+  /// The same for the rotation.
   [[nodiscard]] double turn_error_deg(Time a, Time b) const {
     const auto moved = [&](const Trajectory& t) { return t.at(a).T_v0 * t.at(b).T_v0.inverse(); };
     const SE3 error = moved(odometry.trajectory()) * moved(*truth_).inverse();
@@ -66,32 +66,31 @@ void expect_right(const SimulatedStart& start) {
     EXPECT_LT(start.error_m(start.starts[k], start.starts[k + 4]), kRight_m) << "from scan " << k;
 }
 
-// In the hand, in a tunnel: with five scans four motions up to 2.5 m/s apart had agreed with as many points
-// to one in 250, and that the sensor stood seemed as good as any.
-TEST(StartUp, WaitsWhereTheFirstScansLeaveTheSpeedOpen) {
+// Hand-held in a tunnel: over five scans four motions up to 2.5 m/s apart, rest among them, have equal
+// numbers of inliers to one in 250.
+TEST(StartUp, TakesMoreScansIfTheFirstOnesLeaveTheSpeedOpen) {
   const SimulatedStart tunnel("tunnel", 701, 0);
   EXPECT_GT(tunnel.started_with, 5);
   EXPECT_LE(tunnel.started_with, 10);
   expect_right(tunnel);
 }
 
-// On a motorway, among many who overtake and are overtaken: rising at 22 m/s, past everything that was seen,
-// nothing speaks against the motion, and hardly anything for it.
-TEST(StartUp, AMotionThatLeavesMostOfTheScanWithoutAPlaceIsNone) {
-  expect_right(SimulatedStart("highway", 201, 5));
-}
+// A motorway in dense traffic. Rising at 22 m/s above the observed scene has no freespace violations, but few
+// inliers.
+TEST(StartUp, DropsAMotionWithFewInliers) { expect_right(SimulatedStart("highway", 201, 5)); }
 
-// Registered all together, these scans left the right speed after 16 steps, for the half of it and less.
-TEST(StartUp, RegisteredTogetherScansDoNotLeaveTheMotionThatAgrees) {
+// Registered jointly without a limit, these scans leave the right speed after 16 steps, for half of it and
+// less.
+TEST(StartUp, JointRegistrationKeepsTheMotionWithMostInliers) {
   expect_right(SimulatedStart("highway", 300, 300));
 }
 
-// On top of a hill, no two of the first scans go together. They had been left where the sensor began.
-TEST(StartUp, ScansThatFoundNoPlaceAreRegisteredAfterwards) { expect_right(SimulatedStart("flyer", 601, 0)); }
+// Above a hill no two of the first scans can be registered to each other.
+TEST(StartUp, UnregisteredScansAreRegisteredLater) { expect_right(SimulatedStart("flyer", 601, 0)); }
 
-// On top of a hill, hardly a point of any scan has a plane in the one before: none had been registered for
-// more than a second.
-TEST(StartUp, ScansOfWhichNoTwoHoldOneAnotherAreRegisteredFromRest) {
+// Above a hill hardly any point has a plane in the scan before: from pairs alone, no scan is registered for a
+// second.
+TEST(StartUp, ScansThatNoPairConstrainsAreRegisteredFromRest) {
   const SimulatedStart flyer("flyer", 801, 0);
   EXPECT_EQ(flyer.started_with, 8);
   expect_right(flyer);
@@ -99,12 +98,10 @@ TEST(StartUp, ScansOfWhichNoTwoHoldOneAnotherAreRegisteredFromRest) {
     EXPECT_LT(flyer.turn_error_deg(flyer.starts[k], flyer.starts[k + 4]), 2) << "from scan " << k;
 }
 
-// The first two went with one another, but wrongly, by few points.
-TEST(StartUp, AMotionThatFewPointsOfTwoScansAgreeWithIsNotTheLast) {
-  expect_right(SimulatedStart("flyer", 602, 68));
-}
+// The first two scans can be registered to each other, but wrongly and with few inliers.
+TEST(StartUp, APairWithFewInliersIsRegisteredFromRestToo) { expect_right(SimulatedStart("flyer", 602, 68)); }
 
-// Where the speed is told, nobody waits longer.
+// If the scans determine the speed, five suffice.
 TEST(StartUp, FiveScansAreEnoughInATown) {
   const SimulatedStart town("town1", 601, 0);
   EXPECT_EQ(town.started_with, 5);

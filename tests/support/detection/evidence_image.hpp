@@ -15,7 +15,8 @@ inline LocalPoints points_of(const LidarScan& scan) {
   return points;
 }
 
-/// Five lasers, 24 columns, everything 5 m off and linked to all of its window unless a test says otherwise.
+/// A scan of five lasers and 24 columns at 5 m, each return linked to all others of its window unless a test
+/// changes that.
 class EvidenceImage : public testing::Test {
  protected:
   EvidenceImage() {
@@ -32,18 +33,18 @@ class EvidenceImage : public testing::Test {
     v.seen_through = v.recently = votes > 0;
     v.surface_seen = votes < 0;
   }
-  [[nodiscard]] std::vector<BoxVerdict> filter() const {
+  [[nodiscard]] std::vector<FilterVerdict> filter() const {
     return filter_evidence(scan_, points_, votes_, parameters_);
   }
   [[nodiscard]] EvidenceGrowthResult grow() const {
-    std::vector<BoxVerdict> seeds;
+    std::vector<FilterVerdict> seeds;
     for (const PointVotes& v : votes_)
-      seeds.push_back(v.total() > 0 ? BoxVerdict::kept : BoxVerdict::not_asked);
+      seeds.push_back(v.total() > 0 ? FilterVerdict::kept : FilterVerdict::not_evaluated);
     return grow_evidence(scan_, points_, votes_, seeds, parameters_);
   }
-  /// Growth alone reaches it: seen through once, and a surface seen as often.
+  /// Reached by growth alone: seen through by one scan, a surface in another.
   void see_through(int laser, int column) { votes_[at(laser, column)] = {1, -1, true, true, true}; }
-  /// Whoever saw through it did so a while ago.
+  /// Seen through, but not recently.
   void make_old(int laser, int column) { votes_[at(laser, column)].recently = false; }
 
   LidarScan scan_ = small_scan({0, 0, 0, 0, 0}, 5);

@@ -1,4 +1,4 @@
-#include "odometry/solver/knot_chunks.hpp"
+#include "odometry/solver/growing_trajectory.hpp"
 
 #include <thread>
 
@@ -28,12 +28,12 @@ void expect_equal(const TrajectoryState& a, const TrajectoryState& b) {
 }
 
 // Drives shorter than a chunk, up to a knot of either side of one and of two of them.
-TEST(KnotChunks, ASnapshotEqualsTheTrajectoryOverTheSameKnots) {
-  const std::size_t chunk = KnotChunks::kKnots;
+TEST(GrowingTrajectory, ASnapshotEqualsTheTrajectoryOverTheSameKnots) {
+  const std::size_t chunk = GrowingTrajectory::kKnots;
   for (const std::size_t count : {std::size_t{2}, chunk - 1, chunk, chunk + 1, 2 * chunk, 2 * chunk + 9}) {
     SCOPED_TRACE(count);
     const std::vector<TrajectoryKnot> knots = knots_of_drive(count);
-    KnotChunks chunks;
+    GrowingTrajectory chunks;
     for (std::size_t n = 0; n <= count; ++n) chunks.update(std::span(knots).first(n), n < 3 ? 0 : n - 3);
     const auto snapshot = chunks.snapshot(knots);
     const GaussianProcessTrajectory whole(knots, "test");
@@ -53,9 +53,9 @@ TEST(KnotChunks, ASnapshotEqualsTheTrajectoryOverTheSameKnots) {
   }
 }
 
-TEST(KnotChunks, OfLessThanTwoKnotsTheDomainIsEmpty) {
+TEST(GrowingTrajectory, OfLessThanTwoKnotsTheDomainIsEmpty) {
   for (const std::size_t count : {std::size_t{0}, std::size_t{1}}) {
-    const auto snapshot = KnotChunks().snapshot(knots_of_drive(count));
+    const auto snapshot = GrowingTrajectory().snapshot(knots_of_drive(count));
     EXPECT_GT(snapshot->begin(), snapshot->end());
     EXPECT_THROW((void)snapshot->at(Time()), TrajectoryDomainError);
   }
@@ -63,10 +63,10 @@ TEST(KnotChunks, OfLessThanTwoKnotsTheDomainIsEmpty) {
 
 // The last three knots are corrected by every scan, as the odometry does, while another thread reads
 // snapshots.
-TEST(KnotChunks, ThreadsReadSnapshotsWhileTheTrajectoryGrows) {
-  const std::vector<TrajectoryKnot> drive = knots_of_drive(KnotChunks::kKnots + 40);
+TEST(GrowingTrajectory, ThreadsReadSnapshotsWhileTheTrajectoryGrows) {
+  const std::vector<TrajectoryKnot> drive = knots_of_drive(GrowingTrajectory::kKnots + 40);
   std::vector<TrajectoryKnot> knots;
-  KnotChunks chunks;
+  GrowingTrajectory chunks;
   std::vector<std::thread> readers;
   for (std::size_t n = 0; n < drive.size(); ++n) {
     knots.push_back(drive[n]);

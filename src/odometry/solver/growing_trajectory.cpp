@@ -1,21 +1,27 @@
-#include "odometry/solver/knot_chunks.hpp"
+#include "odometry/solver/growing_trajectory.hpp"
 
 #include <algorithm>
+#include <string>
 
-#include "odometry/solver/knot_trajectory.hpp"
 #include "trajectory/domain.hpp"
 #include "trajectory/knot_states.hpp"
 
 namespace mapless::inline v1 {
 namespace {
 
-KnotChunks::Chunk chunk_of(std::span<const TrajectoryKnot> knots) {
+// The name in messages of TrajectoryDomainError.
+const std::string& source() {
+  static const std::string name = "lidar odometry";
+  return name;
+}
+
+GrowingTrajectory::Chunk chunk_of(std::span<const TrajectoryKnot> knots) {
   return std::make_shared<const std::vector<TrajectoryKnot>>(knots.begin(), knots.end());
 }
 
 class TrajectorySnapshot final : public Trajectory {
  public:
-  explicit TrajectorySnapshot(std::vector<KnotChunks::Chunk> chunks) : chunks_(std::move(chunks)) {}
+  explicit TrajectorySnapshot(std::vector<GrowingTrajectory::Chunk> chunks) : chunks_(std::move(chunks)) {}
 
   [[nodiscard]] Time begin() const override {
     return chunks_.empty() ? Time::from_nanoseconds(1) : chunks_.front()->front().time;
@@ -23,8 +29,8 @@ class TrajectorySnapshot final : public Trajectory {
   [[nodiscard]] Time end() const override { return chunks_.empty() ? Time() : chunks_.back()->back().time; }
 
   [[nodiscard]] TrajectoryState at(Time t) const override {
-    require_covered(t, begin(), end(), odometry_source());
-    return state_between(*chunks_[number_of(t)], t, odometry_source());
+    require_covered(t, begin(), end(), source());
+    return state_between(*chunks_[number_of(t)], t, source());
   }
 
   void sample(Time first, Duration period, std::span<TrajectoryState> states) const override {
@@ -32,11 +38,11 @@ class TrajectorySnapshot final : public Trajectory {
       return first + Duration::from_nanoseconds(static_cast<std::int64_t>(i) * period.nanoseconds());
     };
     for (std::size_t i = 0; i < states.size();) {
-      require_covered(instant(i), begin(), end(), odometry_source());
+      require_covered(instant(i), begin(), end(), source());
       const std::size_t number = number_of(instant(i));
       std::size_t next = i + 1;
       while (next < states.size() && number_of(instant(next)) == number) ++next;
-      sample_between(*chunks_[number], instant(i), period, odometry_source(), states.subspan(i, next - i));
+      sample_between(*chunks_[number], instant(i), period, source(), states.subspan(i, next - i));
       i = next;
     }
   }
@@ -46,21 +52,21 @@ class TrajectorySnapshot final : public Trajectory {
   [[nodiscard]] std::size_t number_of(Time t) const {
     const auto next = std::upper_bound(
         chunks_.begin() + 1, chunks_.end(), t,
-        [](Time time, const KnotChunks::Chunk& chunk) { return time < chunk->front().time; });
+        [](Time time, const GrowingTrajectory::Chunk& chunk) { return time < chunk->front().time; });
     return static_cast<std::size_t>(next - chunks_.begin()) - 1;
   }
 
-  std::vector<KnotChunks::Chunk> chunks_;
+  std::vector<GrowingTrajectory::Chunk> chunks_;
 };
 
 }  // namespace
 
-void KnotChunks::update(std::span<const TrajectoryKnot> knots, std::size_t final_knots) {
+void GrowingTrajectory::update(std::span<const TrajectoryKnot> knots, std::size_t final_knots) {
   for (std::size_t first = chunks_.size() * kKnots; first + kKnots < final_knots; first += kKnots)
     chunks_.push_back(chunk_of(knots.subspan(first, kKnots + 1)));
 }
 
-std::shared_ptr<const Trajectory> KnotChunks::snapshot(std::span<const TrajectoryKnot> knots) const {
+std::shared_ptr<const Trajectory> GrowingTrajectory::snapshot(std::span<const TrajectoryKnot> knots) const {
   std::vector<Chunk> chunks = chunks_;
   const auto rest = knots.subspan(std::min(chunks_.size() * kKnots, knots.size()));
   if (rest.size() > 1) chunks.push_back(chunk_of(rest));

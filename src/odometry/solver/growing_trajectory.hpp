@@ -8,10 +8,10 @@
 
 namespace mapless::inline v1 {
 
-/// The final knots of a growing trajectory, in immutable chunks that any number of snapshots share. A
-/// snapshot costs a copy of the knots after the last full chunk and one pointer per chunk, so that its cost
-/// hardly grows with the length of the drive.
-class KnotChunks {
+/// Makes immutable trajectories over knots that grow in number. Knots that never change again are copied
+/// once, into chunks that all snapshots share. A snapshot costs a copy of the knots after the last full chunk
+/// and one pointer per chunk, so that its cost hardly grows with the length of the drive.
+class GrowingTrajectory {
  public:
   /// Knots per chunk. Chosen: a snapshot copies at most this many knots and those not final yet (200 bytes
   /// each, 50 kB together), and an hour of driving at 10 Hz has 140 chunks.

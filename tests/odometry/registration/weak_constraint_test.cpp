@@ -16,8 +16,7 @@
 namespace mapless {
 namespace MAPLESS_FILE {
 
-/// How the motion from scan to scan, as it is known in the end, errs on a drive through a scene from its scan
-/// 10 on.
+/// Errors of the final motion from scan to scan of a simulated drive, from scan 10 on.
 class SettledError {
  public:
   SettledError(const std::string& sensor, const std::string& scene, std::uint64_t seed, int scans) {
@@ -55,19 +54,19 @@ const SettledError& dense_flyer() {
   return error;
 }
 
-// On top of a hill one point in 2,000 speaks for a place along it: so the more points the better. With those
-// of any other place the way of a scan was off by 3.9 mm, with three times as many by 2.5.
-TEST(WeakHold, MorePointsAreAskedWhereTheyHardlyHoldADirection) { EXPECT_LT(dense_flyer().rms_m, 0.0032); }
+// Above a hill one point in 2,000 constrains the horizontal motion. With the usual number of keypoints the
+// motion of a scan errs by 3.9 mm, with three times as many by 2.5 mm.
+TEST(WeakConstraint, AddsKeypointsIfADirectionIsWeaklyConstrained) { EXPECT_LT(dense_flyer().rms_m, 0.0032); }
 
-// Sixteen lasers have no three times as many in cubes halved twice: turns were off by 0.047 degrees a scan,
-// with cubes halved once more by 0.035.
-TEST(WeakHold, CubesAreHalvedOnceMoreToHaveThem) {
+// Sixteen lasers do not have three times as many keypoints in cubes halved twice: turns err by 0.047 degrees
+// per scan, with cubes halved once more by 0.035.
+TEST(WeakConstraint, HalvesTheCubesOnceMoreForThem) {
   EXPECT_LT(SettledError("VLP-16", "flyer", 701, 80).rms_deg, 0.041);
 }
 
-// Three to four in 10,000 are still something: left to the prior scan after scan, the speed along that
-// direction had run away to 300 m/s, and the density of the prior with it.
-TEST(WeakHold, WhatIsHeldByFewPointsIsNotLeftToThePrior) { EXPECT_LT(dense_flyer().largest_m, 0.05); }
+// A constraint ratio of 3 in 10,000 is still used: with the prior alone, scan after scan, the speed along
+// that direction diverges to 300 m/s, and the density of the prior with it.
+TEST(WeakConstraint, AFewPointsConstrainADirection) { EXPECT_LT(dense_flyer().largest_m, 0.05); }
 
 }  // namespace MAPLESS_FILE
 }  // namespace mapless

@@ -1,0 +1,58 @@
+#!/usr/bin/env python3
+"""Checks that every pattern of the test filters in scripts/check_sanitizer.sh names a test that is there: a test that
+was renamed would otherwise run under the sanitizers, or no longer run there, without anybody noticing.
+
+usage: check_test_filters.py [ROOT]
+"""
+
+import fnmatch
+import pathlib
+import re
+import sys
+
+FILTER = re.compile(r"""GTEST_FILTER=(['"])(.*?)\1""")
+TEST = re.compile(r"\b(?P<kind>TEST|TEST_F|TEST_P|TYPED_TEST)\(\s*(?P<suite>\w+)\s*,\s*(?P<name>\w+)\s*\)")
+INSTANCE = re.compile(r"\bINSTANTIATE_TEST_SUITE_P\(\s*(?P<prefix>\w+)\s*,\s*(?P<suite>\w+)")
+
+
+def patterns(script):
+    for _, text in FILTER.findall(script):
+        for pattern in re.split(r"[:-]", text):
+            if pattern and not pattern.startswith("$"):
+                yield pattern
+
+
+def test_names(root):
+    """As GoogleTest gives them; of a test with parameters, one that stands for all of them."""
+    names = set()
+    for file in (root / "tests").rglob("*_test.cpp"):
+        text = file.read_text(encoding="utf-8")
+        prefixes = {}
+        for match in INSTANCE.finditer(text):
+            prefixes.setdefault(match["suite"], []).append(match["prefix"])
+        for match in TEST.finditer(text):
+            suite, name = match["suite"], match["name"]
+            if match["kind"] == "TEST_P":
+                names.update(f"{prefix}/{suite}.{name}/0" for prefix in prefixes.get(suite, []))
+            else:
+                names.add(f"{suite}/0.{name}" if match["kind"] == "TYPED_TEST" else f"{suite}.{name}")
+    return names
+
+
+def check_filters(root):
+    names = test_names(root)
+    script = (root / "scripts" / "check_sanitizer.sh").read_text(encoding="utf-8")
+    for pattern in patterns(script):
+        if not any(fnmatch.fnmatchcase(name, pattern) for name in names):
+            yield f"scripts/check_sanitizer.sh: no test is called {pattern}"
+
+
+def main():
+    root = pathlib.Path(sys.argv[1]) if len(sys.argv) > 1 else pathlib.Path(__file__).resolve().parent.parent
+    faults = list(check_filters(root))
+    print("\n".join(faults) if faults else "the sanitizers' test filters name tests that are there")
+    return 1 if faults else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
