@@ -137,7 +137,7 @@ std::optional<Json> run_job(const Job& job, const std::filesystem::path& recordi
   JobRun run(job, *dataset, objects, scan_done);
   if (!run.run()) return std::nullopt;
   Json result = run.result();
-  if (!job.pictures) return result;
+  if (!job.pictures) return std::make_optional(std::move(result));
   result["pictures"] =
       draw_album(run.views(), stage_names(job.parameters.method), objects, pictures, job.recording.name());
   if (run.scan_picture()) {
@@ -150,7 +150,7 @@ std::optional<Json> run_job(const Job& job, const std::filesystem::path& recordi
                                    "from above: moving points found green, missed blue, still ones "
                                    "called dynamic red"}});
   }
-  return result;
+  return std::make_optional(std::move(result));
 }
 
 }  // namespace mapless::app
