@@ -18,7 +18,7 @@
 #include "terminal/interrupt.hpp"
 #include <mapless/evaluation/evaluator.hpp>
 #include <mapless/io/dataset.hpp>
-#include <mapless/io/object_tables.hpp>
+#include <mapless/io/labels.hpp>
 #include <mapless/io/result_folder.hpp>
 #include <mapless/pipeline/online_detector.hpp>
 

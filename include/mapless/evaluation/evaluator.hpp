@@ -15,7 +15,7 @@
 #include <Eigen/Core>
 
 #include <mapless/io/dataset.hpp>
-#include <mapless/io/object_tables.hpp>
+#include <mapless/io/labels.hpp>
 #include <mapless/io/result_folder.hpp>
 #include <mapless/lidar/lidar_scan.hpp>
 
