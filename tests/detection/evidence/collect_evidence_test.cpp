@@ -20,7 +20,7 @@ using test::references;
 using test::standing;
 using test::wall_at;
 
-/// A scan that is asked, and where it saw the wall.
+/// A reference scan, and where the wall was then.
 struct WallThen {
   double x;
   int gap;
@@ -68,7 +68,7 @@ TEST(SurfaceVotes, GrowWithTheLogarithmOfTheGap) {
 
 // A wall at 7 m: seen through by scans that saw it at 10 m (+4), a surface for one that saw it at 7 m (-1 to
 // -4), hidden from one that saw it at 4 m, by something that was 3 m off.
-TEST(CollectEvidence, AddsUpWhatEveryScanSays) {
+TEST(CollectEvidence, AddsUpTheVotesOfEveryScan) {
   expect_votes({{10, 2}, {4, 4}, {10, 8}, {7, -1}}, {8, -1, true, true, true});
   expect_votes({{7, 2}, {7, 4}, {10, 8}, {10, -1}}, {-1 - 2 + 4, 4, true, true, true});
   expect_votes({{4, 2}, {4, 4}, {4, 8}, {4, -1}}, {0, 0, false, false, false});
@@ -79,10 +79,10 @@ TEST(CollectEvidence, AddsUpWhatEveryScanSays) {
   expect_votes({{7, -1}}, {0, -1, false, true, false});
 }
 
-// A wall that came between 64 and 32 scans ago stands: the scan before it came is not asked, and counts as
-// one that saw it. Where it came after, that scan is heard. The order does not hang on how far off the later
-// one is.
-TEST(CollectEvidence, WhatStoodForThirtyTwoScansStandsWhateverWasThereBefore) {
+// A wall that came between 64 and 32 scans ago is static: the scan before it came is not queried, and counts
+// as if it had seen it. Where the wall came later, that scan counts. The order does not depend on the gap of
+// the later scan.
+TEST(CollectEvidence, AWallOfThirtyTwoScansIsStaticWhateverWasThereBefore) {
   for (const auto& [later, votes] : {std::pair{-1, -1}, std::pair{-40, -4}}) {
     expect_votes({{10, 64}, {7, 32}, {7, 12}, {7, 4}, {7, later}},
                  {-4 - 4 - 3 - 2, votes, false, true, false});
@@ -91,31 +91,31 @@ TEST(CollectEvidence, WhatStoodForThirtyTwoScansStandsWhateverWasThereBefore) {
   }
 }
 
-// Once six scans were asked, -6 is enough: a wall that was hidden from four of them, and that three others
+// Once six scans were queried, -6 is enough: a wall that was hidden from four of them, and that three others
 // saw, was there 64 scans ago. Of three scans alone -6 is not.
-TEST(CollectEvidence, WhatSomeCouldNotSeeStandsByFewerVotesOfMany) {
+TEST(CollectEvidence, FewerVotesSettleAPointOnceManyScansWereQueried) {
   expect_votes({{10, 64}, {4, 32}, {4, 24}, {4, 16}, {4, 12}, {7, 8}, {7, 4}, {7, 2}},
                {-4 - 3 - 2 - 1, 0, false, true, false});
   expect_votes({{10, 64}, {7, 8}, {7, 4}, {7, 2}}, {4 - 3 - 2 - 1, 0, true, true, false});
 }
 
-// What a scan more than four off saw through may have come to rest since.
-TEST(CollectEvidence, SeenThroughLatelyIsByAScanWithinFour) {
+// An object seen through by a scan more than four away may have come to rest since.
+TEST(CollectEvidence, RecentlyFreeIsByAScanWithinFour) {
   expect_votes({{7, 2}, {10, 4}}, {-1 + 4, 0, true, true, true});
   expect_votes({{7, 2}, {10, 5}}, {-1 + 4, 0, true, true, false});
   expect_votes({{7, 2}, {10, -4}}, {-1, 4, true, true, true});
   expect_votes({{7, 2}, {10, -5}}, {-1, 4, true, true, false});
 }
 
-TEST(CollectEvidence, WhereAllAreFarOffTheNearestTellsWhatMovesNow) {
+TEST(CollectEvidence, WhereAllScansAreFarTheNearestIsRecent) {
   expect_votes({{10, 8}, {7, 16}}, {4 - 4, 0, true, true, true});
   expect_votes({{7, 8}, {10, 16}}, {-3 + 4, 0, true, true, false});
   expect_votes({{7, 8}, {10, 16}, {10, -5}}, {-3 + 4, 4, true, true, true});
 }
 
-// Seen at 6 m before: what hid the wall's points was 1 m off, up to 1.3 m at the wall's ends, where scan and
-// wall meet at an angle. The scan itself, at rest, sees through the place at 6 m.
-TEST(CollectEvidence, WhatHidAPointAndHasLeftCountsByHowFarOffItWas) {
+// Seen at 6 m before: the occluder of the wall's points was 1 m off, up to 1.3 m at the wall's ends, where
+// ray and wall meet at an angle. The scan itself, at rest, sees through the place at 6 m.
+TEST(CollectEvidence, ADepartedOccluderCountsWithinItsDistance) {
   VotingParameters parameters;
   parameters.max_occluder_distance_m = 1.4;
   expect_votes({{6, 2}, {6, 4}, {6, 8}, {6, -1}}, {6, 2, false, false, true, true}, parameters);
@@ -129,7 +129,7 @@ TEST(CollectEvidence, WhatHidAPointAndHasLeftCountsByHowFarOffItWas) {
 // later, if it were the wall: so it was something else. At 0.18 m in four scans it may be the wall: 0.05 to
 // 0.06 m a scan are no more than noise. So it may at 0.5 m in four scans, 0.13 to 0.16 m a scan, where the
 // later scan sees it 0.05 m farther, but not where that sees it at its place.
-TEST(CollectEvidence, WhatLeftFastIsNotWhatTheNextScanStillSees) {
+TEST(CollectEvidence, AFastDepartureContradictsASurfaceInTheNextScan) {
   expect_votes({{6.5, 1}, {7, -1}}, {0, -1, false, true, false});
   expect_votes({{6, 1}, {6, 2}, {6.5, 2}, {7, -1}}, {0, -1, false, true, false});
   expect_votes({{6.82, 4}, {7.01, -1}}, {2, -1, false, true, true, true});
@@ -139,9 +139,9 @@ TEST(CollectEvidence, WhatLeftFastIsNotWhatTheNextScanStillSees) {
   expect_votes({{6.5, 1}, {6.5, 8}}, {4, 0, false, false, true, true});
 }
 
-// A wall seen where it stands now by scans 2 and 8 back, and found moving by both then: neither is a witness
-// that it stands, and the one of a moment ago has it go on.
-TEST(CollectEvidence, WhatWasFoundMovingAMomentAgoGoesOn) {
+// A wall seen at its present place by scans 2 and 8 back, and found dynamic in both: neither votes against
+// it, and the recent one votes for it.
+TEST(CollectEvidence, ASurfaceFoundDynamicDoesNotVoteAgainst) {
   const CompensatedScan query = cast(standing({wall_at(7)}));
   RayImage image(query);
   const std::vector<ReferenceScan> scans = {{&image, 2}, {&image, 8}};
@@ -172,9 +172,9 @@ std::vector<std::pair<double, PointEvidence>> votes_of(const test::ToyWorld& now
   return ahead;
 }
 
-// A crate that recedes along the rays hid its present face all the while: from 8 m to 9 m it tells of itself,
-// from 8 m to 10.5 m it may as well be something else that was uncovered.
-TEST(CollectEvidence, ACrateThatRecedesIsHeardByThePlaceItLeft) {
+// A crate that recedes along the rays hid its present face all the while: from 8 m to 9 m its old place is
+// evidence, from 8 m to 10.5 m it may as well be something else that was uncovered.
+TEST(CollectEvidence, ARecedingCrateHasTheEvidenceOfThePlaceItLeft) {
   for (const auto& [at, expected] : {std::pair{9.0, kOccluderLeftVotes}, std::pair{10.5, 0}}) {
     int on_crate = 0;
     for (const auto& [x, v] : votes_of({wall_at(20), crate_at(at)}, {wall_at(20), crate_at(8)})) {
@@ -190,7 +190,7 @@ TEST(CollectEvidence, ACrateThatRecedesIsHeardByThePlaceItLeft) {
   }
 }
 
-TEST(CollectEvidence, AWallUncoveredByWhatWasFarFromItDoesNotMove) {
+TEST(CollectEvidence, AWallUncoveredByADistantOccluderIsStatic) {
   int uncovered = 0;
   for (const auto& [x, v] : votes_of({wall_at(9)}, {wall_at(9), crate_at(6)})) {
     uncovered += v.total() == 0 ? 1 : 0;
@@ -202,7 +202,7 @@ TEST(CollectEvidence, AWallUncoveredByWhatWasFarFromItDoesNotMove) {
 
 // The sensor goes 2 m on, past a pole 1.5 m before a wall: other parts of the wall are hidden than before, by
 // a pole that has not left.
-TEST(CollectEvidence, WhatWasHiddenByAThingThatStaysDoesNotMove) {
+TEST(CollectEvidence, PointsHiddenByAStaticOccluderAreStatic) {
   test::ToyScene scene =
       standing({test::toy_box({2, 7, 0}, {40, 0.5, 40}), test::toy_cylinder({2, 5, 0}, 0.3, 3)});
   scene.trajectory = test::drive(10, 0);
@@ -221,7 +221,7 @@ TEST(CollectEvidence, WhatWasHiddenByAThingThatStaysDoesNotMove) {
 
 // A ray that met nothing went to the maximum range and hid nothing: a sensor that comes nearer by 2 m sees
 // things then that were a little beyond it.
-TEST(CollectEvidence, WhatComesWithinTheMaximumRangeDoesNotMove) {
+TEST(CollectEvidence, PointsThatComeWithinTheMaximumRangeAreStatic) {
   test::ToyScene scene = standing({});
   const double max_range = scene.model->max_range_m;
   scene.world = {test::toy_box({max_range + 1.5, 0, 0}, {0.5, 400, 40})};
@@ -242,7 +242,7 @@ test::ToyScene raised(test::ToyScene scene, double height) {
 
 // A wall's points are on the beams of the scan that sees it; those of a sensor somewhat higher pass above
 // them by its height, less by a thirtieth at 15 degrees. Sixteen lasers are 0.24 m apart there.
-TEST(CollectEvidence, ARayThatPassesByProvesLessThanOneThroughThePoint) {
+TEST(CollectEvidence, ARayBesideThePointCountsHalf) {
   const CompensatedScan query = cast(standing({wall_at(7)}, "VLP-16"));
   const auto expect = [&](double height, const test::ToyWorld& then, int expected) {
     SCOPED_TRACE(testing::Message() << "higher by " << height << " m, " << then.size() << " bodies then");

@@ -42,9 +42,9 @@ struct Scans {
   }
 };
 
-// In a room where nothing moves all points between two that stand do so too, of a row or of the rows above
-// and below; what scans that could not see a place do not vote differs here and there.
-TEST(ScanlineSampler, OfSmoothSurfacesLittleIsLostByAskingSomePoints) {
+// In a static room all points between two static ones are static too, in a row or between two rows; the votes
+// of scans that could not observe a point differ here and there.
+TEST(ScanlineSampler, LosesLittleOnSmoothSurfaces) {
   const Scans room(test::toy_room("HDL-64E-S3", test::drive(1, 0.3)), 9, {7, 5, 1, 10});
   const auto votes = room.votes();
   const auto all = room.all_votes();
@@ -59,10 +59,10 @@ TEST(ScanlineSampler, OfSmoothSurfacesLittleIsLostByAskingSomePoints) {
   EXPECT_LE(won, all.size() / 3000);
 }
 
-// On the street: of what the votes call dynamic when every point is asked, next to nothing may be missed.
-// What lies on the line between two points that move does so too, whatever a scan may say of it alone. Of
-// what no scan saw through more is lost: whether it was uncovered hangs, point by point, on noise.
-TEST(ScanlineSampler, OfWhatMovesLittleIsLostByAskingSomePoints) {
+// On the street: of the points with positive evidence when every point is queried, next to none may be lost.
+// A point on the line between two dynamic ones is dynamic too, whatever its own rays observe. Of the points
+// that no scan saw through more are lost: whether they were uncovered depends, point by point, on noise.
+TEST(ScanlineSampler, LosesLittleOfWhatMoves) {
   const Scans street(test::toy_street("HDL-64E-S2"), 30, {28, 26, 22, 14, 31});
   const auto votes = street.votes();
   const auto all = street.all_votes();
@@ -83,7 +83,7 @@ TEST(ScanlineSampler, OfWhatMovesLittleIsLostByAskingSomePoints) {
 
 // A pole that was not there before, of the width of one to three firings: between two points of a wall that
 // agree.
-TEST(ScanlineSampler, AsksAboutAThinThingInFrontOfAWall) {
+TEST(ScanlineSampler, QueriesAThinPoleInFrontOfAWall) {
   for (const double radius : {0.01, 0.02, 0.03}) {
     SCOPED_TRACE(radius);
     const test::ToyBody pole = test::toy_cylinder({7, 0, 0}, radius, 3);
@@ -102,8 +102,8 @@ TEST(ScanlineSampler, AsksAboutAThinThingInFrontOfAWall) {
   }
 }
 
-// A bar that one laser hits, or two: between rows of a wall that stands by the vote of a scan of long ago.
-TEST(ScanlineSampler, AsksAboutAThinThingBetweenTwoLasers) {
+// A bar that one laser hits, or two: between rows of a wall that an old scan votes static.
+TEST(ScanlineSampler, QueriesAThinBarBetweenTwoLasers) {
   const RayImage before(cast(standing({wall_at(10)})));
   int on_bar = 0;
   for (double z = -0.6; z < 0; z += 0.043) {

@@ -83,24 +83,24 @@ std::vector<Vector3d> queries_of(const CompensatedScan& scan, const FreespacePro
   return queries;
 }
 
-FreespaceVerdict ask(const FreespaceProbe& probe, const Vector3d& origin_0, const Vector3d& q_0,
-                     float column) {
+FreespaceVerdict verdict_of(const FreespaceProbe& probe, const Vector3d& origin_0, const Vector3d& q_0,
+                            float column) {
   return probe.verdict((q_0 - origin_0).cast<float>(), column);
 }
 
 /// A turning sensor sees a direction near its seam twice, or not at all.
 bool is_right(const FreespaceProbeOracle& oracle, const Vector3d& q_0, FreespaceVerdict verdict, double seam,
               int columns) {
-  if (oracle.ask(q_0) == verdict) return true;
+  if (oracle.verdict(q_0) == verdict) return true;
   if (oracle.angle_from_seam(q_0) > seam) return false;
-  return verdict == FreespaceVerdict::unobserved || oracle.ask(q_0, 0, columns / 2) == verdict ||
-         oracle.ask(q_0, columns / 2, columns) == verdict;
+  return verdict == FreespaceVerdict::unobserved || oracle.verdict(q_0, 0, columns / 2) == verdict ||
+         oracle.verdict(q_0, columns / 2, columns) == verdict;
 }
 
-enum class Asked { alone, side_by_side };
+enum class Mode { alone, side_by_side };
 
 struct ProbeAgreement : testing::TestWithParam<Case> {
-  void expect_agreement(Asked asked) const;
+  void expect_agreement(Mode mode) const;
 };
 
 using Vectors = FreespaceProbe::Vectors;
@@ -121,7 +121,7 @@ FreespaceProbe::Points points_of(const FreespaceProbe& probe, const Vector3d& or
   return points;
 }
 
-/// A scan of the case and points put to it.
+/// A scan of the case and points to observe.
 struct Inquiry {
   Inquiry(const Case& c, int count, std::uint64_t seed)
       : random(seed),
@@ -148,8 +148,8 @@ struct Inquiry {
   std::vector<Vector3d> queries;
 };
 
-std::vector<FreespaceVerdict> ask_side_by_side(const FreespaceProbe& probe, const Vector3d& origin_0,
-                                               const std::vector<Vector3d>& queries) {
+std::vector<FreespaceVerdict> observe_side_by_side(const FreespaceProbe& probe, const Vector3d& origin_0,
+                                                   const std::vector<Vector3d>& queries) {
   std::vector<FreespaceVerdict> verdicts(queries.size());
   for (std::size_t i = 0; i < queries.size(); i += kAtOnce) {
     FreespaceProbe::Points points = points_of(probe, origin_0, queries, i);
@@ -159,7 +159,7 @@ std::vector<FreespaceVerdict> ask_side_by_side(const FreespaceProbe& probe, cons
   return verdicts;
 }
 
-void ProbeAgreement::expect_agreement(Asked asked) const {
+void ProbeAgreement::expect_agreement(Mode mode) const {
   const Case& c = GetParam();
   const Inquiry inquiry(c, 600, 17);
   const FreespaceProbe& probe = inquiry.probe;
@@ -172,11 +172,11 @@ void ProbeAgreement::expect_agreement(Asked asked) const {
   const double turned = std::abs(c.yaw_rate_deg) / 10 * kDegree;
   const double seam = turned > 0 || c.speed > 0 ? turned + 20 * kDegree : 0;
   std::vector<FreespaceVerdict> verdicts(queries.size());
-  if (asked == Asked::side_by_side) verdicts = ask_side_by_side(probe, inquiry.origin_0, queries);
+  if (mode == Mode::side_by_side) verdicts = observe_side_by_side(probe, inquiry.origin_0, queries);
   std::vector<char> right(queries.size());
   tbb::parallel_for(std::size_t{0}, queries.size(), [&](std::size_t i) {
-    if (asked == Asked::alone)
-      verdicts[i] = ask(probe, inquiry.origin_0, queries[i], static_cast<float>(i % 900));
+    if (mode == Mode::alone)
+      verdicts[i] = verdict_of(probe, inquiry.origin_0, queries[i], static_cast<float>(i % 900));
     right[i] = is_right(oracle, queries[i], verdicts[i], seam, columns) ? 1 : 0;
   });
   std::array<int, kVerdicts> seen{};
@@ -192,7 +192,7 @@ void ProbeAgreement::expect_agreement(Asked asked) const {
     const double slack = (near_seam ? 0.1 : 0.005) + range * (std::numbers::pi / columns + 3e-4);
     EXPECT_LE(oracle.margin_m(queries[i], verdicts[i]), slack)
         << "query " << queries[i].transpose() << ": " << static_cast<int>(verdicts[i]) << " for "
-        << static_cast<int>(oracle.ask(queries[i]));
+        << static_cast<int>(oracle.verdict(queries[i]));
   }
   // Two queries in three lie where verdicts change.
   EXPECT_LE(other, static_cast<int>(queries.size()) / 100);
@@ -201,9 +201,9 @@ void ProbeAgreement::expect_agreement(Asked asked) const {
     EXPECT_GT(seen[static_cast<std::size_t>(v)], 10) << "hardly tests verdict " << static_cast<int>(v);
 }
 
-TEST_P(ProbeAgreement, WithBruteForceOverAllRays) { expect_agreement(Asked::alone); }
+TEST_P(ProbeAgreement, WithBruteForceOverAllRays) { expect_agreement(Mode::alone); }
 
-TEST_P(ProbeAgreement, OfEightAtOnceWithBruteForceOverAllRays) { expect_agreement(Asked::side_by_side); }
+TEST_P(ProbeAgreement, OfEightAtOnceWithBruteForceOverAllRays) { expect_agreement(Mode::side_by_side); }
 
 // To the last bit, whatever stands beside a point: labels do not depend on the processor.
 TEST_P(ProbeAgreement, OfVectorsOfEightWithVectorsOfFour) {
