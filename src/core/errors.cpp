@@ -6,20 +6,23 @@
 namespace mapless::inline v1 {
 namespace {
 
+// Keeps a message readable where a binary file is read as text and one line is the whole file [bytes].
 constexpr std::size_t kLongestPart = 200;
+// A UTF-8 character has at most this many continuation bytes.
+constexpr std::size_t kMostContinuationBytes = 3;
 
-// Whether the byte goes on a character of UTF-8 that another began.
-bool goes_on_a_character(char byte) { return (static_cast<unsigned char>(byte) & 0xC0U) == 0x80U; }
+// True for a continuation byte of UTF-8: 10xxxxxx.
+bool is_continuation(char byte) { return (static_cast<unsigned char>(byte) & 0xC0U) == 0x80U; }
 
-// Of a binary file read as text, the line may be all of it.
+// Cut between two UTF-8 characters.
 std::string shortened(const std::string& part) {
   if (part.size() <= kLongestPart) return part;
   std::size_t end = kLongestPart;
-  while (end > kLongestPart - 4 && goes_on_a_character(part[end])) --end;
+  while (end > kLongestPart - kMostContinuationBytes - 1 && is_continuation(part[end])) --end;
   return part.substr(0, end) + "...";
 }
 
-// A zero would end the message, and an escape sequence be obeyed by the terminal.
+// A zero byte would end the message, and a terminal would execute an escape sequence.
 void make_printable(std::string& line) {
   for (char& c : line) {
     if (c == '\n' || c == '\r' || c == '\t') c = ' ';

@@ -6,7 +6,7 @@
 
 namespace mapless::inline v1 {
 
-/// The upper one of the two in the middle where their number is even. `values` must not be empty.
+/// The median; of an even number of values the upper of the middle two. `values` must not be empty.
 template <typename T>
 T median(std::vector<T> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);

@@ -1,26 +1,16 @@
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <numeric>
 #include <optional>
 
 #include <fmt/format.h>
 
+#include "core/number_text.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/core/parameters.hpp>
 
 namespace mapless::inline v1 {
 namespace {
-
-// The whole text as a number, or nothing.
-template <class Number>
-std::optional<Number> parse_number(std::string_view text) {
-  if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.remove_prefix(1);
-  Number number{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return number;
-}
 
 std::optional<bool> parse_switch(std::string_view text) {
   if (text == "true" || text == "on" || text == "yes") return true;

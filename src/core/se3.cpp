@@ -7,8 +7,8 @@
 namespace mapless::inline v1 {
 namespace {
 
-// Below these angles the closed forms lose digits to cancellation; the series kept are exact to double
-// precision there.
+// Below these angles [rad] the closed forms lose digits to cancellation. The series used there are exact to
+// double precision: the first term left out is below 1e-16 of the sum at the bound.
 constexpr double kSmallAngle = 1e-2;
 constexpr double kSmallAngleOfBlockQ = 0.1;
 
@@ -93,7 +93,8 @@ Eigen::Vector3d so3_log(const Eigen::Matrix3d& rotation) {
   Eigen::Quaterniond q(rotation);
   if (q.w() < 0) q.coeffs() = -q.coeffs();
   const double s = q.vec().norm();
-  const double scale = s < 1e-12 ? 2 / q.w() : 2 * std::atan2(s, q.w()) / s;
+  constexpr double kNoRotation = 1e-12;  // half angle [rad] at which atan2(s, w) / s is 1 to double precision
+  const double scale = s < kNoRotation ? 2 / q.w() : 2 * std::atan2(s, q.w()) / s;
   return scale * q.vec();
 }
 
@@ -101,7 +102,7 @@ SE3 SE3::exp(const Vector6d& xi) {
   const Eigen::Vector3d rho = xi.head<3>(), phi = xi.tail<3>();
   const AngleTerms k = angle_terms(phi.norm());
   const Eigen::Vector3d turned = phi.cross(rho);
-  // I + a W + b W W number by number, as it is asked for every column of a scan.
+  // I + a W + b W W element by element: evaluated for every column of every scan.
   const double x = phi.x(), y = phi.y(), z = phi.z();
   const double bx = k.b * x, by = k.b * y, bz = k.b * z;
   Eigen::Matrix3d rotation;

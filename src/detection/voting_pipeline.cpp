@@ -7,7 +7,7 @@
 #include "detection/evidence/reference_gaps.hpp"
 #include "detection/freespace/range_noise.hpp"
 #include "detection/segmentation/evidence_growth.hpp"
-#include <mapless/core/timed.hpp>
+#include <mapless/core/time.hpp>
 
 namespace mapless::inline v1 {
 namespace {

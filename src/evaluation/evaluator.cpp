@@ -4,21 +4,24 @@
 #include <limits>
 #include <string>
 
-#include <fmt/format.h>
-
-#include <mapless/core/errors.hpp>
+#include "evaluation/scan_checks.hpp"
 #include <mapless/evaluation/evaluator.hpp>
 #include <mapless/io/labels.hpp>
 
 namespace mapless::inline v1 {
 namespace {
 
+// Range limits of EvaluationReport::within_range: 5, 10 ... 120 m, to the maximum range of an HDL-64E.
 constexpr double kLimitStep_m = 5;
 constexpr int kLimits = 24;
+// Edges of the bands, in steps of about a factor of two.
+constexpr auto kRangeEdges_m = {0.0, 10.0, 20.0, 30.0, 50.0, 80.0, 120.0};
+constexpr auto kSpeedEdges_mps = {0.0, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0};
+constexpr auto kVisiblePointEdges = {0.0, 4.0, 9.0, 19.0, 49.0, 199.0};
 
 template <class What>
-std::vector<InBand<What>> bands(std::initializer_list<double> edges) {
-  std::vector<InBand<What>> out;
+std::vector<Band<What>> bands(std::initializer_list<double> edges) {
+  std::vector<Band<What>> out;
   for (const double edge : edges) {
     if (!out.empty()) out.back().up_to = edge;
     out.push_back({edge, std::numeric_limits<double>::infinity(), {}});
@@ -26,11 +29,11 @@ std::vector<InBand<What>> bands(std::initializer_list<double> edges) {
   return out;
 }
 
-// Of a value that is not negative.
+// The band of a value >= 0.
 template <class What>
-What& band_of(std::vector<InBand<What>>& bands, double value) {
-  const auto band = std::find_if(bands.begin(), bands.end() - 1,
-                                 [value](const InBand<What>& b) { return value <= b.up_to; });
+What& band_of(std::vector<Band<What>>& bands, double value) {
+  const auto band =
+      std::find_if(bands.begin(), bands.end() - 1, [value](const Band<What>& b) { return value <= b.up_to; });
   return band->counts;
 }
 
@@ -47,20 +50,13 @@ void add_point(Counts& counts, bool truth_dynamic, bool called_dynamic) {
   }
 }
 
-// Which multiple of kLimitStep_m is the least a point lies within; kLimits for those beyond the last.
+// Index of the smallest range limit that includes the point; kLimits for points beyond the last.
 std::size_t step_of(double range_m) {
   const double step = std::ceil(range_m / kLimitStep_m) - 1;
   return static_cast<std::size_t>(std::clamp(step, 0.0, static_cast<double>(kLimits)));
 }
 
-void require_length(const JudgedScan& scan, const char* what, std::size_t found) {
-  if (found == scan.truth.size()) return;
-  throw InputError({fmt::format("scan {}", scan.number), what, std::to_string(found),
-                    fmt::format("truth has {} points", scan.truth.size()),
-                    "compare results and truth of the same scan"});
-}
-
-// Counts of the result's own objects, by their number in this scan.
+// Counts of the objects of the result, by their number in this scan.
 class ResultObjects {
  public:
   void add(std::uint32_t label, bool truth_dynamic) {
@@ -99,8 +95,8 @@ struct Evaluator::ObjectInScan {
   [[nodiscard]] std::int64_t dynamic() const { return points.tp + points.fn; }
   [[nodiscard]] bool found() const { return 2 * points.tp >= dynamic(); }
   [[nodiscard]] bool evident(double speed_mps) const {
-    return speed_mps > kEvidentSpeed && points.points() >= kEvidentPoints && with_range > 0 &&
-           range_sum_m <= kEvidentRange * static_cast<double>(with_range);
+    return speed_mps > kEvidentSpeed_mps && points.points() >= kEvidentPoints && with_range > 0 &&
+           range_sum_m <= kEvidentRange_m * static_cast<double>(with_range);
   }
 };
 
@@ -112,17 +108,17 @@ std::vector<float> ranges_of(const LidarScan& scan) {
 
 Evaluator::Evaluator(ObjectTruth objects, std::optional<double> max_range_m)
     : truth_(std::move(objects)), max_range_m_(max_range_m) {
-  report_.by_range = bands<Counts>({0, 10, 20, 30, 50, 80, 120});
+  if (max_range_m_) require_range_limit("Evaluator", *max_range_m_);
+  report_.by_range = bands<Counts>(kRangeEdges_m);
   for (int i = 1; i <= kLimits; ++i) report_.within_range.push_back({i * kLimitStep_m, {}});
-  report_.by_visible_points = bands<Found>({0, 4, 9, 19, 49, 199});
+  report_.by_visible_points = bands<Found>(kVisiblePointEdges);
   if (!truth_.has_states) return;
-  report_.by_speed = bands<Found>({0, 0.2, 0.5, 1, 2, 5, 10});
+  report_.by_speed = bands<Found>(kSpeedEdges_mps);
   report_.evident_movers.emplace();
 }
 
-void Evaluator::add(const JudgedScan& scan) {
-  require_length(scan, "result", scan.result.size());
-  require_length(scan, "ranges", scan.ranges_m.size());
+void Evaluator::add(const ScanLabels& scan) {
+  require_equal_lengths(scan.number, scan.truth.size(), scan.result.size(), scan.ranges_m.size());
   Counts total;
   std::vector<Counts> by_step(kLimits + 1);
   std::map<std::uint32_t, ObjectInScan> objects;
@@ -137,7 +133,7 @@ void Evaluator::add(const JudgedScan& scan) {
     const bool dynamic = truth == MotionTruth::moving;
     const bool called = motion_of_label(scan.result[i]) == MotionTruth::moving;
     add_point(total, dynamic, called);
-    // Points of one object mostly follow each other.
+    // Consecutive points mostly belong to one object.
     if (const std::uint32_t next = scan.truth[i] >> 16; object == nullptr || next != id) {
       id = next;
       object = &objects[id];

@@ -5,11 +5,11 @@
 
 #include <fmt/format.h>
 
+#include "core/argument_checks.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/evaluation/evaluator.hpp>
-#include <mapless/evaluation/result_evaluation.hpp>
 #include <mapless/io/labels.hpp>
-#include <mapless/io/object_table.hpp>
+#include <mapless/io/object_tables.hpp>
 #include <mapless/io/trajectory_file.hpp>
 
 namespace mapless::inline v1 {
@@ -17,7 +17,7 @@ namespace {
 
 using Mask = std::vector<std::uint8_t>;
 
-// 1 for the records whose return is within the range; empty, which masks nothing, without a limit.
+// 1 for records with a return within the range limit; empty (every record counts) without a limit.
 Mask range_mask(const std::vector<float>& ranges_m, const std::optional<double>& max_range_m) {
   if (!max_range_m) return {};
   Mask mask(ranges_m.size(), 0);
@@ -33,8 +33,7 @@ Mask bit_of(const Mask& masks, int bit) {
   return out;
 }
 
-// The states are numbered by scan; in a recording of which scans were taken out, they would be those of
-// others.
+// States are numbered by scan. If scans were removed from the recording, the numbers refer to other scans.
 void require_states_of(const Dataset& dataset, const ObjectTruth& objects,
                        const std::filesystem::path& folder) {
   for (const auto& [key, state] : objects.states) {
@@ -47,12 +46,13 @@ void require_states_of(const Dataset& dataset, const ObjectTruth& objects,
   }
 }
 
-// Who judges the velocities, and how the world of the result is turned against that of the truth.
-class VelocityJudge {
+// Evaluates the velocities, and knows the rotation between the world frames of result and truth.
+class VelocityEvaluation {
  public:
-  VelocityJudge(const Dataset& dataset, const ResultFolder& result, const ObjectTruth& truth,
-                const std::optional<double>& max_range_m) {
-    // Folders of labels alone, and recordings, which have another objects.csv, are no results of ours.
+  VelocityEvaluation(const Dataset& dataset, const ResultFolder& result, const ObjectTruth& truth,
+                     const std::optional<double>& max_range_m) {
+    // A folder without summary.json is no result of mapless detect: label files only, or a recording, whose
+    // objects.csv is another table.
     if (!truth.has_states || !std::filesystem::exists(result.summary())) return;
     evaluator_.emplace(truth, read_object_table(result.objects()), result.objects().string(), max_range_m);
     if (!std::filesystem::exists(result.trajectory())) return;
@@ -60,7 +60,7 @@ class VelocityJudge {
     trajectory_.emplace(read_trajectory_file(result.trajectory(), {}));
   }
 
-  void add(const JudgedScan& scan, Time start) {
+  void add(const ScanLabels& scan, Time start) {
     if (evaluator_) evaluator_->add(scan, C_rt(start));
   }
   [[nodiscard]] std::optional<VelocityReport> report() const {
@@ -69,7 +69,7 @@ class VelocityJudge {
   }
 
  private:
-  // Both say how the sensor lay.
+  // From the orientation of the sensor in both.
   [[nodiscard]] Eigen::Matrix3d C_rt(Time time) const {
     if (!trajectory_ || !true_trajectory_) return Eigen::Matrix3d::Identity();
     return trajectory_->at(time).T_v0.rotation().transpose() * true_trajectory_->at(time).T_v0.rotation();
@@ -82,7 +82,7 @@ class VelocityJudge {
 
 void evaluate_scan(const Dataset& dataset, const ResultFolder& result, std::size_t scan,
                    const std::vector<std::uint32_t>& truth, const EvaluationOptions& options,
-                   Evaluator& evaluator, VelocityJudge& velocity, ResultEvaluation& out) {
+                   Evaluator& evaluator, VelocityEvaluation& velocity, ResultEvaluation& out) {
   const std::vector<float> ranges = ranges_of(dataset.read(scan));
   const auto labels = read_label_file(result.label_file(scan), truth.size());
   evaluator.add({scan, truth, labels, ranges});
@@ -99,6 +99,7 @@ void evaluate_scan(const Dataset& dataset, const ResultFolder& result, std::size
 
 ResultEvaluation evaluate_result(const Dataset& dataset, const ResultFolder& result,
                                  const EvaluationOptions& options) {
+  require_between("evaluate_result", "stages", options.stages, 0, 8);
   const std::vector<std::size_t> scans = result.labelled_scans();
   ResultEvaluation out;
   out.labelled_scans = scans.size();
@@ -106,7 +107,7 @@ ResultEvaluation evaluate_result(const Dataset& dataset, const ResultFolder& res
   ObjectTruth objects;
   if (!options.objects.empty()) objects = read_object_truth(options.objects);
   require_states_of(dataset, objects, options.objects);
-  VelocityJudge velocity(dataset, result, objects, options.max_range_m);
+  VelocityEvaluation velocity(dataset, result, objects, options.max_range_m);
   Evaluator evaluator(std::move(objects), options.max_range_m);
   for (std::size_t i = 0; i < scans.size(); ++i) {
     if (scans[i] >= dataset.size()) {
@@ -124,7 +125,7 @@ ResultEvaluation evaluate_result(const Dataset& dataset, const ResultFolder& res
   }
   if (out.scans.empty()) {
     throw InputError({result.labels().string(), "scans", std::to_string(scans.size()),
-                      "none has both a label file and a truth in the recording",
+                      "none has both a label file and true labels in the recording",
                       "give the folder of true labels with --labels"});
   }
   out.report = evaluator.report();

@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
+
+#include "core/argument_checks.hpp"
 
 namespace mapless::inline v1 {
 namespace {
@@ -15,11 +18,12 @@ std::size_t nearest_column(double column, std::size_t columns) {
   return static_cast<std::size_t>(std::clamp(std::round(column), 0.0, static_cast<double>(columns - 1)));
 }
 
-// The column of the reference scan at which the laser that saw p_v in column `column` of the query points
-// there again. The sensor turns far slower than its hub: each round shrinks the error by their ratio.
+// Column of the reference scan at which the laser that measured p_v in column `column` of the query points
+// towards p_0 again: a fixed-point iteration. Each round multiplies the error by the ratio of the angular
+// rates of sensor and hub.
 std::size_t column_again(const LidarModel& model, const Eigen::Vector3d& p_v, std::size_t column,
                          const Eigen::Vector3d& p_0, const std::vector<SE3>& T_v0_reference) {
-  constexpr int kRounds = 3;
+  constexpr int kRounds = 3;  // a ratio of 0.06 (200 deg/s at 10 Hz) leaves less than a column
   std::size_t again = nearest_column(static_cast<double>(column), T_v0_reference.size());
   for (int i = 0; i < kRounds; ++i) {
     const double turned = std::remainder(azimuth(T_v0_reference[again] * p_0) - azimuth(p_v), kTurn);
@@ -44,6 +48,8 @@ ScanPoses poses_of(const LidarScan& scan, const Trajectory& truth, const Traject
 
 std::vector<double> static_displacements(const LidarScan& query, const ScanPoses& at_query,
                                          const ScanPoses& at_reference, std::size_t stride) {
+  require_between("static_displacements", "stride", static_cast<double>(stride), 1,
+                  std::numeric_limits<double>::max());
   const auto period_ns = static_cast<double>(query.column_period.nanoseconds());
   std::vector<double> out;
   for (std::size_t i = 0; i < query.returns.size(); i += stride) {

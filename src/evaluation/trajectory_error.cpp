@@ -1,17 +1,19 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include <Eigen/Geometry>
 
-#include <mapless/evaluation/quantile.hpp>
-#include <mapless/evaluation/trajectory_error.hpp>
+#include "core/argument_checks.hpp"
+#include <mapless/evaluation/trajectory_evaluation.hpp>
 
 namespace mapless::inline v1 {
 namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
+// Segments as in the KITTI devkit: 100 to 800 m from every tenth pose; shorter ones for short drives.
 constexpr double kLongUnit = 100;  // [m]
 constexpr std::array kShortUnits = {50.0, 20.0, 10.0, 5.0, 2.0, 1.0};
 constexpr int kLengths = 8;
@@ -35,7 +37,7 @@ std::optional<PoseErrors> figures_of_poses(const std::vector<SE3>& errors) {
   return PoseErrors{*figures_of(translations), *figures_of(rotations)};
 }
 
-// Way along the true poses up to each of them.
+// Distance along the true poses up to each of them.
 std::vector<double> ways(std::span<const PosePair> pairs) {
   std::vector<double> out;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
@@ -46,7 +48,7 @@ std::vector<double> ways(std::span<const PosePair> pairs) {
   return out;
 }
 
-// 0 for a drive too short for any.
+// 0 for a drive too short for any segment.
 double segment_unit(double way) {
   if (way >= 2 * kLongUnit) return kLongUnit;
   for (const double unit : kShortUnits) {
@@ -95,6 +97,10 @@ std::optional<ErrorFigures> figures_of(const std::vector<double>& errors) {
 double path_length_m(std::span<const PosePair> pairs) { return pairs.empty() ? 0 : ways(pairs).back(); }
 
 std::optional<Drift> drift(std::span<const PosePair> pairs) {
+  for (std::size_t i = 1; i < pairs.size(); ++i) {
+    require_between("drift", "pairs[i].scan", static_cast<double>(pairs[i].scan),
+                    static_cast<double>(pairs[i - 1].scan + 1), std::numeric_limits<double>::max());
+  }
   if (pairs.empty()) return std::nullopt;
   const std::vector<double> way = ways(pairs);
   const double unit = segment_unit(way.back());

@@ -11,8 +11,10 @@
 namespace mapless::inline v1 {
 namespace {
 
+// A gap of two scans and more is a missing pose; one of up to 1.5 is jitter of the times.
 constexpr double kWidestGapInScans = 1.5;
-// A pose for the end of a scan is one for the start of the next, whatever the last digits say.
+// A pose at the end of a scan counts as one at the start of the next; their times may differ in the last
+// digits.
 constexpr double kEarlyInScans = 0.05;
 
 bool covers(const Trajectory& trajectory, Time begin, Time end) {
@@ -23,7 +25,7 @@ Duration scan_length(const Dataset& dataset, std::size_t k) {
   return dataset.scan_end(k) - dataset.scan_start(k);
 }
 
-// No poses farther apart than this are interpolated between.
+// The estimate is not interpolated between poses farther apart than this.
 Duration widest_gap(const Dataset& dataset) { return scan_length(dataset, 0) * kWidestGapInScans; }
 
 Time last_column(const Dataset& dataset, std::size_t k) {

@@ -5,9 +5,10 @@
 
 #include <fmt/format.h>
 
+#include "evaluation/scan_checks.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/evaluation/quantile.hpp>
-#include <mapless/evaluation/velocity_evaluator.hpp>
+#include <mapless/evaluation/evaluator.hpp>
+#include <mapless/evaluation/trajectory_evaluation.hpp>
 #include <mapless/io/labels.hpp>
 
 namespace mapless::inline v1 {
@@ -27,6 +28,7 @@ struct VelocityEvaluator::Mover {
 VelocityEvaluator::VelocityEvaluator(const ObjectTruth& truth, std::vector<ObjectRow> rows, std::string table,
                                      std::optional<double> max_range_m)
     : states_(truth.states), table_(std::move(table)), max_range_m_(max_range_m) {
+  if (max_range_m_) require_range_limit("VelocityEvaluator", *max_range_m_);
   for (ObjectRow& row : rows) rows_.emplace(std::pair(row.scan, label_number(row.id)), std::move(row));
 }
 
@@ -37,7 +39,8 @@ const ObjectRow& VelocityEvaluator::row_of(std::size_t scan, std::uint32_t numbe
                     "the table has no such row", "give labels and table of one run"});
 }
 
-void VelocityEvaluator::add(const JudgedScan& scan, const Eigen::Matrix3d& C_rt) {
+void VelocityEvaluator::add(const ScanLabels& scan, const Eigen::Matrix3d& C_rt) {
+  require_equal_lengths(scan.number, scan.truth.size(), scan.result.size(), scan.ranges_m.size());
   std::map<std::uint32_t, Mover> movers;
   std::vector<std::int64_t> sizes(std::size_t{1} << 16, 0);  // of the result's objects
   for (std::size_t i = 0; i < scan.truth.size(); ++i) {
@@ -53,12 +56,12 @@ void VelocityEvaluator::add(const JudgedScan& scan, const Eigen::Matrix3d& C_rt)
     if (number != 0) ++mover.covered_by[number];
   }
   for (const auto& [id, mover] : movers) {
-    if (mover.found()) judge(scan.number, id, mover, sizes, C_rt);
+    if (mover.found()) evaluate(scan.number, id, mover, sizes, C_rt);
   }
 }
 
-void VelocityEvaluator::judge(std::size_t scan, std::uint32_t id, const Mover& mover,
-                              const std::vector<std::int64_t>& sizes, const Eigen::Matrix3d& C_rt) {
+void VelocityEvaluator::evaluate(std::size_t scan, std::uint32_t id, const Mover& mover,
+                                 const std::vector<std::int64_t>& sizes, const Eigen::Matrix3d& C_rt) {
   const auto state = states_.find({scan, id});
   if (state == states_.end()) return;
   const auto [number, covered] = mover.most();
@@ -66,7 +69,7 @@ void VelocityEvaluator::judge(std::size_t scan, std::uint32_t id, const Mover& m
   const auto [last, is_new] = last_id_.try_emplace(id, row.id);
   if (std::exchange(last->second, row.id) != row.id) ++report_.id_changes;
   report_.movers += is_new ? 1 : 0;
-  if (state->second.speed_mps <= kMovingSpeed) return;
+  if (state->second.speed_mps <= kMinEvaluatedSpeed_mps) return;
   if (row.age < 2) {
     ++report_.first_seen;
   } else if (2 * covered <= sizes[number]) {
@@ -74,9 +77,9 @@ void VelocityEvaluator::judge(std::size_t scan, std::uint32_t id, const Mover& m
   } else {
     const Eigen::Vector3d error = row.velocity_0 - C_rt * state->second.velocity_0;
     errors_.push_back(error.norm());
-    if (row.velocity_std_0.maxCoeff() < kSureVelocity) {
-      ++report_.sure;
-      sure_sum_ += error.squaredNorm();
+    if (row.velocity_std_0.maxCoeff() < kConfidentVelocityStd_mps) {
+      ++report_.confident;
+      confident_sum_ += error.squaredNorm();
     }
     normalised_sum_ += error.cwiseQuotient(row.velocity_std_0).squaredNorm() / 3;
   }
@@ -84,17 +87,18 @@ void VelocityEvaluator::judge(std::size_t scan, std::uint32_t id, const Mover& m
 
 VelocityReport VelocityEvaluator::report() const {
   VelocityReport out = report_;
-  out.judged = static_cast<std::int64_t>(errors_.size());
+  out.evaluated = static_cast<std::int64_t>(errors_.size());
   if (errors_.empty()) return out;
   const auto count = static_cast<double>(errors_.size());
   double squares = 0;
   for (const double error : errors_) squares += error * error;
   const auto close =
-      std::count_if(errors_.begin(), errors_.end(), [](double e) { return e < kCloseVelocity; });
+      std::count_if(errors_.begin(), errors_.end(), [](double e) { return e < kSmallVelocityError_mps; });
   out.rms_mps = std::sqrt(squares / count);
-  if (out.sure > 0) out.sure_rms_mps = std::sqrt(sure_sum_ / static_cast<double>(out.sure));
+  if (out.confident > 0)
+    out.confident_rms_mps = std::sqrt(confident_sum_ / static_cast<double>(out.confident));
   out.median_mps = quantile(errors_, 0.5);
-  out.close_share = static_cast<double>(close) / count;
+  out.small_error_share = static_cast<double>(close) / count;
   out.normalised_rms = std::sqrt(normalised_sum_ / count);
   return out;
 }

@@ -6,6 +6,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include "core/argument_checks.hpp"
 #include "geometry/sensor_motion.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/geometry/compensated_scan.hpp>
@@ -27,10 +28,11 @@ Eigen::Vector3d CompensatedScan::ray_direction_0(int laser, int column) const {
 
 namespace {
 
-void refuse_compensated(const LidarScan& scan) {
-  if (scan.compensated_to) {
-    throw InputError({"", "scan", "already compensated for motion", "would be compensated twice",
-                      "take it back to the measured rays first (restore_measured_rays)"});
+void require_measured(const std::shared_ptr<const LidarScan>& scan) {
+  require_given("compensate", "scan", scan.get());
+  if (scan->compensated_to) {
+    throw InputError({"", "scan", "already compensated for motion", "it would be compensated twice",
+                      "restore the measured rays first (restore_measured_rays)"});
   }
 }
 
@@ -42,7 +44,7 @@ CompensatedScan without_points(std::shared_ptr<const LidarScan> scan, SensorMoti
   return compensated;
 }
 
-// A motion of points in single precision.
+// An affine map of points in single precision, evaluated with four-lane vectors.
 class Affine {
  public:
   using Four = float __attribute__((vector_size(16)));
@@ -55,7 +57,7 @@ class Affine {
   std::array<Four, 4> columns_;
 };
 
-// Where a sensor at a column's instant sees about origin_0 what it has at p.
+// Maps p_v at the instant of a column to p_0 - origin_0.
 Affine place_of(const SE3& T_0v, const Eigen::Vector3d& origin_0) {
   Eigen::Matrix4f place = Eigen::Matrix4f::Zero();
   place.topLeftCorner<3, 3>() = T_0v.rotation().cast<float>();
@@ -63,7 +65,7 @@ Affine place_of(const SE3& T_0v, const Eigen::Vector3d& origin_0) {
   return Affine(place);
 }
 
-// By how much that differs a nanosecond later.
+// Derivative of that map with respect to time [per nanosecond].
 Affine drift_of(const SE3& T_0v, const Vector6d& varpi) {
   const Eigen::Matrix3d& C_0v = T_0v.rotation();
   Eigen::Matrix4f drift = Eigen::Matrix4f::Zero();
@@ -75,16 +77,17 @@ Affine drift_of(const SE3& T_0v, const Vector6d& varpi) {
 }  // namespace
 
 CompensatedScan compensate(std::shared_ptr<const LidarScan> scan, const Trajectory& trajectory) {
-  refuse_compensated(*scan);
+  require_measured(scan);
   SensorMotion motion(*scan, trajectory);
   const std::vector<LidarReturn>& returns = scan->returns;
   std::vector<Eigen::Vector3d> points_0(returns.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, returns.size(), 1024), [&](const auto& range) {
-    for (std::size_t i = range.begin(); i < range.end(); ++i) {
-      const LidarReturn& r = returns[i];
-      points_0[i] = motion.to_world(r.position_v.cast<double>(), r.column, r.time_ns);
-    }
-  });
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, returns.size(), kPointsPerTask),
+                    [&](const auto& range) {
+                      for (std::size_t i = range.begin(); i < range.end(); ++i) {
+                        const LidarReturn& r = returns[i];
+                        points_0[i] = motion.to_world(r.position_v.cast<double>(), r.column, r.time_ns);
+                      }
+                    });
   CompensatedScan compensated = without_points(std::move(scan), std::move(motion));
   compensated.points_0 = std::move(points_0);
   return compensated;
@@ -92,11 +95,11 @@ CompensatedScan compensate(std::shared_ptr<const LidarScan> scan, const Trajecto
 
 std::pair<CompensatedScan, LocalPoints> compensate_locally(std::shared_ptr<const LidarScan> scan,
                                                            const Trajectory& trajectory) {
-  refuse_compensated(*scan);
+  require_measured(scan);
   SensorMotion motion(*scan, trajectory);
   LocalPoints local{Eigen::Vector3d::Zero(), std::vector<Eigen::Vector3f>(scan->returns.size())};
   if (!motion.column_T_0v.empty()) local.origin_0 = motion.column_T_0v.front().translation();
-  std::vector<Affine> places, drifts;  // apart: where all lasers fire at once the one is enough
+  std::vector<Affine> places, drifts;  // drifts are read only where lasers fire at different instants
   places.reserve(motion.column_T_0v.size());
   drifts.reserve(motion.column_T_0v.size());
   for (std::size_t c = 0; c < motion.column_T_0v.size(); ++c) {
@@ -107,11 +110,12 @@ std::pair<CompensatedScan, LocalPoints> compensate_locally(std::shared_ptr<const
   const std::span<const LidarReturn> returns = scan->returns;
   const std::span<Eigen::Vector3f> points = local.points;
   tbb::parallel_for(
-      tbb::blocked_range<std::size_t>(0, points.size(), 1024), [&, returns, points](const auto& range) {
+      tbb::blocked_range<std::size_t>(0, points.size(), kPointsPerTask),
+      [&, returns, points](const auto& range) {
         for (std::size_t i = range.begin(); i < range.end(); ++i) {
           const LidarReturn& r = returns[i];
           const std::int64_t dt_ns = r.time_ns - r.column * period_ns;
-          if (std::abs(dt_ns) > period_ns) {  // too long for a motion to first order
+          if (std::abs(dt_ns) > period_ns) {  // too long for a first-order motion, see SensorMotion
             const Eigen::Vector3d p_0 = motion.to_world(r.position_v.cast<double>(), r.column, r.time_ns);
             points[i] = (p_0 - local.origin_0).cast<float>();
             continue;

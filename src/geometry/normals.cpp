@@ -15,11 +15,14 @@
 namespace mapless::inline v1 {
 namespace {
 
-// Below this share of the largest variance the middle one is rounding, not width: the closed form loses half
-// the digits where two eigenvalues coincide.
+// Below this share of the largest variance the middle one is rounding error, not width: the closed form has
+// half the digits of a double (1e-8) where two eigenvalues coincide.
 constexpr double kRounding = 1e-6;
+// Normals per parallel task. Chosen: half of kPointsPerTask of sensor_motion.hpp, as a normal takes longer
+// than a point.
+constexpr std::size_t kNormalsPerTask = 512;
 
-// First and second moments of points about a reference near them, so that world coordinates of kilometres
+// First and second moments of points relative to a reference near them: world coordinates of kilometres then
 // cost no digits.
 class Moments {
  public:
@@ -40,7 +43,7 @@ class Moments {
   Eigen::Matrix3d squares_ = Eigen::Matrix3d::Zero();
 };
 
-// Normal of the plane through the points, of either sign, where they are a plane.
+// Normal of the plane through the points, of either sign, if they lie on a plane.
 std::optional<Eigen::Vector3d> plane_normal(const Moments& moments, const NormalParameters& parameters) {
   if (moments.count() < parameters.min_points) return std::nullopt;
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
@@ -81,7 +84,7 @@ class NormalEstimator {
   }
 
  private:
-  // Half the window's width in columns: at least as asked, and as wide as the window is high.
+  // Half the width of the window in columns: at least window_columns, and at least the height of the window.
   [[nodiscard]] int half_width(const LidarModel& model, int laser) const {
     const auto elevation = [&](int l) {
       const int inside = std::clamp(l, 0, static_cast<int>(model.lasers.size()) - 1);
@@ -139,7 +142,7 @@ class NormalEstimator {
   const NormalParameters& parameters_;
   AlignedImage image_;
   std::vector<SE3> column_T_0h_;
-  double column_rad_;  // turn of the hub between columns
+  double column_rad_;  // rotation of the hub between two columns
   double sine_of_incidence_;
   std::vector<int> half_columns_;  // of each laser's window
 };
@@ -149,11 +152,14 @@ class NormalEstimator {
 std::vector<Eigen::Vector3f> estimate_normals(const CompensatedScan& scan,
                                               const NearestNeighbours& neighbours,
                                               const NormalParameters& parameters) {
+  require_within_bounds(parameters, "estimate_normals");
   const NormalEstimator estimator(scan, neighbours, parameters);
   std::vector<Eigen::Vector3f> normals(scan.points_0.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, normals.size(), 512), [&](const auto& range) {
-    for (std::size_t i = range.begin(); i < range.end(); ++i) normals[i] = estimator.normal(i);
-  });
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, normals.size(), kNormalsPerTask),
+                    [&](const auto& range) {
+                      for (std::size_t i = range.begin(); i < range.end(); ++i)
+                        normals[i] = estimator.normal(i);
+                    });
   return normals;
 }
 

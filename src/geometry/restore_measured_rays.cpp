@@ -25,8 +25,8 @@ double column_of(const LidarModel& model, const Laser& laser, const Eigen::Vecto
   return model.sign() * (hub_angle - model.start_azimuth_rad) * model.columns / (2 * std::numbers::pi);
 }
 
-// Of the columns a whole number of turns from `column`, the one within half a turn of `previous`; where the
-// scan does not hold that, the one on the other side of its seam.
+// Of the columns that differ from `column` by whole turns, the one within half a turn of `previous`. If that
+// lies outside the scan, the one on the other side of the seam.
 double unwrapped(double column, double previous, const LidarScan& scan) {
   const double turn = scan.model->columns;
   double c = column + turn * std::round((previous - column) / turn);
@@ -35,12 +35,12 @@ double unwrapped(double column, double previous, const LidarScan& scan) {
   return std::clamp(c, 0.0, static_cast<double>(scan.columns));
 }
 
-// Where a column and an instant were recovered from the azimuth of a compensated point, moving the point
-// changes the azimuth. Each pass leaves as much of the error as the direction of the point turns against the
-// spin of the hub: below a tenth for 15 m/s past a point 4 m away.
+// Column and instant were recovered from the azimuth of the compensated point, and moving the point changes
+// its azimuth: a fixed-point iteration. Each pass multiplies the error by the angular rate of the point's
+// direction over that of the hub: by 15/4/63 = 0.06 for 15 m/s past a point at 4 m and 10 Hz (63 rad/s).
 void recover_from_azimuth(const LidarScan& scan, const SensorMotion& motion, const Eigen::Vector3d& p_0,
                           LidarReturn& r) {
-  constexpr int kPasses = 3;
+  constexpr int kPasses = 3;  // 0.06^3 of an initial error of at most half a turn: less than a column
   const Laser& laser = scan.model->lasers[static_cast<std::size_t>(r.laser)];
   double column = r.column;
   for (int pass = 0; pass < kPasses; ++pass) {
@@ -63,7 +63,7 @@ void restore(const LidarScan& scan, const SensorMotion& motion, const SE3& T_0c,
   r.range_m = static_cast<float>((p_v - origin_v).norm());
 }
 
-// Cells where nothing came back keep their codes, unless a return now falls there.
+// Cells without a return keep their code, unless a return now falls into them.
 void lay_out_cells(LidarScan& scan) {
   std::sort(scan.returns.begin(), scan.returns.end(), [](const LidarReturn& a, const LidarReturn& b) {
     return std::tie(a.laser, a.column, a.input_index) < std::tie(b.laser, b.column, b.input_index);
@@ -86,14 +86,14 @@ void lay_out_cells(LidarScan& scan) {
 
 LidarScan restore_measured_rays(const LidarScan& scan, const Trajectory& trajectory) {
   if (!scan.compensated_to) {
-    throw InputError({"", "scan", "not compensated for motion", "there is no compensation to take back",
+    throw InputError({"", "scan", "not compensated for motion", "there is no compensation to undo",
                       "compensate it as it is"});
   }
   const SE3 T_0c = trajectory.at(*scan.compensated_to).T_v0.inverse();
   const SensorMotion motion(scan, trajectory);
   LidarScan restored = scan;
   restored.compensated_to.reset();
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, restored.returns.size(), 1024),
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, restored.returns.size(), kPointsPerTask),
                     [&](const auto& range) {
                       for (std::size_t i = range.begin(); i < range.end(); ++i)
                         restore(scan, motion, T_0c, restored.returns[i]);

@@ -10,7 +10,7 @@ namespace mapless::inline v1 {
 
 SensorMotion::SensorMotion(const LidarScan& scan, const Trajectory& trajectory)
     : trajectory_(trajectory), start_(scan.start), period_ns_(scan.column_period.nanoseconds()) {
-  // The extremes are asked first and in order, so that which instant an error names does not depend on
+  // The extremes are evaluated first, in a fixed order: which instant an error names must not depend on
   // threads.
   if (scan.columns > 0) {
     (void)trajectory.at(scan.column_time(0));

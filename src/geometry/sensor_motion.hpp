@@ -11,14 +11,18 @@
 
 namespace mapless::inline v1 {
 
-/// Maps points between world and sensor at the instants of a scan. The trajectory is asked once per column;
-/// within a column period of that the sensor moves to first order, which errs by dt^2/2 |omega| (|nu| +
-/// |omega| range): 1e-6 m at 50 microseconds, 200 deg/s, 30 m/s and 100 m. Farther away the trajectory is
-/// asked for the point alone.
+/// Points per parallel task. Chosen: many tasks per scan (60 and more), each long against the cost of
+/// starting it.
+inline constexpr std::size_t kPointsPerTask = 1024;
+
+/// Transforms points between world and sensor at the instants of a scan. The trajectory is evaluated once per
+/// column. Within one column period of that instant the motion is taken to first order, with an error of
+/// dt^2/2 |omega| (|nu| + |omega| range): 2e-6 m at dt = 50 microseconds, |omega| = 200 deg/s, |nu| = 30 m/s
+/// and a range of 100 m. For a larger dt the trajectory is evaluated at the point's own instant.
 class SensorMotion {
  public:
-  /// Throws TrajectoryDomainError unless the trajectory covers every column and return. Keeps references to
-  /// both.
+  /// Throws TrajectoryDomainError unless the trajectory covers every column and return. Keeps a reference to
+  /// the trajectory.
   SensorMotion(const LidarScan& scan, const Trajectory& trajectory);
 
   /// p_0 = T_0v(t) p_v, t = time_ns after the start of the scan.
@@ -43,7 +47,7 @@ class SensorMotion {
   }
 
   std::vector<TrajectoryState> column_states;  ///< at LidarScan::column_time
-  std::vector<SE3> column_T_0v;                ///< their inverses
+  std::vector<SE3> column_T_0v;                ///< the inverses of their T_v0
 
  private:
   [[nodiscard]] TrajectoryState exact_state(std::int32_t time_ns) const;

@@ -1,91 +1,27 @@
-#include <functional>
+#include <fmt/format.h>
 
-#include "io/formats/kitti/kitti_odometry_dataset.hpp"
-#include "io/formats/kitti/kitti_raw_dataset.hpp"
-#include "io/formats/mdlidar/mdlidar_dataset.hpp"
-#include "io/formats/native/native_dataset.hpp"
-#include "io/formats/pcd/pcd_folder_dataset.hpp"
+#include "io/files/text.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/io/dataset.hpp>
 
 namespace mapless::inline v1 {
-namespace {
 
-namespace fs = std::filesystem;
-
-struct Format {
-  std::string name;
-  std::string looked_for;
-  bool (*looks_like)(const fs::path&);
-  std::unique_ptr<Dataset> (*open)(const fs::path&, const DatasetOptions&);
-};
-
-const std::vector<Format>& formats() {
-  static const std::vector<Format> all = {
-      {"native", "sensor.yaml with scans/", looks_native, open_native},
-      {"kitti-raw", "velodyne_points/data", looks_kitti_raw, open_kitti_raw},
-      {"kitti", "velodyne/*.bin", looks_kitti_odometry, open_kitti_odometry},
-      {"mdlidar", "header and frame/", looks_mdlidar, open_mdlidar},
-      {"pcd", "*.pcd", looks_pcd_folder, open_pcd_folder},
-  };
-  return all;
+std::size_t Dataset::checked(std::size_t k) const {
+  if (k < size()) return k;
+  throw ParameterError({format(), "scan", std::to_string(k),
+                        fmt::format("the recording has {} scans", size()), "count scans from 0"});
 }
 
-std::string joined(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
-}
-
-const Format& named_format(const std::string& name) {
-  for (const Format& format : formats()) {
-    if (format.name == name) return format;
+void require_time_order(const Dataset& dataset, std::size_t first, std::size_t count) {
+  for (std::size_t k = first + 1; k < first + count; ++k) {
+    const Time before = dataset.scan_start(k - 1);
+    const Time start = dataset.scan_start(k);
+    if (start > before) continue;
+    throw InputError({dataset.scan_file(k).string(), fmt::format("start of scan {}", k),
+                      decimal_seconds(start) + " s",
+                      fmt::format("not after that of scan {} ({} s)", k - 1, decimal_seconds(before)),
+                      "correct the times of the recording, or choose scans with --first and --count"});
   }
-  throw ParameterError({"--format", "", name, "unknown format", "one of " + joined(dataset_formats())});
-}
-
-const Format& recognised_format(const fs::path& path) {
-  std::vector<const Format*> fitting;
-  std::vector<std::string> names;
-  std::string looked_for;
-  for (const Format& format : formats()) {
-    looked_for += (looked_for.empty() ? "" : ", ") + format.looked_for + " (" + format.name + ")";
-    if (!format.looks_like(path)) continue;
-    fitting.push_back(&format);
-    names.push_back(format.name);
-  }
-  if (fitting.empty()) {
-    throw InputError({path.string(), "format", "none", "no recording here; looked for " + looked_for,
-                      "give the folder of a recording, or name its format with --format"});
-  }
-  if (fitting.size() > 1) {
-    throw InputError({path.string(), "format", joined(names), "the folder holds more than one recording",
-                      "name the one to read with --format"});
-  }
-  return *fitting.front();
-}
-
-}  // namespace
-
-std::unique_ptr<Dataset> open_dataset(const fs::path& path, const DatasetOptions& options) try {
-  if (!fs::is_directory(path)) {
-    throw InputError({path.string(), "", "", fs::exists(path) ? "not a folder" : "no such folder",
-                      "give the folder of a recording"});
-  }
-  const Format& format = options.format.empty() ? recognised_format(path) : named_format(options.format);
-  return format.open(path, options);
-} catch (const fs::filesystem_error& error) {
-  throw InputError({error.path1().string(), "", "", "cannot be looked at: " + error.code().message(),
-                    "check the path and its permissions"});
-}
-
-const std::vector<std::string>& dataset_formats() {
-  static const std::vector<std::string> names = [] {
-    std::vector<std::string> all;
-    for (const Format& format : formats()) all.push_back(format.name);
-    return all;
-  }();
-  return names;
 }
 
 }  // namespace mapless

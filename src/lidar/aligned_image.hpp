@@ -6,8 +6,8 @@
 
 namespace mapless::inline v1 {
 
-/// The scan image with every row shifted by its laser's azimuth offset, in whole columns, so that neighbours
-/// in the image are neighbours in space. Columns are given for one scan and wrap.
+/// The scan image with every row shifted by the azimuth offset of its laser, in whole columns: neighbours in
+/// the image are neighbours in space. Columns wrap.
 class AlignedImage {
  public:
   explicit AlignedImage(const LidarScan& scan);
@@ -16,13 +16,13 @@ class AlignedImage {
   [[nodiscard]] int aligned_column(int laser, int column) const {
     return wrap(column + shift_[static_cast<std::size_t>(laser)]);
   }
-  /// The inverse; `aligned` may lie up to a turn outside [0, columns).
+  /// Its inverse; `aligned` may lie up to a turn outside [0, columns).
   [[nodiscard]] int scan_column(int laser, int aligned) const {
     return wrap(aligned - shift_[static_cast<std::size_t>(laser)]);
   }
 
  private:
-  // A turn or two off at most: a division takes longer.
+  // At most a turn or two outside: repeated addition is faster than a division.
   [[nodiscard]] int wrap(int column) const {
     while (column < 0) column += columns_;
     while (column >= columns_) column -= columns_;

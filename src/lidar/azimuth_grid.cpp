@@ -14,11 +14,47 @@ namespace mapless::inline v1 {
 namespace {
 
 constexpr double kTwoPi = 2 * std::numbers::pi;
-constexpr double kLargestAcross_m = 0.04;  // HDL-64E: 0.026
-constexpr double kConcentrated = 0.6;      // of at most 1: the azimuths of a ring are on the grid
-constexpr double kWholeTurnOfOffsets_rad =
-    0.35;  // offsets of two lasers differ by less (HDL-64E: 18.5 degrees)
-constexpr std::size_t kPointsPerRing = 1500;
+// Search range of the horizontal origin of a laser: 1.5 times that of an HDL-64E (0.026 m), the widest known.
+constexpr double kLargestAcross_m = 0.04;
+// Steps of that search. A step of 2 mm moves the azimuth of a point at 5 m by 0.4 mrad, a quarter of the grid
+// of an HDL-64E (1.6 mrad); the second and third pass refine it.
+constexpr double kCoarseAcross_m = 0.002, kMediumAcross_m = 0.001, kFineAcross_m = 0.0001;
+// Least gain in concentration of a horizontal origin over none. Chosen: small against the 1/sqrt(1500) =
+// 0.026 to which a mean of as many random phases is known, and above the rounding of the azimuths.
+constexpr double kLeastGain = 0.005;
+// The azimuths of a ring are on the grid from this concentration on (at most 1; random azimuths have
+// 1/sqrt(size)). A Gaussian spread of the azimuths of 0.16 of the grid's spacing gives 0.6.
+constexpr double kConcentrated = 0.6;
+// Azimuth offsets of two lasers differ by less: 20 degrees (HDL-64E: 18.5 degrees).
+constexpr double kLargestOffset_rad = 0.35;
+// Sample sizes that bound the time of the search; each mean over them is known to 1/sqrt(size).
+constexpr std::size_t kPointsPerRing = 1500, kStepsInSample = 5000, kPositionsInSample = 2500;
+constexpr std::size_t kRingsForGrid = 6, kPointsPerRingForGrid = 300;
+// Fewer points of a ring show no phase: its mean is known to 1/sqrt(20) = 0.22.
+constexpr std::size_t kFewestPointsForPhase = 20;
+
+// Azimuth steps that are used: not zero, and below 6 degrees, the coarsest column grid. Both points at the
+// same distance to 1 %, so that horizontal origins cancel.
+constexpr double kLeastStep_rad = 1e-6, kLargestStep_rad = 0.1;
+constexpr double kSameDistance = 0.01;
+// A step above 1.5 times the median has a missing return in between. Steps above 4.5 times the median are
+// left out of the search for the spacing: their phase amplifies its error.
+constexpr double kMissingReturn = 1.5, kLongestStep = 4.5;
+// Candidate spacings, as multiples of the median step, which is one or two grid positions; 0.5 % apart.
+constexpr double kWidestSpacing = 1.3, kNarrowestSpacing = 0.2, kSpacingRatio = 0.995;
+// Mean cosine of the steps' phases: a grid shows from 0.5 on; the divisors of a spacing score like it, so the
+// widest one within 85 % of the best is taken.
+constexpr double kGridScore = 0.5, kNearBestScore = 0.85;
+// The number of grid positions is searched within 1/80 of the value the spacing gives, 2.5 times the 0.5 %
+// above.
+constexpr int kPositionsReach = 80;
+// Mean mark under the points of a ring in its right place: 0.9 allows one point in twenty off the firings.
+constexpr double kAgreement = 0.9;
+// With firings at more than this share of the positions, the sensor fires at every position.
+constexpr double kFiresAtEvery = 0.95;
+// Scans vary in their number of firings; one column in a thousand is left free for those with more than were
+// seen.
+constexpr int kSpareColumnEvery = 1000;
 
 // asin(across / rho), to 1e-8 for all but points on the spin axis.
 double across_angle(double across_m, double rho_m) {
@@ -33,8 +69,8 @@ std::vector<double> azimuth_steps(const std::vector<RingPoints>& rings) {
   for (const RingPoints& ring : rings) {
     for (std::size_t i = 1; i < ring.size(); ++i) {
       const double step = ring[i].azimuth_rad - ring[i - 1].azimuth_rad;
-      if (ring[i].scan != ring[i - 1].scan || step <= 1e-6 || step > 0.1) continue;
-      if (std::abs(ring[i].rho_m - ring[i - 1].rho_m) < 0.01 * ring[i].rho_m) steps.push_back(step);
+      if (ring[i].scan != ring[i - 1].scan || step <= kLeastStep_rad || step > kLargestStep_rad) continue;
+      if (std::abs(ring[i].rho_m - ring[i - 1].rho_m) < kSameDistance * ring[i].rho_m) steps.push_back(step);
     }
   }
   return steps;
@@ -46,22 +82,22 @@ double mean_cosine(const std::vector<double>& steps, double spacing) {
   return sum / static_cast<double>(steps.size());
 }
 
-// The widest spacing of which nearly all steps are multiples; 0 where there is none.
+// The widest spacing of which nearly all steps are multiples; 0 if there is none.
 double grid_spacing(std::vector<double> steps, double median_step) {
-  std::erase_if(steps, [&](double s) { return s > 4.5 * median_step; });
-  const std::size_t stride = std::max<std::size_t>(1, steps.size() / 5000);
+  std::erase_if(steps, [&](double s) { return s > kLongestStep * median_step; });
+  const std::size_t stride = std::max<std::size_t>(1, steps.size() / kStepsInSample);
   std::vector<double> sample;
   for (std::size_t i = 0; i < steps.size(); i += stride) sample.push_back(steps[i]);
   std::vector<double> spacings;
   std::vector<double> scores;
-  for (double s = 1.3 * median_step; s > 0.2 * median_step; s *= 0.995) {
+  for (double s = kWidestSpacing * median_step; s > kNarrowestSpacing * median_step; s *= kSpacingRatio) {
     spacings.push_back(s);
     scores.push_back(mean_cosine(sample, s));
   }
   const double best = *std::max_element(scores.begin(), scores.end());
-  if (best < 0.5) return 0;
+  if (best < kGridScore) return 0;
   std::size_t i = 0;
-  while (scores[i] < 0.85 * best) ++i;
+  while (scores[i] < kNearBestScore * best) ++i;
   while (i + 1 < scores.size() && scores[i + 1] > scores[i]) ++i;
   return spacings[i];
 }
@@ -92,9 +128,10 @@ struct Placement {
 
 Placement best_placement(const std::vector<const RingPoint*>& ring, double start_azimuth_rad, int steps,
                          double around_m, double reach_m, double resolution_m) {
-  // None, unless another is clearly better: with all points at one distance, the two cannot be told apart.
+  // No horizontal origin, unless another is clearly better: with all points at one distance they cannot be
+  // distinguished.
   Placement best{around_m, concentration(ring, around_m, start_azimuth_rad, steps)};
-  double to_beat = std::abs(best.mean) + (around_m == 0 ? 0.005 : 0);
+  double to_beat = std::abs(best.mean) + (around_m == 0 ? kLeastGain : 0);
   const auto reach = static_cast<int>(std::lround(reach_m / resolution_m));
   for (int i = -reach; i <= reach; ++i) {
     const double across = around_m + i * resolution_m;
@@ -111,17 +148,18 @@ int grid_positions(const std::vector<RingPoints>& rings, double spacing, double 
   std::vector<const RingPoints*> by_size;
   for (const RingPoints& ring : rings) by_size.push_back(&ring);
   std::stable_sort(by_size.begin(), by_size.end(), [](auto* a, auto* b) { return a->size() > b->size(); });
-  if (by_size.size() > 6) by_size.resize(6);
+  if (by_size.size() > kRingsForGrid) by_size.resize(kRingsForGrid);
   std::vector<std::vector<const RingPoint*>> samples;
-  for (const RingPoints* ring : by_size) samples.push_back(sample_of(*ring, 300));
+  for (const RingPoints* ring : by_size) samples.push_back(sample_of(*ring, kPointsPerRingForGrid));
   const auto middle = static_cast<int>(std::lround(kTwoPi / spacing));
-  const int reach = std::max(2, middle / 80);
+  const int reach = std::max(2, middle / kPositionsReach);
   int best = 0;
   double best_score = 0;
   for (int n = middle - reach; n <= middle + reach; ++n) {
     double score = 0;
     for (const auto& sample : samples) {
-      score += std::abs(best_placement(sample, start_azimuth_rad, n, 0, kLargestAcross_m, 0.002).mean);
+      score +=
+          std::abs(best_placement(sample, start_azimuth_rad, n, 0, kLargestAcross_m, kCoarseAcross_m).mean);
     }
     if (score > best_score) {
       best = n;
@@ -152,8 +190,9 @@ class FiringPositions {
 
   [[nodiscard]] int scans() const { return scans_; }
 
-  // +1 where the ring fired, -1 where it could not have, 0 where it may have fired without a return. Both
-  // neighbours of an unused position are used ones: the sensor fires at every position or at every second.
+  // +1: the ring fired here; -1: it did not; 0: unknown, it may have fired without a return. The sensor fires
+  // at every position or at every second one: a position between two that fired and without a return did not
+  // fire.
   [[nodiscard]] std::vector<std::int8_t> marks_of_ring(std::size_t ring) const {
     std::vector<std::int8_t> marks(size(), 0);
     for (const auto& [scan, j] : positions_[ring]) marks[index(scan, j)] = 1;
@@ -175,14 +214,14 @@ class FiringPositions {
     }
     std::vector<std::int8_t> marks(size(), -1);
     for (std::size_t k = 0; k < marks.size(); ++k) {
-      if (lasers[k] >= 3) marks[k] = 1;
+      if (lasers[k] >= kFiringLasers) marks[k] = 1;
     }
     return marks;
   }
 
   // Mean mark under the points of a ring shifted by `shift`.
   [[nodiscard]] double agreement(std::size_t ring, int shift, const std::vector<std::int8_t>& marks) const {
-    const std::size_t stride = positions_[ring].size() / 2500 + 1;
+    const std::size_t stride = positions_[ring].size() / kPositionsInSample + 1;
     long sum = 0;
     long count = 0;
     for (std::size_t i = 0; i < positions_[ring].size(); i += stride) {
@@ -236,7 +275,7 @@ int best_shift(const FiringPositions& positions, std::size_t ring, const std::ve
 // Whole steps of every ring, from the firing positions all lasers share: first against the fullest ring, then
 // against all rings together.
 std::vector<int> whole_shifts(const FiringPositions& positions, AzimuthGrid& grid, std::size_t fullest) {
-  const auto reach = static_cast<int>(kWholeTurnOfOffsets_rad * grid.encoder_steps / kTwoPi);
+  const auto reach = static_cast<int>(kLargestOffset_rad * grid.encoder_steps / kTwoPi);
   std::vector<int> shifts(grid.rings.size(), 0);
   double agreement = 0;
   const std::vector<std::int8_t> one = positions.marks_of_ring(fullest);
@@ -247,19 +286,20 @@ std::vector<int> whole_shifts(const FiringPositions& positions, AzimuthGrid& gri
   for (std::size_t i = 0; i < shifts.size(); ++i) {
     if (!grid.rings[i].known) continue;
     shifts[i] = best_shift(positions, i, all, reach, agreement);
-    // 0.9: one point in twenty off the firings. Anything less is chance.
-    if (agreement < 0.9) grid.rings[i].known = false;
+    if (agreement < kAgreement) grid.rings[i].known = false;
   }
   return shifts;
 }
 
 void place_rings(const std::vector<RingPoints>& rings, double start_azimuth_rad, AzimuthGrid& grid) {
   tbb::parallel_for(std::size_t{0}, rings.size(), [&](std::size_t i) {
-    if (rings[i].size() < 20) return;
+    if (rings[i].size() < kFewestPointsForPhase) return;
     const auto sample = sample_of(rings[i], kPointsPerRing);
-    Placement p = best_placement(sample, start_azimuth_rad, grid.encoder_steps, 0, kLargestAcross_m, 0.001);
+    Placement p =
+        best_placement(sample, start_azimuth_rad, grid.encoder_steps, 0, kLargestAcross_m, kMediumAcross_m);
     if (p.across_m != 0) {
-      p = best_placement(sample, start_azimuth_rad, grid.encoder_steps, p.across_m, 0.001, 0.0001);
+      p = best_placement(sample, start_azimuth_rad, grid.encoder_steps, p.across_m, kMediumAcross_m,
+                         kFineAcross_m);
     }
     if (std::abs(p.mean) < kConcentrated) return;
     grid.rings[i] = {std::arg(p.mean) / grid.encoder_steps, p.across_m, true};
@@ -289,7 +329,7 @@ void take_whole_offsets(const std::vector<RingPoints>& rings, double start_azimu
     }
   }
   const int firings = positions.most_firings(positions.marks_of_all(shifts));
-  grid.columns = firings + (firings + 999) / 1000;  // room for scans with a few more
+  grid.columns = firings + (firings + kSpareColumnEvery - 1) / kSpareColumnEvery;
   grid.absolute = true;
 }
 
@@ -304,7 +344,7 @@ AzimuthGrid find_azimuth_grid(const std::vector<RingPoints>& rings, double start
   double sum = 0;
   double count = 0;
   for (const double step : steps) {
-    if (step > 1.5 * median_step) continue;  // a missing return
+    if (step > kMissingReturn * median_step) continue;
     sum += step;
     ++count;
   }
@@ -321,8 +361,8 @@ AzimuthGrid find_azimuth_grid(const std::vector<RingPoints>& rings, double start
   }
   if (!grid.rings[fullest].known) {
     grid.encoder_steps = 0;
-  } else if (grid.columns > 0.95 * grid.encoder_steps) {
-    grid.columns = grid.encoder_steps;  // fires at every position: nothing to tell one from the next
+  } else if (grid.columns > kFiresAtEvery * grid.encoder_steps) {
+    grid.columns = grid.encoder_steps;  // neighbouring positions cannot be distinguished
   } else {
     take_whole_offsets(rings, start_azimuth_rad, sign, fullest, grid);
   }

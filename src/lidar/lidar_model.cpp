@@ -16,11 +16,12 @@ namespace {
   throw InputError({source, field, value, problem, "correct the description of the sensor"});
 }
 
-// What is beyond is in another unit, or would not fit memory and single precision.
+// No spinning lidar is beyond these bounds: a value that is was given in another unit (degrees, millimetres,
+// nanoseconds). An image within them fits memory, a range within them single precision.
 constexpr int kMostColumns = 1'000'000;
 constexpr double kFastest_hz = 10'000, kSlowest_hz = 0.001;
 constexpr double kFarthest_m = 1e6;
-constexpr double kHub_m = 100;
+constexpr double kFarthestOrigin_m = 100;  // of a laser from the hub's axis
 
 void require_positive(double value, const std::string& field, const std::string& source) {
   if (!(std::isfinite(value) && value > 0))
@@ -36,9 +37,9 @@ void validate_laser(const Laser& laser, std::size_t index, const std::string& so
   require_finite(laser.azimuth_offset_rad, "azimuth offset");
   for (const double coordinate : laser.origin_h_m) {
     require_finite(coordinate, "origin");
-    if (std::abs(coordinate) > kHub_m)
+    if (std::abs(coordinate) > kFarthestOrigin_m)
       refuse(source, name + " origin", fmt::format("{} m", coordinate),
-             fmt::format("more than {} m from the hub's axis", kHub_m));
+             fmt::format("more than {} m from the hub's axis", kFarthestOrigin_m));
   }
   if (std::abs(laser.elevation_rad) >= std::numbers::pi / 2) {
     refuse(source, name + " elevation", fmt::format("{} rad", laser.elevation_rad),
@@ -55,7 +56,8 @@ Eigen::Vector3d Laser::direction_h() const {
 
 SE3 Laser::T_lh() const {
   const Eigen::Vector3d x = direction_h();
-  // The hub's z cross x, written out: it stays a unit vector for a beam along the spin axis.
+  // The cross product of the hub's z with x, normalised; written out, so that it is a unit vector for a beam
+  // along the spin axis too.
   const Eigen::Vector3d y(-std::sin(azimuth_offset_rad), std::cos(azimuth_offset_rad), 0);
   Eigen::Matrix3d C_lh;
   C_lh << x.transpose(), y.transpose(), x.cross(y).transpose();
@@ -112,7 +114,7 @@ void validate(const LidarModel& model, const std::string& source) {
     if (i > 0 && model.lasers[i].elevation_rad < model.lasers[i - 1].elevation_rad) {
       refuse(source, fmt::format("laser {} elevation", i),
              fmt::format("{} rad", model.lasers[i].elevation_rad),
-             fmt::format("below the laser before it ({} rad): lasers go by increasing elevation",
+             fmt::format("below the laser before it ({} rad): lasers are sorted by increasing elevation",
                          model.lasers[i - 1].elevation_rad));
     }
   }

@@ -3,13 +3,22 @@
 
 #include <fmt/format.h>
 
+#include "core/argument_checks.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/lidar/lidar_scan.hpp>
 
 namespace mapless::inline v1 {
 namespace {
 
-constexpr float kMinRangeM = 0.01f;
+// Nearer points lie inside the sensor: drivers store "no return" as 0 0 0. The blind zone of every named
+// model is at least 0.3 m.
+constexpr float kMinRange_m = 0.01f;
+// More columns than validate() allows a model would not fit memory.
+constexpr int kMaxColumns = 1'000'000;
+// Bounds of a record's time, in turns before and after the start of the scan. A laser may fire before the
+// instant of its column, and the hub may turn slower than its nominal rate. A time beyond was read in another
+// unit or from another field.
+constexpr std::int64_t kMaxTurnsBefore = 1, kMaxTurnsAfter = 2;
 
 [[noreturn]] void refuse(const std::string& source, std::size_t record, const char* field, std::int64_t value,
                          std::int64_t first, std::int64_t last) {
@@ -30,13 +39,12 @@ void validate_records(const LidarScan& scan, const std::vector<LidarRecord>& rec
     const LidarRecord& r = records[i];
     require_in(r.laser, 0, scan.rows() - 1, "laser", i, source);
     require_in(r.column, 0, scan.columns - 1, "column", i, source);
-    // A laser may fire a little before its column, and the hub may turn slower than its nominal rate; a time
-    // beyond that was read in the wrong unit or from the wrong field.
-    if (r.code == ReturnCode::hit) require_in(r.time_ns, -turn_ns, 2 * turn_ns, "time [ns]", i, source);
+    if (r.code != ReturnCode::hit) continue;
+    require_in(r.time_ns, -kMaxTurnsBefore * turn_ns, kMaxTurnsAfter * turn_ns, "time [ns]", i, source);
   }
 }
 
-// Where each laser's beam starts, in the sensor frame, while the hub is at a column.
+// Origin of each laser's beam in the sensor frame at the instant of a column.
 class BeamOrigins {
  public:
   explicit BeamOrigins(const LidarScan& scan) : model_(*scan.model) {
@@ -57,8 +65,8 @@ class BeamOrigins {
   std::vector<Eigen::Vector2d> cos_sin_;
 };
 
-// The records that are returns, in input order, and the codes of the others in their cells: where records
-// disagree the one that claims least (faulty, then nothing within range) stands.
+// The records that are returns, in input order. The codes of the others go into their cells. Of several codes
+// the weakest claim is kept: faulty, then nothing within range.
 std::vector<LidarReturn> usable_returns(LidarScan& scan, const std::vector<LidarRecord>& records) {
   const BeamOrigins origins(scan);
   std::vector<LidarReturn> returns;
@@ -68,7 +76,7 @@ std::vector<LidarReturn> usable_returns(LidarScan& scan, const std::vector<Lidar
     ReturnCode code = r.code;
     if (code == ReturnCode::hit) {
       const float range_m = (r.position_v - origins.at(r.laser, r.column)).norm();
-      if (std::isfinite(range_m) && range_m >= kMinRangeM) {
+      if (std::isfinite(range_m) && range_m >= kMinRange_m) {
         returns.push_back(
             {r.position_v, range_m, r.time_ns, r.column, r.laser, static_cast<std::uint32_t>(i)});
         continue;
@@ -82,7 +90,7 @@ std::vector<LidarReturn> usable_returns(LidarScan& scan, const std::vector<Lidar
   return returns;
 }
 
-// Counting sort by cell: linear, and it keeps the input order within one.
+// Counting sort by cell: linear in the number of returns, and stable.
 void place(LidarScan& scan, const std::vector<LidarReturn>& returns) {
   const auto cell_of = [&scan](const LidarReturn& r) {
     return static_cast<std::size_t>(r.laser) * static_cast<std::size_t>(scan.columns) +
@@ -106,10 +114,13 @@ void place(LidarScan& scan, const std::vector<LidarReturn>& returns) {
 }  // namespace
 
 LidarScan organise(LidarScan scan, const std::vector<LidarRecord>& records, const std::string& source) {
-  if (scan.columns <= 0 || scan.column_period.nanoseconds() <= 0) {
+  require_given("organise", "scan.model", scan.model.get());
+  validate(*scan.model, source);
+  if (scan.columns <= 0 || scan.columns > kMaxColumns || scan.column_period.nanoseconds() <= 0) {
     throw InputError({source, "columns x period",
                       fmt::format("{} x {} ns", scan.columns, scan.column_period.nanoseconds()),
-                      "a scan without extent", "correct the times of the recording"});
+                      fmt::format("not 1 to {} columns of a positive period", kMaxColumns),
+                      "correct the times of the recording"});
   }
   validate_records(scan, records, source);
   scan.input_size = records.size();

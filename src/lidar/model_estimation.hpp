@@ -11,15 +11,15 @@
 
 namespace mapless::inline v1 {
 
-/// What is known of the sensor beforehand.
+/// Prior knowledge of the sensor.
 struct ModelEstimationOptions {
   std::string name = "estimated";
   double rotation_rate_hz = 10;
   SpinDirection direction = SpinDirection::clockwise;
-  double start_azimuth_rad = 3.14159265358979323846;  ///< of the seam
+  double start_azimuth_rad = 3.14159265358979323846;  ///< azimuth of the seam, where turns begin
   double min_range_m = 0;
   double max_range_m = 120;  ///< HDL-64E
-  int expected_rings = 64;   ///< preferred where scans differ in their number of rings
+  int expected_rings = 64;   ///< preferred if scans differ in their number of rings
 };
 
 struct EstimatedModel {
@@ -28,27 +28,28 @@ struct EstimatedModel {
   ModelEstimate estimate;
 };
 
-/// An uncompensated cloud of which the ring of every point is known, points of a ring by rising atan2(y, x).
+/// An uncompensated cloud with a ring per point; the points of a ring by increasing atan2(y, x).
 struct RingedCloud {
   std::vector<Eigen::Vector3f> points;
-  std::vector<std::int32_t> rings;  ///< one a point; negative: not to be used
+  std::vector<std::int32_t> rings;  ///< one per point; negative: not used
 };
 
 /// Estimates every laser from a few uncompensated bare clouds of one sensor, stored ring after ring.
+/// Elevation and vertical origin follow from a robust line z = z_0 + rho tan(elevation) through each ring,
+/// rho = hypot(x, y). The position of the origin along the beam is not observable; it is placed on the spin
+/// axis, but for its horizontal offset h perpendicular to the beam.
 ///
-/// Elevation and vertical origin: a robust line z = z_0 + rho tan(elevation) through each ring, rho =
-/// hypot(x, y). Where along its own beam a laser starts cannot be seen; the origin is put above the spin axis
-/// (beside it, below). Azimuth: the angle encoder of the hub leaves the azimuths on a grid, once the
-/// horizontal origin h of the laser is allowed for, azimuth = hub angle + offset + asin(h / rho). Its step,
-/// then h and the phase of each ring, are those that concentrate the azimuths most on the grid. All lasers
-/// fire at the same encoder positions: where these are irregular, they give the whole offsets too, but for
-/// one turn common to all, which is taken to centre them on 0. Throws InputError naming `source` where no
-/// rings are found.
+/// Azimuth: with azimuth = hub angle + offset + asin(h / rho), the angle encoder of the hub puts the hub
+/// angles on a grid. The spacing of the grid, then h and the phase of each ring, maximise the concentration
+/// of the azimuths on it. All lasers fire at the same encoder positions. If these are irregular, they also
+/// give the whole columns of the offsets, up to a rotation common to all, which is chosen to centre them on
+/// 0.
+///
+/// Throws InputError naming `source` if no rings are found.
 [[nodiscard]] EstimatedModel estimate_model(const std::vector<std::vector<Eigen::Vector3f>>& clouds,
                                             const ModelEstimationOptions& options, const std::string& source);
 
-/// The same from clouds whose rings are known, 0 to `ring_count` - 1; layout.row_of_ring tells the row of
-/// each.
+/// The same from clouds with known rings 0 to `ring_count` - 1; layout.row_of_ring maps them to rows.
 [[nodiscard]] EstimatedModel estimate_model_of_rings(const std::vector<RingedCloud>& clouds,
                                                      std::size_t ring_count,
                                                      const ModelEstimationOptions& options,

@@ -9,19 +9,19 @@
 
 namespace mapless::inline v1 {
 
-/// Which laser measured each point, for clouds that do not say.
+/// Estimated laser of each point, for clouds without rings.
 struct BeamAssignment {
-  std::vector<std::int32_t> lasers;  ///< 0 for points that are no measurement
-  /// Median angle between a usable point and the cone of its laser, over the median step in elevation between
-  /// lasers: 0.25 for points that have nothing to do with the lasers. 0 where no point is usable.
+  std::vector<std::int32_t> lasers;  ///< row; 0 for unusable points
+  /// Median angle between a usable point and the cone of its laser, divided by the median step in elevation
+  /// between lasers. Random points give 0.25; 0 without a usable point.
   double misfit = 0;
 };
 
-/// The laser whose cone passes nearest to the point.
+/// For each point the laser whose cone passes nearest to it.
 [[nodiscard]] BeamAssignment nearest_beams(const std::vector<Eigen::Vector3f>& points,
                                            const LidarModel& model);
 
-/// How well lasers that are known fit the points.
+/// The misfit (see above) of points with known lasers.
 [[nodiscard]] double beam_misfit(const std::vector<Eigen::Vector3f>& points,
                                  const std::vector<std::int32_t>& lasers, const LidarModel& model);
 

@@ -4,7 +4,11 @@
 
 namespace mapless::inline v1 {
 
-/// Cylindrical coordinates of one point of a ring, and the scan it is from.
+/// A firing position of the hub is one with the returns of at least this many lasers; a single one may be a
+/// stray.
+inline constexpr int kFiringLasers = 3;
+
+/// Cylindrical coordinates of one point of a ring, and the number of its scan.
 struct RingPoint {
   double azimuth_rad;
   double rho_m;
@@ -22,29 +26,29 @@ struct RingLine {
   bool borrowed = false;
 };
 
-/// Robust line through every ring. Rings whose points cannot tell the origin (few, or all at one distance)
-/// take it from their neighbours by interpolation, and rings with no points at all their elevation too.
+/// Robust line through every ring. A ring whose points do not determine the origin (few, or all at one
+/// distance) takes it from its neighbours by interpolation; a ring without points also its elevation.
 [[nodiscard]] std::vector<RingLine> fit_ring_lines(const std::vector<RingPoints>& rings);
 
-/// RMS height of the points over their lines; the furthest 5 % (mixed returns) do not count.
+/// RMS distance [m] of the points from their lines, without the largest 5 % (mixed returns).
 [[nodiscard]] double ring_line_residual(const std::vector<RingPoints>& rings,
                                         const std::vector<RingLine>& lines);
 
-/// What the azimuths tell of one laser.
+/// Azimuth offset and horizontal origin of one laser.
 struct RingAzimuth {
   double offset_rad = 0;
   double across_m = 0;  ///< horizontal origin, to the left of the beam
-  bool known = false;
+  bool known = false;   ///< false: the azimuths of the ring show no phase
 };
 
 struct AzimuthGrid {
-  int encoder_steps = 0;  ///< 0: the azimuths show no grid
+  int encoder_steps = 0;  ///< positions per turn; 0: the azimuths show no grid
   int columns = 0;        ///< firings in a turn
-  bool absolute = false;  ///< offsets are whole ones, centred on 0; otherwise modulo a column
+  bool absolute = false;  ///< offsets are complete and centred on 0; else known modulo a column
   std::vector<RingAzimuth> rings;
 };
 
-/// Finds the grid of the azimuths and every ring's place on it. `sign` is the direction of the spin.
+/// Estimates the grid of the azimuths and the phase of every ring on it. `sign`: LidarModel::sign().
 [[nodiscard]] AzimuthGrid find_azimuth_grid(const std::vector<RingPoints>& rings, double start_azimuth_rad,
                                             double sign);
 

@@ -6,23 +6,27 @@
 #include <numbers>
 #include <numeric>
 
+#include "lidar/ring_points.hpp"
 #include <mapless/core/errors.hpp>
 
 namespace mapless::inline v1 {
 namespace {
 
 constexpr double kTurn_rad = 2 * std::numbers::pi;
-// Steps back inside a ring come from horizontal origins (below 2 degrees) or from compensation at the seam (a
-// few degrees while turning); a new ring starts at the front again.
+// A new ring starts at the front again: the azimuth drops by nearly a turn. Inside a ring it drops by less
+// than 2 degrees because of horizontal origins, and by a few degrees at the seam because of motion
+// compensation while turning.
 constexpr double kRingDrop_rad = 0.5;
-// Rounding and compensation move points this little across the front, where rings begin.
+// Rounding and compensation move points by less than this across the front, where rings begin: 2 cm at 100 m.
 constexpr double kFrontJitter_rad = 2e-4;
-// A firing position is one at which several lasers had a return; a single one may be a stray.
-constexpr int kFiringLasers = 3;
+// Points nearer to the spin axis are no measurements: some writers store 0 0 0 for a missing return.
+constexpr float kNearestToAxisSquared_m2 = 1e-4F;  // 0.01 m
+// Mean distance from the beams, in steps of elevation, of points that have nothing to do with the lasers.
+constexpr double kRandomMisfit = 0.25;
 
 double turn_from_zero(double angle_rad) {
   const double a = std::fmod(angle_rad, kTurn_rad);
-  return std::signbit(a) ? a + kTurn_rad : a;  // -0, just before the front, too
+  return std::signbit(a) ? a + kTurn_rad : a;  // includes -0, just before the front
 }
 
 double azimuth_of(const Eigen::Vector3f& p) {
@@ -31,14 +35,14 @@ double azimuth_of(const Eigen::Vector3f& p) {
 
 float slope_of(const Eigen::Vector3f& p) { return p.z() / p.head<2>().norm(); }
 
-// True where point i lies at the elevation of `a` rather than of `b`.
+// True if the elevation of point i is nearer to that of point a than to that of point b.
 bool belongs_to(const std::vector<Eigen::Vector3f>& points, std::size_t i, std::size_t a, std::size_t b) {
   if (!is_usable(points[i]) || !is_usable(points[a]) || !is_usable(points[b])) return false;
   const float slope = slope_of(points[i]);
   return std::abs(slope - slope_of(points[a])) < std::abs(slope - slope_of(points[b]));
 }
 
-// True where the usable points from `begin` on to `end` all lie on the front itself: no ring, but rounding.
+// True if all usable points of [begin, end) lie on the front itself: rounding, not a ring.
 bool is_jitter(const std::vector<Eigen::Vector3f>& points, std::size_t begin, std::size_t end) {
   for (std::size_t i = begin; i < end; ++i) {
     if (!is_usable(points[i])) continue;
@@ -48,7 +52,7 @@ bool is_jitter(const std::vector<Eigen::Vector3f>& points, std::size_t begin, st
   return true;
 }
 
-// Gives points that lie on the front itself, on the wrong side of it, back to their ring.
+// Assigns points on the front that rounding moved across it to their own ring.
 void settle_points_on_the_front(const std::vector<Eigen::Vector3f>& points,
                                 std::vector<std::size_t>& starts) {
   if (starts.size() > 1 && is_jitter(points, starts.back(), points.size())) starts.pop_back();
@@ -71,8 +75,8 @@ double elevation_error(const Eigen::Vector3f& p, const Laser& laser) {
   return std::atan2(p.z() - laser.origin_h_m.z(), rho) - laser.elevation_rad;
 }
 
-// Cheapest assignment of points to rings whose number never falls along the stored order (dynamic
-// programming).
+// Assignment of points to rings of least cost whose ring number never decreases along the stored order
+// (dynamic programming).
 std::vector<std::int32_t> nearest_rings_in_order(const std::vector<Eigen::Vector3f>& points,
                                                  const LidarModel& model, const std::vector<int>& row_of_ring,
                                                  double largest_error_rad, double& mean_error) {
@@ -103,8 +107,7 @@ std::vector<std::int32_t> nearest_rings_in_order(const std::vector<Eigen::Vector
   return rows;
 }
 
-// Column of every encoder position at which the sensor fired: the nearest, no two the same; -1 where it did
-// not fire.
+// Column of every encoder position at which the sensor fired: the nearest free one; -1 where it did not fire.
 std::vector<std::int32_t> columns_of_firings(const std::vector<int>& lasers_at, int columns) {
   std::vector<std::size_t> firings;
   for (std::size_t j = 0; j < lasers_at.size(); ++j) {
@@ -167,7 +170,7 @@ BareCloudLayout top_first_layout(const LidarModel& model) {
 }
 
 bool is_usable(const Eigen::Vector3f& point) {
-  return point.allFinite() && point.head<2>().squaredNorm() >= 1e-4F;
+  return point.allFinite() && point.head<2>().squaredNorm() >= kNearestToAxisSquared_m2;
 }
 
 std::vector<std::size_t> ring_starts(const std::vector<Eigen::Vector3f>& points) {
@@ -199,7 +202,7 @@ std::vector<std::int32_t> recover_lasers(const std::vector<Eigen::Vector3f>& poi
   const double step = model.largest_elevation_step();
   double mean_error = 0;
   rows = nearest_rings_in_order(points, model, layout.row_of_ring, step, mean_error);
-  if (mean_error > 0.25 * step) {
+  if (mean_error > kRandomMisfit * step) {
     throw InputError({source, "rings", std::to_string(starts.size()),
                       "the sensor has " + std::to_string(model.lasers.size()) +
                           " lasers, and the points do not lie on their beams in stored order",
@@ -218,7 +221,7 @@ RecoveredFirings recover_firings(const std::vector<Eigen::Vector3f>& points,
     if (is_usable(points[i])) {
       firings.turn[i] = hub_turn(points[i], model.lasers[static_cast<std::size_t>(lasers[i])], model);
     } else if (i > 0) {
-      firings.turn[i] = firings.turn[i - 1];  // nothing is known of it but its neighbours in the file
+      firings.turn[i] = firings.turn[i - 1];  // only its neighbours in the file are known
     }
     firings.columns[i] = rounded_modulo(firings.turn[i] * model.columns, model.columns);
   }
@@ -232,7 +235,7 @@ RecoveredFirings recover_firings(const std::vector<Eigen::Vector3f>& points,
       // Firings come at a steady rate; the encoder's positions are rounded.
       turn = static_cast<double>(firings.columns[i]) / model.columns;
     } else if (turn * model.columns - firings.columns[i] > 1) {
-      turn = 0;  // just before the seam, nearest to column 0: it has that column's time too
+      turn = 0;  // just before the seam and nearest to column 0: it gets the time of that column
     }
   }
   if (!points.empty()) firings.residual_columns_rms = std::sqrt(sum / static_cast<double>(points.size()));

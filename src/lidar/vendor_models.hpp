@@ -31,9 +31,9 @@ struct VelodyneCorrection {
 /// other count.
 [[nodiscard]] LidarModel velodyne_timing(std::size_t laser_count);
 
-/// Turns azimuths and origins, given as if all lasers fired with their column, by what the hub turns during
-/// each laser's firing offset at the model's rate, and puts the lasers by increasing elevation (equal ones
-/// keep their order).
+/// Completes a model whose azimuths and origins hold for simultaneous firing of all lasers: rotates them by
+/// the rotation of the hub during each firing offset at the model's rate, and sorts the lasers by increasing
+/// elevation (stable).
 [[nodiscard]] LidarModel assembled(LidarModel model);
 
 [[nodiscard]] constexpr double radians(double degrees) { return degrees * (3.14159265358979323846 / 180); }

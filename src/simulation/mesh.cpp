@@ -1,15 +1,21 @@
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include <Eigen/Geometry>
 
-#include <mapless/simulation/mesh.hpp>
+#include "core/argument_checks.hpp"
+#include <mapless/simulation/world.hpp>
 
 namespace mapless::inline v1 {
 namespace {
 
 using Eigen::Vector3d;
+
+// Finer shapes than this many facets around only cost memory.
+constexpr int kMaxFacets = 10'000;
+constexpr double kMaxSize_m = 1e5;  // the terrain of the largest scene is 2.2 km wide
 
 Vector3d around(const Vector3d& centre, const Vector3d& u, const Vector3d& v, double radius, double angle) {
   return centre + radius * (std::cos(angle) * u + std::sin(angle) * v);
@@ -18,6 +24,8 @@ Vector3d around(const Vector3d& centre, const Vector3d& u, const Vector3d& v, do
 }  // namespace
 
 float reflectivity(Material material) {
+  // By Material. Chosen for a realistic order of materials; they set the intensities, and which far and
+  // grazed surfaces give no return.
   constexpr std::array<float, 11> kReflectivity = {.12f, .25f, .40f, .35f, .45f, .35f,
                                                    .60f, .50f, .05f, .08f, .40f};
   return kReflectivity[static_cast<std::size_t>(material)];
@@ -47,6 +55,11 @@ void Mesh::add_box(const Vector3d& lowest, const Vector3d& highest, Material m) 
 
 void Mesh::add_frustum(const Vector3d& base, double base_radius_m, const Vector3d& tip, double tip_radius_m,
                        int sides, Material m) {
+  require_between("Mesh::add_frustum", "sides", sides, 3, kMaxFacets);
+  require_between("Mesh::add_frustum", "base_radius_m", base_radius_m, 0, kMaxSize_m);
+  require_between("Mesh::add_frustum", "tip_radius_m", tip_radius_m, 0, kMaxSize_m);
+  require_between("Mesh::add_frustum", "length_m", (tip - base).norm(), std::numeric_limits<double>::min(),
+                  kMaxSize_m);
   const Vector3d axis = (tip - base).normalized();
   const Vector3d u = axis.unitOrthogonal();
   const Vector3d v = axis.cross(u);
@@ -64,6 +77,8 @@ void Mesh::add_frustum(const Vector3d& base, double base_radius_m, const Vector3
 
 void Mesh::add_extrusion(const std::vector<Eigen::Vector2d>& outline_xz, double half_width_m, Material m) {
   const std::size_t n = outline_xz.size();
+  require_between("Mesh::add_extrusion", "points of the outline", static_cast<double>(n), 3, kMaxFacets);
+  require_between("Mesh::add_extrusion", "half_width_m", half_width_m, 0, kMaxSize_m);
   const auto at = [&](std::size_t i, double y) {
     return Vector3d(outline_xz[i % n].x(), y, outline_xz[i % n].y());
   };
@@ -75,6 +90,7 @@ void Mesh::add_extrusion(const std::vector<Eigen::Vector2d>& outline_xz, double 
 }
 
 void Mesh::add_ellipsoid(const Vector3d& centre, const Vector3d& radii_m, int rings, Material m) {
+  require_between("Mesh::add_ellipsoid", "rings", rings, 2, kMaxFacets);
   const auto at = [&](int ring, int sector) {
     const double polar = std::numbers::pi * ring / rings;
     const double azimuth = std::numbers::pi * sector / rings;

@@ -7,10 +7,11 @@
 
 namespace mapless::inline v1 {
 
-/// Counter-based random numbers: a function of what they are for, never of what was drawn before, so that
-/// neither threads nor the length of a run change them. (The mixing function is splitmix64.)
+/// Counter-based random numbers: a pure function of the counters (seed, purpose, scan, laser, column ...).
+/// Neither the number of threads nor the length of a run changes them. The mixing function is that of
+/// splitmix64 (Steele, Lea, Flood, OOPSLA 2014), from which its constants are.
 [[nodiscard]] inline std::uint64_t random_bits(std::initializer_list<std::uint64_t> counters) {
-  std::uint64_t x = 0x243F6A8885A308D3u;
+  std::uint64_t x = 0x243F6A8885A308D3u;  // start value: fractional bits of pi
   for (const std::uint64_t c : counters) {
     x = (x ^ c) + 0x9E3779B97F4A7C15u;
     x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9u;
@@ -20,12 +21,13 @@ namespace mapless::inline v1 {
   return x;
 }
 
-/// In (0, 1].
+/// Maps 64 random bits to (0, 1].
 [[nodiscard]] inline double unit_number(std::uint64_t bits) {
   return (static_cast<double>(bits >> 11) + 1) * 0x1p-53;
 }
 
-/// A sequence of its own for one purpose, for what is made once and in order (a house, a route).
+/// The sequence of random numbers of one purpose, for objects that are built once and in a fixed order (a
+/// house, a route).
 class RandomSequence {
  public:
   RandomSequence(std::uint64_t seed, std::uint64_t purpose) : seed_(seed), purpose_(purpose) {}
@@ -36,6 +38,7 @@ class RandomSequence {
   [[nodiscard]] int index(int count) {
     return static_cast<int>(random_bits({seed_, purpose_, counter_++}) % static_cast<std::uint64_t>(count));
   }
+  /// True with this probability.
   [[nodiscard]] bool chance(double probability) { return uniform(0, 1) <= probability; }
 
  private:

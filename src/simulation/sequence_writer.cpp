@@ -7,14 +7,15 @@
 
 #include <fmt/format.h>
 
+#include "core/argument_checks.hpp"
 #include "io/files/text.hpp"
 #include "io/formats/mdlidar/mdlidar_writer.hpp"
 #include "io/formats/native/native_writer.hpp"
-#include "simulation/traffic/object_states.hpp"
+#include "simulation/object_states.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/io/atomic_file.hpp>
+#include <mapless/io/files.hpp>
 #include <mapless/io/labels.hpp>
-#include <mapless/io/object_truth.hpp>
+#include <mapless/io/object_tables.hpp>
 #include <mapless/io/trajectory_file.hpp>
 #include <mapless/simulation/sequence_writer.hpp>
 
@@ -56,7 +57,8 @@ class NativeSequence final : public SequenceWriter {
   std::vector<TimedPose> poses_;
 };
 
-// What the format's formula leaves of a laser: how far along its beam it starts is added to the ranges.
+// A laser in the terms of the format's formula, which has no origin along the beam: `along_m` is added to the
+// ranges.
 struct MdlidarRow {
   MdlidarLaser laser;
   double along_m;
@@ -138,7 +140,7 @@ class KittiSequence final : public SequenceWriter {
     const SE3 T_m0 = trajectory_.at(middle).T_v0;
     std::string bytes;
     std::vector<std::uint32_t> labels;
-    // Ring after ring, the highest first, each in the order of rising azimuth.
+    // Ring after ring from the highest down, each by increasing azimuth.
     for (auto l = static_cast<int>(model_->lasers.size()); l-- > 0;)
       append_ring(scan, l, T_m0, bytes, labels);
     const std::string name = fmt::format("{:06}", poses_.size());
@@ -193,11 +195,11 @@ class KittiSequence final : public SequenceWriter {
   std::vector<TimedPose> poses_;
 };
 
-// Any of them, with the tables of objects beside it.
-class WithObjectTables final : public SequenceWriter {
+// Adds the tables of objects to the recording of another writer.
+class ObjectTablesSequence final : public SequenceWriter {
  public:
-  WithObjectTables(std::unique_ptr<SequenceWriter> sequence, const fs::path& folder, double rotation_rate_hz,
-                   const Scene& scene)
+  ObjectTablesSequence(std::unique_ptr<SequenceWriter> sequence, const fs::path& folder,
+                       double rotation_rate_hz, const Scene& scene)
       : sequence_(std::move(sequence)),
         half_turn_(Duration::from_seconds(0.5 / rotation_rate_hz)),
         states_(scene),
@@ -206,7 +208,7 @@ class WithObjectTables final : public SequenceWriter {
   }
   void add(const SimulatedScan& scan) override {
     sequence_->add(scan);
-    table_.add(scans_++, states_.of_seen(scan, scan.start + half_turn_));
+    table_.add(scans_++, states_.of_visible(scan, scan.start + half_turn_));
   }
   void finish() override { sequence_->finish(); }
 
@@ -229,7 +231,8 @@ LidarModel model_for_format(LidarModel model, std::string_view format) {
   if (format == "mdlidar") {
     for (Laser& laser : model.lasers) laser.firing_offset = Duration();
   }
-  // Bare clouds tell the time of a point by its azimuth alone: from the rear, as in the KITTI data set.
+  // In bare clouds only the azimuth gives the time of a point. The turn starts at the rear, as in the KITTI
+  // dataset.
   if (format == "kitti") model.start_azimuth_rad = std::numbers::pi;
   return model;
 }
@@ -237,6 +240,8 @@ LidarModel model_for_format(LidarModel model, std::string_view format) {
 std::unique_ptr<SequenceWriter> make_sequence_writer(std::string_view format, const fs::path& folder,
                                                      std::shared_ptr<const LidarModel> model,
                                                      const Scene& scene) {
+  require_given("make_sequence_writer", "model", model.get());
+  validate(*model, "make_sequence_writer");
   require_new(folder);
   const double rate_hz = model->rotation_rate_hz;
   std::unique_ptr<SequenceWriter> writer;
@@ -250,7 +255,7 @@ std::unique_ptr<SequenceWriter> make_sequence_writer(std::string_view format, co
     throw ParameterError({"format", "name", std::string(format), "cannot be written",
                           fmt::format("choose one of {}", fmt::join(sequence_formats(), ", "))});
   }
-  return std::make_unique<WithObjectTables>(std::move(writer), folder, rate_hz, scene);
+  return std::make_unique<ObjectTablesSequence>(std::move(writer), folder, rate_hz, scene);
 }
 
 }  // namespace mapless

@@ -7,6 +7,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include "core/argument_checks.hpp"
 #include "simulation/random.hpp"
 #include <mapless/io/labels.hpp>
 #include <mapless/simulation/simulated_sensor.hpp>
@@ -16,7 +17,9 @@ namespace {
 
 using Eigen::Vector3d;
 
-// What a random number is for.
+constexpr double kMaxRangeNoise_m = 10;
+
+// Purpose of a random number: keeps the sequences of noise and faults independent.
 enum Purpose : std::uint64_t { kRangeNoise = 1, kFault = 2 };
 
 std::uint64_t counter(int number) { return static_cast<std::uint64_t>(number); }
@@ -27,22 +30,38 @@ double normal_number(std::uint64_t bits) {
   return std::sqrt(-2 * std::log(u)) * std::cos(2 * std::numbers::pi * v);
 }
 
-// Received power relative to a white wall seen head-on at 10 m, saturating near by.
+// Within this range the receiver saturates; beyond, the received power falls with the square of the range.
+constexpr double kSaturationRange_m = 20;
+// Sensors compensate for part of that fall: this share of the intensity does not depend on range.
+constexpr double kRangeFreeIntensity = 0.5;
+
 float intensity_of(const RayHit& hit) {
-  const double gain = std::min(1.0, 100 / std::max(hit.range_m * hit.range_m, 1.0) * 4);
-  return static_cast<float>(reflectivity(hit.material) * hit.cos_incidence * (0.5 + 0.5 * gain));
+  const double power =
+      std::min(1.0, kSaturationRange_m * kSaturationRange_m / std::max(hit.range_m * hit.range_m, 1.0));
+  const double gain = kRangeFreeIntensity + (1 - kRangeFreeIntensity) * power;
+  return static_cast<float>(reflectivity(hit.material) * hit.cos_incidence * gain);
 }
+
+// Chances of a faulty return. Glass reflects the beam away, dark paint absorbs it; both more so at a slant,
+// paint also with range. Chosen: a vehicle then keeps most of its returns and shows holes at windows and dark
+// bodies.
+constexpr double kGlassFault = 0.6, kGlassFaultBySlant = 0.4;
+constexpr double kPaintFault = 0.2, kPaintFaultBySlant = 0.5, kPaintFaultRange_m = 150;
+// The received signal is reflectivity x cosine of incidence x (kSignalRange_m / range)^2. Faults begin below
+// kFullSignal: asphalt (0.12) seen from 1.95 m above is lost gradually beyond 49 m.
+constexpr double kSignalRange_m = 100, kFullSignal = 0.02;
 
 }  // namespace
 
 SimulatedSensor::SimulatedSensor(std::shared_ptr<const LidarModel> model,
                                  std::shared_ptr<const Trajectory> trajectory, SimulatedWorld& world,
                                  SensorOptions options)
-    : model_(std::move(model)),
-      trajectory_(std::move(trajectory)),
-      world_(world),
-      options_(options),
-      column_period_(Duration::from_seconds(1 / model_->rotation_rate_hz / model_->columns)) {
+    : model_(std::move(model)), trajectory_(std::move(trajectory)), world_(world), options_(options) {
+  require_given("SimulatedSensor", "model", model_.get());
+  require_given("SimulatedSensor", "trajectory", trajectory_.get());
+  validate(*model_, "SimulatedSensor");
+  require_between("SimulatedSensor", "range_noise_m", options_.range_noise_m, 0, kMaxRangeNoise_m);
+  column_period_ = Duration::from_seconds(1 / model_->rotation_rate_hz / model_->columns);
   for (const Laser& laser : model_->lasers) {
     directions_h_.push_back(laser.direction_h());
     first_firing_ = std::min(first_firing_, laser.firing_offset);
@@ -57,14 +76,14 @@ Time SimulatedSensor::firing_time(Time start, int column, int laser) const {
 
 double SimulatedSensor::fault_probability(const RayHit& hit) const {
   if (!options_.faulty) return 0;
-  // Glass mirrors the beam away, dark paint swallows it; both more so at a slant and far away.
   const double slant = 1 - hit.cos_incidence;
   double probability = 0;
-  if (hit.material == Material::glass) probability = 0.6 + 0.4 * slant;
-  if (hit.material == Material::dark_paint) probability = 0.2 + 0.5 * slant + hit.range_m / 150;
-  // What comes back from grazed far ground falls below the detector's threshold.
-  const double signal = reflectivity(hit.material) * hit.cos_incidence * 1e4 / (hit.range_m * hit.range_m);
-  return std::max(probability, std::clamp(1 - signal / 0.02, 0.0, 1.0));
+  if (hit.material == Material::glass) probability = kGlassFault + kGlassFaultBySlant * slant;
+  if (hit.material == Material::dark_paint)
+    probability = kPaintFault + kPaintFaultBySlant * slant + hit.range_m / kPaintFaultRange_m;
+  const double signal = reflectivity(hit.material) * hit.cos_incidence * (kSignalRange_m * kSignalRange_m) /
+                        (hit.range_m * hit.range_m);
+  return std::max(probability, std::clamp(1 - signal / kFullSignal, 0.0, 1.0));
 }
 
 void SimulatedSensor::finish_record(int number, int laser, int column, const Eigen::Matrix3d& C_vh,
@@ -92,7 +111,7 @@ void SimulatedSensor::finish_record(int number, int laser, int column, const Eig
   const auto l = static_cast<std::size_t>(laser);
   const Vector3d p_h = model_->lasers[l].origin_h_m + (hit->range_m + noise) * directions_h_[l];
   record.position_v = (C_vh * p_h).cast<float>();
-  const bool moves = hit->velocity_0.norm() > kDynamicSpeed;
+  const bool moves = hit->velocity_0.norm() > kDynamicSpeed_mps;
   out.labels[i] = (moves ? kLabelDynamic : kLabelStatic) | static_cast<std::uint32_t>(hit->object_id) << 16;
   out.intensities[i] = intensity_of(*hit);
 }

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include <Eigen/Geometry>
 #if MAPLESS_EMBREE_MAJOR >= 4
@@ -10,6 +11,7 @@
 #endif
 #include <fmt/format.h>
 
+#include "core/argument_checks.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/simulation/world.hpp>
 
@@ -18,8 +20,21 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr unsigned kPoses = 9;                                               // of a part in one interval
-constexpr Duration kHalfVelocityStep = Duration::from_nanoseconds(200'000);  // for the surface's velocity
+// Poses of a part in one interval. A wheel at 14 m/s (44 rad/s) turns by 0.55 rad between two of them in a
+// turn of 0.1 s; straight lines between its vertices then err by 4 % of its radius. The hit itself uses the
+// exact pose.
+constexpr unsigned kPoses = 9;
+// Half the time over which the velocity of a surface is a difference quotient. In twice 0.2 ms a surface at 1
+// m/s moves by 0.4 mm, far more than the rounding of positions of kilometres (1e-12 m).
+constexpr Duration kHalfVelocityStep = Duration::from_nanoseconds(200'000);
+constexpr double kMaxReach_m = 1e6;
+// The exact hit replaces that of the search unless the plane of the triangle is seen edge-on, or the two
+// differ by more than single precision and straight-line motion explain: then the triangle is another one.
+// Chosen: about 4 % of a wheel's radius.
+constexpr double kMinCosine = 1e-3;
+constexpr double kMaxCorrection_m = 0.02;
+
+constexpr int kMaxObjectId = 65535;  // a label holds 16 bits of it
 
 void require_valid(const WorldDescription& world) {
   const auto refuse = [](const std::string& field, std::size_t value, const std::string& problem) {
@@ -42,6 +57,16 @@ void require_valid(const WorldDescription& world) {
   for (const StaticObject& s : world.statics) require_shape(s.shape);
   for (const Mover& m : world.movers) {
     for (const Mover::Part& p : m.parts) require_shape(p.shape);
+    const auto refuse_mover = [&m](const std::string& field, const std::string& value,
+                                   const std::string& problem) {
+      throw InputError(
+          {"world", fmt::format("{} of mover {}", field, m.object_id), value, problem, "correct the scene"});
+    };
+    if (!m.T_0b) refuse_mover("T_0b", "empty", "a mover needs a motion");
+    if (m.object_id < 1 || m.object_id > kMaxObjectId)
+      refuse_mover("object_id", std::to_string(m.object_id), fmt::format("not from 1 to {}", kMaxObjectId));
+    if (!(m.radius_m > 0 && std::isfinite(m.radius_m)))
+      refuse_mover("radius_m", fmt::format("{}", m.radius_m), "not a positive number of metres");
   }
 }
 
@@ -100,15 +125,15 @@ std::string_view to_string(ObjectClass c) {
   return kNames[static_cast<std::size_t>(c)];
 }
 
-/// Embree's side of the world. Instance numbers: the static objects, then the parts of the movers in order.
+/// The world as Embree holds it. Instance numbers: the static objects, then the parts of the movers in order.
 class SimulatedWorld::Scenes {
  public:
   struct PartOfMover {
     std::size_t mover, part;
   };
 
-  // One thread builds, so that the structure, and which of two equally near triangles a ray meets, is always
-  // the same.
+  // Built by one thread: the structure, and which of two equally near triangles a ray hits, is always the
+  // same.
   explicit Scenes(const WorldDescription& world) : device_(rtcNewDevice("threads=1")) {
     if (device_ == nullptr)
       throw InputError({"Embree", "", "", "cannot be started", "check its installation"});
@@ -135,6 +160,7 @@ class SimulatedWorld::Scenes {
 
   void prepare(const WorldDescription& world, Time begin, Time end, const Vector3d& centre, double reach) {
     begin_ = begin;
+    end_ = end;
     span_s_ = (end - begin).seconds();
     const std::size_t first = world.statics.size();
     for (std::size_t i = 0; i < parts_.size(); ++i) {
@@ -158,6 +184,12 @@ class SimulatedWorld::Scenes {
   }
 
   [[nodiscard]] float ray_time(Time t) const {
+    if (t < begin_ || t > end_) {
+      throw ParameterError({"SimulatedWorld::cast", "time of a ray", fmt::format("{} ns", t.nanoseconds()),
+                            fmt::format("outside the prepared interval, {} to {} ns", begin_.nanoseconds(),
+                                        end_.nanoseconds()),
+                            "prepare the world for the instants of all rays"});
+    }
     const double fraction = span_s_ > 0 ? (t - begin_).seconds() / span_s_ : 0;
     return static_cast<float>(std::clamp(fraction, 0.0, 1.0));
   }
@@ -181,7 +213,7 @@ class SimulatedWorld::Scenes {
   std::vector<RTCScene> shapes_;
   std::vector<RTCGeometry> instances_;
   std::vector<PartOfMover> parts_;
-  Time begin_;
+  Time begin_, end_;
   double span_s_ = 0;
 };
 
@@ -193,6 +225,9 @@ SimulatedWorld::SimulatedWorld(WorldDescription description) : description_(std:
 SimulatedWorld::~SimulatedWorld() = default;
 
 void SimulatedWorld::prepare(Time begin, Time end, const Vector3d& centre_0, double reach_m) {
+  require_between("SimulatedWorld::prepare", "end - begin [s]", (end - begin).seconds(), 0,
+                  Duration::kMaxSeconds);
+  require_between("SimulatedWorld::prepare", "reach_m", reach_m, 0, kMaxReach_m);
   scenes_->prepare(description_, begin, end, centre_0, reach_m);
 }
 
@@ -229,9 +264,9 @@ RayHit SimulatedWorld::exact_hit(const TimedRay& ray, double range_m, unsigned i
   const Vector3d n = (T_0s.rotation() * (corner(1) - corner(0)).cross(corner(2) - corner(0))).normalized();
   const double cosine = n.dot(ray.direction_0);
   hit.cos_incidence = std::abs(cosine);
-  // The plane of the triangle at the ray's own instant, in double precision. Nearly edge-on it says nothing.
+  // Intersection with the plane of the triangle at the instant of the ray, in double precision.
   const double exact = n.dot(a - ray.origin_0) / cosine;
-  if (hit.cos_incidence > 1e-3 && std::abs(exact - range_m) < 0.02) hit.range_m = exact;
+  if (hit.cos_incidence > kMinCosine && std::abs(exact - range_m) < kMaxCorrection_m) hit.range_m = exact;
   if (mover != nullptr) {
     const Vector3d p_s = T_0s.inverse() * (ray.origin_0 + hit.range_m * ray.direction_0);
     const Vector3d after = mover->T_0s(part, ray.time + kHalfVelocityStep) * p_s;
@@ -243,7 +278,11 @@ RayHit SimulatedWorld::exact_hit(const TimedRay& ray, double range_m, unsigned i
 
 void SimulatedWorld::cast(std::span<const TimedRay> rays, double max_range_m,
                           std::span<std::optional<RayHit>> hits) const {
-  constexpr std::size_t kLanes = 8;
+  constexpr std::size_t kLanes = 8;  // of rtcIntersect8
+  require_between("SimulatedWorld::cast", "hits.size()", static_cast<double>(hits.size()),
+                  static_cast<double>(rays.size()), static_cast<double>(rays.size()));
+  require_between("SimulatedWorld::cast", "max_range_m", max_range_m, std::numeric_limits<double>::min(),
+                  kMaxReach_m);
   for (std::size_t first = 0; first < rays.size(); first += kLanes) {
     const std::size_t count = std::min(kLanes, rays.size() - first);
     alignas(32) RTCRayHit8 query{};

@@ -2,46 +2,67 @@
 
 #include <fmt/format.h>
 
+#include "core/number_text.hpp"
+#include "core/rotation_check.hpp"
 #include <mapless/core/errors.hpp>
 
 namespace mapless::inline v1 {
-
 namespace {
 
-// Seconds with all nine decimals.
-std::string seconds_text(Time t) {
-  constexpr std::uint64_t kNanosecondsPerSecond = 1'000'000'000;
-  const std::int64_t ns = t.nanoseconds();
-  // The magnitude of the most negative time does not fit the signed type.
-  const std::uint64_t magnitude = ns < 0 ? -static_cast<std::uint64_t>(ns) : static_cast<std::uint64_t>(ns);
-  return fmt::format("{}{}.{:09}", ns < 0 ? "-" : "", magnitude / kNanosecondsPerSecond,
-                     magnitude % kNanosecondsPerSecond);
-}
+// Twice the circumference of the Earth and more: geocentric and map coordinates lie within.
+constexpr double kFarthest_m = 1e8;
 
 }  // namespace
 
 void require_covered(Time t, Time begin, Time end, const std::string& source) {
   if (begin <= t && t <= end) return;
   throw TrajectoryDomainError(
-      {source, "time", seconds_text(t) + " s",
-       fmt::format("the trajectory covers {} s to {} s", seconds_text(begin), seconds_text(end)),
+      {source, "time", decimal_seconds(t) + " s",
+       fmt::format("the trajectory covers {} s to {} s", decimal_seconds(begin), decimal_seconds(end)),
        "give a trajectory of the whole recording, choose fewer scans or allow more extrapolation"});
 }
 
-void IncreasingTimes::add(Time t) {
-  if (count_ > 0 && t <= last_) {
-    throw InputError({source_, fmt::format("time of {} {}", what_, count_), seconds_text(t) + " s",
-                      fmt::format("not after the {} before it at {} s", what_, seconds_text(last_)),
-                      fmt::format("give every {} once, in order of time", what_)});
-  }
+void require_period(Duration period) {
+  if (period >= Duration()) return;
+  throw ParameterError({"Trajectory::sample", "period", fmt::format("{} ns", period.nanoseconds()),
+                        "is negative", "give a period of at least 0"});
+}
+
+void PoseChecks::add(Time t, const SE3& T_v0) {
+  require_later(t);
+  require_rigid(T_v0);
+  require_near(T_v0);
   last_ = t;
   ++count_;
 }
 
-void IncreasingTimes::finish() const {
+void PoseChecks::finish() const {
   if (count_ >= 2) return;
-  throw InputError({source_, what_ + "s", fmt::format("{}", count_), "a trajectory needs at least two",
-                    fmt::format("give a {} before and after the recording", what_)});
+  throw InputError({source_, item_ + "s", fmt::format("{}", count_), "a trajectory needs at least two",
+                    fmt::format("give a {} before and after the recording", item_)});
+}
+
+void PoseChecks::require_later(Time t) const {
+  if (count_ == 0 || t > last_) return;
+  throw InputError({source_, fmt::format("time of {} {}", item_, count_), decimal_seconds(t) + " s",
+                    fmt::format("not after the {} before it at {} s", item_, decimal_seconds(last_)),
+                    fmt::format("give every {} once, in order of time", item_)});
+}
+
+void PoseChecks::require_rigid(const SE3& T_v0) const {
+  const auto problem = rotation_problem(T_v0.rotation());
+  if (!problem) return;
+  throw InputError({source_, fmt::format("rotation of {} {}", item_, count_), "", *problem,
+                    "give an orthonormal matrix of determinant +1"});
+}
+
+void PoseChecks::require_near(const SE3& T_v0) const {
+  const Eigen::Vector3d position = T_v0.inverse().translation();
+  if (position.norm() <= kFarthest_m) return;  // false for NaN
+  throw InputError({source_, fmt::format("position of {} {}", item_, count_),
+                    fmt::format("{:g} {:g} {:g}", position.x(), position.y(), position.z()),
+                    fmt::format("farther than {:g} m from the origin", kFarthest_m),
+                    "give positions in metres, or leave the row out"});
 }
 
 }  // namespace mapless

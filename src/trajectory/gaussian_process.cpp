@@ -1,8 +1,11 @@
 #include <algorithm>
 #include <optional>
 
+#include <fmt/format.h>
+
 #include "trajectory/domain.hpp"
 #include "trajectory/knot_states.hpp"
+#include <mapless/core/errors.hpp>
 #include <mapless/trajectory/trajectory.hpp>
 
 namespace mapless::inline v1 {
@@ -12,7 +15,7 @@ Time instant(Time first, Duration period, std::size_t i) {
   return first + Duration::from_nanoseconds(static_cast<std::int64_t>(i) * period.nanoseconds());
 }
 
-// The one at the end of the segment of `t`.
+// Index of the knot at the end of the segment that t lies in.
 std::size_t second_knot(std::span<const TrajectoryKnot> knots, Time t) {
   const auto second =
       std::upper_bound(knots.begin() + 1, knots.end() - 1, t,
@@ -23,6 +26,7 @@ std::size_t second_knot(std::span<const TrajectoryKnot> knots, Time t) {
 }  // namespace
 
 void Trajectory::sample(Time first, Duration period, std::span<TrajectoryState> states) const {
+  require_period(period);
   for (std::size_t i = 0; i < states.size(); ++i) states[i] = at(instant(first, period, i));
 }
 
@@ -32,7 +36,12 @@ KnotSegment::KnotSegment(const TrajectoryKnot& k1, const TrajectoryKnot& k2)
     : k1_(k1),
       dt_((k2.time - k1.time).seconds()),
       xi_((k2.T_v0 * k1.T_v0.inverse()).log()),
-      velocity_2_(left_jacobian_inverse(xi_) * k2.varpi) {}
+      velocity_2_(left_jacobian_inverse(xi_) * k2.varpi) {
+  if (k1.time < k2.time) return;
+  throw ParameterError({"KnotSegment", "k2.time", fmt::format("{} ns", k2.time.nanoseconds()),
+                        fmt::format("not after k1.time = {} ns", k1.time.nanoseconds()),
+                        "give two knots in order of time"});
+}
 
 TrajectoryState KnotSegment::at(Time t) const {
   const double r = (t - k1_.time).seconds() / dt_;
@@ -57,6 +66,7 @@ TrajectoryState state_between(std::span<const TrajectoryKnot> knots, Time t, con
 
 void sample_between(std::span<const TrajectoryKnot> knots, Time first, Duration period,
                     const std::string& source, std::span<TrajectoryState> states) {
+  require_period(period);
   std::size_t second = 0;
   std::optional<KnotSegment> segment;
   for (std::size_t i = 0; i < states.size(); ++i) {
@@ -72,9 +82,14 @@ void sample_between(std::span<const TrajectoryKnot> knots, Time first, Duration 
 
 GaussianProcessTrajectory::GaussianProcessTrajectory(std::vector<TrajectoryKnot> knots, std::string source)
     : knots_(std::move(knots)), source_(std::move(source)) {
-  IncreasingTimes times(source_, "knot");
-  for (const TrajectoryKnot& knot : knots_) times.add(knot.time);
-  times.finish();
+  PoseChecks checks(source_, "knot");
+  for (std::size_t i = 0; i < knots_.size(); ++i) {
+    checks.add(knots_[i].time, knots_[i].T_v0);
+    if (knots_[i].varpi.allFinite()) continue;
+    throw InputError({source_, fmt::format("velocity of knot {}", i), "", "is not finite",
+                      "give a velocity for every knot"});
+  }
+  checks.finish();
 }
 
 TrajectoryState GaussianProcessTrajectory::at(Time t) const { return state_between(knots_, t, source_); }

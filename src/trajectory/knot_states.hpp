@@ -7,8 +7,8 @@
 
 namespace mapless::inline v1 {
 
-/// Trajectory::at and sample of the Gaussian process over `knots`, two at least. Throw TrajectoryDomainError
-/// naming `source`.
+/// Trajectory::at and Trajectory::sample of the Gaussian process over `knots` (at least two, by strictly
+/// increasing time). Both throw TrajectoryDomainError naming `source` outside the knots' times.
 [[nodiscard]] TrajectoryState state_between(std::span<const TrajectoryKnot> knots, Time t,
                                             const std::string& source);
 void sample_between(std::span<const TrajectoryKnot> knots, Time first, Duration period,

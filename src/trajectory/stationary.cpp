@@ -4,7 +4,8 @@
 
 namespace mapless::inline v1 {
 
-// Half of what an int64 holds, 146 years either way, so that differences of times within do not overflow.
+// Half the range of an int64, 146 years either way: the difference of any two times of the domain does not
+// overflow.
 Time StationaryTrajectory::begin() const {
   return Time::from_nanoseconds(std::numeric_limits<std::int64_t>::min() / 2);
 }

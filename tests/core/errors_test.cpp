@@ -11,7 +11,7 @@ TEST(Errors, MessageIsOneLineOfAllParts) {
   EXPECT_EQ(error.detail().field, "line 3");
 }
 
-TEST(Errors, EmptyPartsLeaveNoTrace) {
+TEST(Errors, EmptyPartsAreLeftOut) {
   EXPECT_STREQ(InputError({"", "", "", "no scans", ""}).what(), "no scans");
   EXPECT_STREQ(InputError({"a.pcd", "", "", "empty", "record again"}).what(), "a.pcd: empty; record again");
   EXPECT_STREQ(InputError({"a.pcd", "", "7", "too many", ""}).what(), "a.pcd: 7: too many");
@@ -22,18 +22,18 @@ TEST(Errors, LineBreaksInValuesDoNotBreakTheLine) {
   EXPECT_STREQ(InputError({"a", "b", "1\n2\r3", "bad", ""}).what(), "a: b = 1 2 3: bad");
 }
 
-TEST(Errors, WhatIsNoTextDoesNotCutTheLineNorReachTheTerminal) {
+TEST(Errors, ControlCharactersAreReplaced) {
   const std::string value("1\0\x1b[2J\x7f", 7);
   EXPECT_STREQ(InputError({"a", "b", value, "bad", "mend it"}).what(), "a: b = 1??[2J?: bad; mend it");
 }
 
-TEST(Errors, OfALongValueOnlyTheBeginIsShown) {
+TEST(Errors, LongValuesAreShortened) {
   const std::string message = InputError({"a", "b", std::string(100'000, 'x'), "bad", "mend it"}).what();
   EXPECT_LT(message.size(), 300u);
   EXPECT_TRUE(message.ends_with("xxx...: bad; mend it")) << message;
 }
 
-TEST(Errors, ALongValueIsNotCutWithinACharacter) {
+TEST(Errors, LongValuesAreCutBetweenUtf8Characters) {
   std::string value = "x";
   while (value.size() < 1000) value += "\u00e4";  // two bytes, of which every second place is within
   const std::string message = InputError({"a", "b", value, "bad", "mend it"}).what();

@@ -83,7 +83,7 @@ TEST(Parameters, RequireWithinBoundsNamesParameterValueAndBounds) {
   EXPECT_THAT(bounds_error(Window{4}), AllOf(HasSubstr("rows = 4"), HasSubstr("odd number from 1 to 15")));
 }
 
-TEST(Parameters, AnOddOneRefusesEvenValues) {
+TEST(Parameters, OddParametersRefuseEvenValues) {
   Window window;
   const auto references = parameter_references(window);
   EXPECT_THAT(message_of(references, "rows", "4"),

@@ -96,12 +96,12 @@ TEST(Se3, ExpIsTheMatrixExponential) {
   });
 }
 
-TEST(Se3, LogUndoesExp) {
+TEST(Se3, LogInvertsExp) {
   for_every_case(
       [](const Vector6d& xi) { EXPECT_LT((SE3::exp(xi).log() - xi).norm(), 1e-13 * scale_of(xi)); });
 }
 
-TEST(Se3, ExpUndoesLogOfAHalfTurn) {
+TEST(Se3, ExpInvertsLogOfAHalfTurn) {
   for (unsigned seed = 0; seed < 50; ++seed) {
     SCOPED_TRACE(seed);
     std::mt19937 rng(seed);
@@ -114,7 +114,7 @@ TEST(Se3, ExpUndoesLogOfAHalfTurn) {
   }
 }
 
-TEST(Se3, LogIsTheShortWayRound) {
+TEST(Se3, LogHasAnAngleOfAtMostPi) {
   const Eigen::Vector3d phi = so3_log(so3_exp({0, 0, kPi + 0.1}));
   EXPECT_LT((phi - Eigen::Vector3d(0, 0, -kPi + 0.1)).norm(), 1e-14);
 }
@@ -130,7 +130,7 @@ TEST(Se3, InverseAndProduct) {
   });
 }
 
-TEST(Se3, LeftJacobianIsItsSeries) {
+TEST(Se3, LeftJacobianEqualsItsPowerSeries) {
   for_every_case([](const Vector6d& xi) {
     EXPECT_LT((left_jacobian(xi) - left_jacobian_by_series(xi)).norm(), 1e-12 * scale_of(xi));
   });

@@ -1,5 +1,9 @@
+#include <cmath>
+
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <mapless/core/errors.hpp>
 #include <mapless/core/time.hpp>
 
 namespace mapless {
@@ -14,6 +18,20 @@ TEST(Time, SecondsRoundToTheNearestNanosecond) {
 TEST(Time, DifferencesAreExactForUnixTimes) {
   const Time a = Time::from_nanoseconds(1'317'042'272'283'701'593);
   EXPECT_EQ((a + Duration::from_nanoseconds(1) - a).nanoseconds(), 1);
+}
+
+TEST(Time, SecondsAnInt64CannotHoldAreRefused) {
+  EXPECT_NO_THROW((void)Duration::from_seconds(Duration::kMaxSeconds));
+  for (const double s : {9.3e9, -9.3e9, std::nan(""), HUGE_VAL}) {
+    EXPECT_THROW((void)Duration::from_seconds(s), ParameterError) << s;
+    EXPECT_THROW((void)Time::from_seconds(s), ParameterError) << s;
+  }
+  try {
+    (void)(Duration::from_seconds(1e9) * 10);
+    ADD_FAILURE() << "accepted";
+  } catch (const ParameterError& error) {
+    EXPECT_THAT(error.what(), testing::AllOf(testing::HasSubstr("1e+10"), testing::HasSubstr("9.2e+09")));
+  }
 }
 
 }  // namespace MAPLESS_FILE

@@ -27,7 +27,7 @@ struct Points {
     }
     return *this;
   }
-  [[nodiscard]] JudgedScan scan(std::size_t number = 0) const { return {number, truth, result, ranges_m}; }
+  [[nodiscard]] ScanLabels scan(std::size_t number = 0) const { return {number, truth, result, ranges_m}; }
 };
 
 EvaluationReport report_of(const Points& points, const ObjectTruth& objects = {},
@@ -53,8 +53,8 @@ ObjectTruth street() {
   return truth;
 }
 
-const OfClass& of_class(const EvaluationReport& report, std::string_view name) {
-  for (const OfClass& c : report.by_class) {
+const ClassReport& of_class(const EvaluationReport& report, std::string_view name) {
+  for (const ClassReport& c : report.by_class) {
     if (c.object_class == name) return c;
   }
   throw std::out_of_range(std::string(name));
@@ -72,7 +72,7 @@ TEST(Evaluator, CountsEachPointOnceAndLeavesOutUnknownTruth) {
   EXPECT_EQ(report.false_objects.objects, 1);
 }
 
-TEST(Evaluator, ABandEndsWithItsUpperEdge) {
+TEST(Evaluator, ABandIncludesItsUpperEdge) {
   Points points;
   points.add(1, kLabelDynamic, 1, true, 10).add(2, kLabelDynamic, 1, false, 10.01F);
   points.add(3, kLabelStatic, 0, false, 120).add(4, kLabelStatic, 0, true, 121);
@@ -87,7 +87,7 @@ TEST(Evaluator, ABandEndsWithItsUpperEdge) {
   EXPECT_EQ(report.points.total().points(), 15) << "those without a return count where range does not matter";
 }
 
-TEST(Evaluator, RecallWithinALimitCountsAllThatIsNearer) {
+TEST(Evaluator, RecallWithinALimitCountsAllNearerPoints) {
   Evaluator evaluator(ObjectTruth{});
   Points near;
   near.add(1, kLabelDynamic, 1, true, 4.9F)
@@ -99,19 +99,19 @@ TEST(Evaluator, RecallWithinALimitCountsAllThatIsNearer) {
   evaluator.add(far.scan(1));
   const EvaluationReport report = evaluator.report();
   ASSERT_EQ(report.within_range.size(), 24u);
-  const WithinRange& five = report.within_range[0];
+  const RangeLimitReport& five = report.within_range[0];
   EXPECT_EQ(five.limit_m, 5);
   EXPECT_EQ(five.points.total(), (Counts{.tp = 1, .fn = 1}));
   EXPECT_EQ(five.points.scans(), 2);
   EXPECT_EQ(five.points.recall_scans(), 1);
-  const WithinRange& ten = report.within_range[1];
+  const RangeLimitReport& ten = report.within_range[1];
   EXPECT_EQ(ten.points.total(), (Counts{.tp = 4, .fp = 2, .fn = 1}));
   EXPECT_DOUBLE_EQ(ten.points.average_recall().value(), (0.5 + 1) / 2);
   EXPECT_EQ(report.within_range[23].limit_m, 120);
   EXPECT_EQ(report.within_range[23].points.total().fn, 1) << "the one at 200 m is in no limit";
 }
 
-TEST(Evaluator, AnObjectIsFoundFromHalfOfItsDynamicPointsOn) {
+TEST(Evaluator, AnObjectIsFoundWithHalfOfItsDynamicPoints) {
   Points points;
   points.add(2, kLabelDynamic, 1, true, 5).add(2, kLabelDynamic, 1, false, 5);
   points.add(1, kLabelDynamic, 2, true, 5).add(2, kLabelDynamic, 2, false, 5);
@@ -170,7 +170,7 @@ TEST(Evaluator, RecallBySpeedIsOfDynamicPointsWhoseObjectHasAState) {
   EXPECT_EQ(report.by_speed[1].up_to, 0.5);
   EXPECT_EQ(report.by_speed[6].counts, (Found{0, 5}));
   std::int64_t all = 0;
-  for (const InBand<Found>& band : report.by_speed) all += band.counts.of;
+  for (const Band<Found>& band : report.by_speed) all += band.counts.of;
   EXPECT_EQ(all, 9);
 }
 
@@ -220,7 +220,7 @@ TEST(Evaluator, AFalseObjectHasMoreStaticThanDynamicPoints) {
   EXPECT_EQ(found.per_scan(), 2.0);
 }
 
-TEST(Evaluator, ResultsWithoutObjectNumbersHaveNoFalseObjectsToCount) {
+TEST(Evaluator, FalseObjectsAreAbsentWithoutObjectNumbers) {
   Points points;
   points.add(3, kLabelStatic, 0, true, 5, 0);
   const FalseObjects found = report_of(points).false_objects;
@@ -229,7 +229,7 @@ TEST(Evaluator, ResultsWithoutObjectNumbersHaveNoFalseObjectsToCount) {
   EXPECT_EQ(report_of(Points().add(3, kLabelStatic, 0, false, 5)).false_objects.per_scan(), 0.0);
 }
 
-TEST(Evaluator, WhatIsNotKnownIsAbsent) {
+TEST(Evaluator, RatesWithoutTablesAreAbsent) {
   const EvaluationReport empty = Evaluator(ObjectTruth{}).report();
   EXPECT_FALSE(empty.objects.share());
   EXPECT_FALSE(empty.evident_movers);
@@ -246,7 +246,7 @@ TEST(Evaluator, WhatIsNotKnownIsAbsent) {
   EXPECT_FALSE(report.evident_movers);
 }
 
-TEST(Evaluator, PointsBeyondTheLimitCountNowhere) {
+TEST(Evaluator, PointsBeyondTheLimitDoNotCount) {
   Points points;
   points.add(10, kLabelDynamic, 1, true, 20).add(15, kLabelDynamic, 1, false, 20.01F);
   points.add(2, kLabelStatic, 0, true, 30, 4).add(1, kLabelStatic, 0, true, kNoReturn, 5);
@@ -276,6 +276,14 @@ TEST(Evaluator, TakesTheRangeOfEachRecordFromItsReturn) {
   ASSERT_EQ(ranges.size(), 3u);
   EXPECT_TRUE(std::isnan(ranges[0]) && std::isnan(ranges[1]));
   EXPECT_EQ(ranges[2], 7.5F);
+}
+
+TEST(Evaluator, RefusesARangeLimitThatIsNotPositive) {
+  for (const double limit_m : {0.0, -1.0, std::nan(""), 2e6}) {
+    SCOPED_TRACE(limit_m);
+    EXPECT_THROW(Evaluator(ObjectTruth{}, limit_m), ParameterError);
+    EXPECT_THROW(VelocityEvaluator(ObjectTruth{}, {}, "objects.csv", limit_m), ParameterError);
+  }
 }
 
 }  // namespace MAPLESS_FILE

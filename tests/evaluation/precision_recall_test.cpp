@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <mapless/core/errors.hpp>
-#include <mapless/evaluation/precision_recall.hpp>
+#include <mapless/evaluation/evaluation_report.hpp>
 
 namespace mapless {
 namespace MAPLESS_FILE {
@@ -49,7 +49,7 @@ TEST(CountPoints, AgreesWithTheSemanticKittiDefinition) {
   EXPECT_DOUBLE_EQ(*counts.f1(), 2 * 0.75 * 0.5 / (0.75 + 0.5));
 }
 
-TEST(CountPoints, LeavesOutWhatTheMaskExcludes) {
+TEST(CountPoints, LeavesOutMaskedPoints) {
   EXPECT_EQ(count_points(Labels{251, 251, 9}, Mask{1, 0, 1}, Mask{1, 0, 0}), (Counts{1, 0, 0, 0}));
 }
 
@@ -67,7 +67,7 @@ TEST(Counts, RatesWithEmptyDenominatorsAreAbsent) {
   EXPECT_EQ(missed.f1(), 0.0);
 }
 
-TEST(PrecisionRecall, TotalSumsPointsAndAverageMeansScans) {
+TEST(PrecisionRecall, TotalIsOverPointsAndAverageOverScans) {
   PrecisionRecall result;
   result.add({.tp = 9, .fp = 1, .fn = 0, .tn = 5});  // precision 0.9, recall 1
   result.add({.tp = 1, .fp = 1, .fn = 3, .tn = 5});  // precision 0.5, recall 0.25

@@ -1,6 +1,9 @@
+#include <cmath>
+
 #include <gtest/gtest.h>
 
-#include <mapless/evaluation/quantile.hpp>
+#include <mapless/core/errors.hpp>
+#include <mapless/evaluation/trajectory_evaluation.hpp>
 
 namespace mapless {
 namespace MAPLESS_FILE {
@@ -13,7 +16,11 @@ TEST(Quantile, InterpolatesBetweenRanks) {
   EXPECT_DOUBLE_EQ(*quantile({1, 9}, 1.0), 9);
 }
 
-TEST(Quantile, OfNothingIsAbsent) { EXPECT_FALSE(quantile({}, 0.5)); }
+TEST(Quantile, IsAbsentForNoValues) { EXPECT_FALSE(quantile({}, 0.5)); }
+
+TEST(Quantile, RefusesOrdersOutsideZeroToOne) {
+  for (const double q : {-0.1, 1.1, std::nan("")}) EXPECT_THROW((void)quantile({1, 2}, q), ParameterError);
+}
 
 }  // namespace MAPLESS_FILE
 }  // namespace mapless

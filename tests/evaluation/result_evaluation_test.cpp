@@ -8,11 +8,10 @@
 #include "support/memory_dataset.hpp"
 #include "support/temporary_folder.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/evaluation/result_evaluation.hpp>
-#include <mapless/io/atomic_file.hpp>
+#include <mapless/evaluation/evaluator.hpp>
+#include <mapless/io/files.hpp>
 #include <mapless/io/labels.hpp>
-#include <mapless/io/object_table.hpp>
-#include <mapless/io/object_truth.hpp>
+#include <mapless/io/object_tables.hpp>
 #include <mapless/io/trajectory_file.hpp>
 
 namespace mapless {
@@ -130,7 +129,7 @@ class ResultVelocityTest : public ResultEvaluationTest {
   }
 };
 
-TEST_F(ResultVelocityTest, JudgesTheVelocityInTheWorldOfTheResult) {
+TEST_F(ResultVelocityTest, EvaluatesTheVelocityInTheWorldOfTheResult) {
   write_rows(1, {0, 3, 0});
   const auto same_world = evaluate_result(dataset, result, options).velocity;
   ASSERT_TRUE(same_world);
@@ -144,7 +143,7 @@ TEST_F(ResultVelocityTest, JudgesTheVelocityInTheWorldOfTheResult) {
   EXPECT_NEAR(evaluate_result(dataset, result, options).velocity->rms_mps.value(), 0, 1e-6);
 }
 
-TEST_F(ResultVelocityTest, IsAbsentWithoutTruthOrForFoldersOfLabelsAlone) {
+TEST_F(ResultVelocityTest, IsAbsentWithoutTruthAndForFoldersOfLabelsOnly) {
   write_rows(1, {0, 3, 0});
   std::filesystem::remove(result.summary());
   EXPECT_FALSE(evaluate_result(dataset, result, options).velocity);
@@ -153,7 +152,7 @@ TEST_F(ResultVelocityTest, IsAbsentWithoutTruthOrForFoldersOfLabelsAlone) {
   EXPECT_FALSE(evaluate_result(dataset, result, options).velocity);
 }
 
-TEST_F(ResultVelocityTest, NamesATableThatIsMissingBrokenOrOfAnotherRun) {
+TEST_F(ResultVelocityTest, NamesATableThatIsMissingInvalidOrOfAnotherRun) {
   EXPECT_NE(message().find("objects.csv"), std::string::npos) << message();
   write_file_atomically(result.objects(), "object_id,class,kind\n");
   EXPECT_NE(message().find("objects.csv:1: head"), std::string::npos) << message();
@@ -177,7 +176,7 @@ TEST_F(ResultEvaluationTest, RefusesFilesOfAnotherLength) {
   EXPECT_THROW((void)evaluate_result(dataset, result, options), InputError);
 }
 
-TEST_F(ResultEvaluationTest, SaysSoWhereNothingCanBeCompared) {
+TEST_F(ResultEvaluationTest, RefusesAResultWithoutAnyTrueLabels) {
   EXPECT_THROW((void)evaluate_result(dataset, result, options), InputError);
   EXPECT_THROW((void)evaluate_result(dataset, ResultFolder(folder / "nowhere"), options), InputError);
 }

@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include <mapless/core/errors.hpp>
+
 namespace mapless {
 namespace MAPLESS_FILE {
 
@@ -54,17 +56,17 @@ double displacement(double range, const Trajectory& truth, const Trajectory& est
   return out.at(0);
 }
 
-TEST(StaticDisplacement, IsNothingForTheTruthItself) {
+TEST(StaticDisplacement, IsZeroForTheTruth) {
   const Moving turning(3, 1.5);
   EXPECT_NEAR(displacement(80, turning, turning), 0, 1e-9);
 }
 
-TEST(StaticDisplacement, OfAWrongVelocityIsTheTimeBetweenTimesIt) {
+TEST(StaticDisplacement, AVelocityErrorGivesItsProductWithTheTimeBetweenTheScans) {
   EXPECT_NEAR(displacement(20, Moving(0, 0), Moving(0.5, 0)), 0.5 * kApart, 1e-9);
   EXPECT_NEAR(displacement(20, Moving(7, 0), Moving(7.5, 0)), 0.5 * kApart, 1e-9);
 }
 
-TEST(StaticDisplacement, OfAWrongTurnRateGrowsWithRange) {
+TEST(StaticDisplacement, ATurnRateErrorGrowsWithRange) {
   for (const double range : {5.0, 50.0}) {
     EXPECT_NEAR(displacement(range, Moving(0, 0), Moving(0, 0.1)), 2 * range * std::sin(0.1 * kApart / 2),
                 1e-9);
@@ -73,7 +75,7 @@ TEST(StaticDisplacement, OfAWrongTurnRateGrowsWithRange) {
 
 // Turning with the hub, the sensor needs more than its period to see a direction again; against it, less:
 // the time between the two measurements is the scans' distance over (1 + yaw rate / hub rate).
-TEST(StaticDisplacement, IsBetweenTheInstantsThePointIsSeenAt) {
+TEST(StaticDisplacement, UsesTheInstantsAtWhichThePointIsMeasured) {
   const double yaw_rate = 3;
   const double half_column = 0.5 / kTurnsPerSecond / kColumns;
   const Moving truth(0, yaw_rate), estimate(2, yaw_rate);
@@ -81,6 +83,12 @@ TEST(StaticDisplacement, IsBetweenTheInstantsThePointIsSeenAt) {
               2 * kApart / (1 + yaw_rate / kHubRate), 2 * half_column);
   EXPECT_NEAR(displacement(30, truth, estimate, SpinDirection::clockwise),
               2 * kApart / (1 - yaw_rate / kHubRate), 2 * half_column);
+}
+
+TEST(StaticDisplacement, RefusesAStrideOfZero) {
+  const LidarScan scan = scan_of_one_point(10, 1, SpinDirection::clockwise);
+  const ScanPoses poses = poses_of(scan, Moving(0, 0), Moving(0, 0));
+  EXPECT_THROW((void)static_displacements(scan, poses, poses, 0), ParameterError);
 }
 
 }  // namespace MAPLESS_FILE

@@ -8,7 +8,8 @@
 
 #include <gtest/gtest.h>
 
-#include <mapless/evaluation/trajectory_error.hpp>
+#include <mapless/core/errors.hpp>
+#include <mapless/evaluation/trajectory_evaluation.hpp>
 #include <mapless/io/trajectory_file.hpp>
 
 namespace mapless {
@@ -37,7 +38,7 @@ std::vector<PosePair> one_percent_too_long(std::size_t poses) {
   return straight_drive(poses, [](double x) { return elsewhere() * at_x(1.01 * x); });
 }
 
-TEST(TrajectoryError, AScaleErrorIsThatDrift) {
+TEST(TrajectoryError, AScaleErrorGivesThatDrift) {
   const auto pairs = one_percent_too_long(300);
   EXPECT_NEAR(path_length_m(pairs), 299, 1e-9);
   const auto found = drift(pairs).value();
@@ -53,7 +54,7 @@ TEST(TrajectoryError, AScaleErrorIsThatDrift) {
   EXPECT_NEAR(found.rotation_deg_per_100m, 0, 1e-5);
 }
 
-TEST(TrajectoryError, AScaleErrorInTheOtherFigures) {
+TEST(TrajectoryError, AScaleErrorGivesTheOtherErrors) {
   const auto pairs = one_percent_too_long(300);
   const PoseErrors per_scan = relative_error_per_scan(pairs).value();
   EXPECT_EQ(per_scan.translation_m.count, 299u);
@@ -73,7 +74,7 @@ TEST(TrajectoryError, AScaleErrorInTheOtherFigures) {
   EXPECT_NEAR(aligned.max, 1.495, 1e-9);
 }
 
-TEST(TrajectoryError, AYawRateErrorIsThatDrift) {
+TEST(TrajectoryError, AYawRateErrorGivesThatDrift) {
   // 0.02 degrees a scan too much: the estimate goes straight on in its own frame, round in the world.
   const SE3 turn(rotation_z(0.02 * kDegree), {1, 0, 0});
   SE3 estimated;
@@ -104,7 +105,7 @@ TEST(TrajectoryError, ShortDrivesHaveShorterSegments) {
   EXPECT_FALSE(drift({}));
 }
 
-TEST(TrajectoryError, AMissingScanEndsNoSegmentButHasNoRelativeError) {
+TEST(TrajectoryError, AMissingScanEndsNoSegmentButGivesNoRelativeError) {
   auto pairs = one_percent_too_long(300);
   pairs.erase(pairs.begin() + 50, pairs.begin() + 55);
   EXPECT_EQ(relative_error_per_scan(pairs)->translation_m.count, 293u) << "one gap, five scans";
@@ -113,7 +114,7 @@ TEST(TrajectoryError, AMissingScanEndsNoSegmentButHasNoRelativeError) {
   EXPECT_NEAR(drift(pairs)->translation_percent, 1.0, 0.02);
 }
 
-TEST(TrajectoryError, NothingToCompareIsAbsent) {
+TEST(TrajectoryError, ErrorsOfTooFewPosesAreAbsent) {
   const auto pairs = one_percent_too_long(1);
   EXPECT_FALSE(relative_error_per_scan(pairs));
   EXPECT_FALSE(absolute_error_from_first(pairs));
@@ -156,6 +157,12 @@ TEST(TrajectoryError, AgreesWithEvoAndTheKittiDevkit) {
   EXPECT_NEAR(from_first.rotation_deg.rmse, figures.at("from_first_rotation_deg_rmse"), 1e-6);
   EXPECT_NEAR(drift(pairs)->translation_percent, figures.at("kitti_translation_percent"), 1e-5);
   EXPECT_NEAR(drift(pairs)->rotation_deg_per_100m, figures.at("kitti_rotation_deg_per_100m"), 1e-4);
+}
+
+TEST(TrajectoryError, PairsOutOfOrderAreRefused) {
+  auto pairs = one_percent_too_long(300);
+  std::swap(pairs[10], pairs[11]);
+  EXPECT_THROW((void)drift(pairs), ParameterError);
 }
 
 }  // namespace MAPLESS_FILE

@@ -47,7 +47,7 @@ TEST_F(TrajectoryEvaluation, ComparesAtTheFirstRowOfEachScan) {
   }
 }
 
-TEST_F(TrajectoryEvaluation, APoseAtTheEndOfAScanIsOneOfTheNext) {
+TEST_F(TrajectoryEvaluation, APoseAtTheEndOfAScanBelongsToTheNext) {
   auto rows = drive(10, 0.1, 2, 0.1);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     rows[i].time = rows[i].time + Duration::from_nanoseconds(i % 2 == 0 ? -1000 : 1000);
@@ -57,7 +57,7 @@ TEST_F(TrajectoryEvaluation, APoseAtTheEndOfAScanIsOneOfTheNext) {
   for (std::size_t i = 0; i < pairs.size(); ++i) EXPECT_EQ(pairs[i].scan, i + 1);
 }
 
-TEST_F(TrajectoryEvaluation, OfASpeedThatIsOnePercentTooHigh) {
+TEST_F(TrajectoryEvaluation, ASpeedErrorOfOnePercentGivesTheseErrors) {
   const TrajectoryReport r = evaluate_trajectory(dataset, truth, trajectory(drive(10.1, 0, 2, 0.01)));
   EXPECT_EQ(r.rows, 201u);
   EXPECT_EQ(r.poses, 20u);
@@ -72,7 +72,7 @@ TEST_F(TrajectoryEvaluation, OfASpeedThatIsOnePercentTooHigh) {
   EXPECT_EQ(r.displacement_settled->scans, 6u) << "scans 14 to 19";
 }
 
-TEST_F(TrajectoryEvaluation, LeavesOutWhatTheEstimateDoesNotCover) {
+TEST_F(TrajectoryEvaluation, LeavesOutScansTheEstimateDoesNotCover) {
   // Scans 4 to 7 have no pose of their own and lie in a gap: they, and those 4 after them, do not count. So
   // does the last scan, whose end is not covered.
   auto rows = drive(10.1, 0, 1.9, 0.1);
@@ -86,7 +86,7 @@ TEST_F(TrajectoryEvaluation, LeavesOutWhatTheEstimateDoesNotCover) {
   EXPECT_EQ(r.displacement->scans, 7u);
 }
 
-TEST_F(TrajectoryEvaluation, RefusesATrajectoryOfAnotherTime) {
+TEST_F(TrajectoryEvaluation, RefusesATrajectoryAtOtherTimes) {
   auto rows = drive(10, 0, 2, 0.1);
   for (TimedPose& row : rows) row.time = row.time + Duration::from_seconds(50);
   EXPECT_THROW((void)evaluate_trajectory(dataset, truth, trajectory(rows)), InputError);

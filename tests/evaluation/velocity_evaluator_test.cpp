@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <mapless/core/errors.hpp>
-#include <mapless/evaluation/velocity_evaluator.hpp>
+#include <mapless/evaluation/evaluator.hpp>
 #include <mapless/io/labels.hpp>
 
 namespace mapless {
@@ -17,7 +17,7 @@ struct Points {
   std::vector<std::uint32_t> truth, result;
   std::vector<float> ranges_m;
 
-  // `count` points of a true object (0: of what stands), called moving as object `number` (0: not).
+  // `count` points of a true object (0: static points), labelled dynamic as object `number` (0: static).
   Points& add(int count, std::uint32_t id, std::uint32_t number, float range_m = 10) {
     for (int i = 0; i < count; ++i) {
       truth.push_back(id != 0 ? kLabelDynamic | id << 16 : kLabelStatic);
@@ -26,7 +26,7 @@ struct Points {
     }
     return *this;
   }
-  [[nodiscard]] JudgedScan scan(std::size_t number) const { return {number, truth, result, ranges_m}; }
+  [[nodiscard]] ScanLabels scan(std::size_t number) const { return {number, truth, result, ranges_m}; }
 };
 
 ObjectState moving(const Vector3d& velocity) {
@@ -59,45 +59,45 @@ TEST(VelocityEvaluator, ErrorsAreLengthsOfDifferences) {
   const auto scans = std::vector(3, Points().add(4, 1, 7));
   const VelocityReport r =
       report_of(scans, {row(0, 7, {5.1, 0, 0}), row(1, 7, {5, 0.2, 0}), row(2, 7, {5, 0.3, 0.4})});
-  EXPECT_EQ(r.judged, 3);
+  EXPECT_EQ(r.evaluated, 3);
   EXPECT_NEAR(r.rms_mps.value(), std::sqrt((0.01 + 0.04 + 0.25) / 3), 1e-12);
   EXPECT_NEAR(r.median_mps.value(), 0.2, 1e-12);
-  EXPECT_NEAR(r.close_share.value(), 2.0 / 3, 1e-12);
+  EXPECT_NEAR(r.small_error_share.value(), 2.0 / 3, 1e-12);
   // Over (0.1, 0.2, 0.4): 1; 1; 1.5 and 1.
   EXPECT_NEAR(r.normalised_rms.value(), std::sqrt((1 + 1 + 3.25) / 9), 1e-12);
   EXPECT_EQ(r.movers, 1);
   EXPECT_EQ(r.id_changes, 0);
 }
 
-TEST(VelocityEvaluator, ThoseThatAreSureAreJudgedApart) {
+TEST(VelocityEvaluator, ConfidentVelocitiesAreEvaluatedSeparately) {
   ObjectRow unsure = row(1, 7, {9, 0, 0});
-  unsure.velocity_std_0.y() = kSureVelocity;
+  unsure.velocity_std_0.y() = kConfidentVelocityStd_mps;
   const VelocityReport r = report_of(std::vector(2, Points().add(4, 1, 7)), {row(0, 7, {5, 0, 0.3}), unsure});
-  EXPECT_EQ(r.judged, 2);
-  EXPECT_EQ(r.sure, 1);
-  EXPECT_NEAR(r.sure_rms_mps.value(), 0.3, 1e-12);
+  EXPECT_EQ(r.evaluated, 2);
+  EXPECT_EQ(r.confident, 1);
+  EXPECT_NEAR(r.confident_rms_mps.value(), 0.3, 1e-12);
 }
 
-TEST(VelocityEvaluator, TheObjectThatCoversMostStandsForTheMover) {
+TEST(VelocityEvaluator, AMoverIsMatchedWithTheObjectThatCoversMostOfIt) {
   const std::vector<ObjectRow> rows = {row(0, 3, {0, 0, 0}), row(0, 4, {5, 0, 0})};
   EXPECT_NEAR(report_of({Points().add(2, 1, 3).add(3, 1, 4)}, rows).rms_mps.value(), 0, 1e-12);
   EXPECT_NEAR(report_of({Points().add(2, 1, 3).add(2, 1, 4)}, rows).rms_mps.value(), 5, 1e-12)
       << "the lowest of equals";
 }
 
-TEST(VelocityEvaluator, JudgesWhatIsFoundFastKnownAndItsOwnAlone) {
+TEST(VelocityEvaluator, EvaluatesFoundFastMoversWithTheirOwnObjectOnly) {
   const std::vector<ObjectRow> rows = {row(0, 3, {5, 0, 0}), row(1, 3, {5, 0, 0}, 1)};
   EXPECT_EQ(report_of({Points().add(1, 1, 3).add(2, 1, 0)}, rows).movers, 0) << "a third is found";
-  EXPECT_EQ(report_of({Points().add(1, 1, 3).add(1, 1, 0)}, rows).judged, 1) << "half is found";
+  EXPECT_EQ(report_of({Points().add(1, 1, 3).add(1, 1, 0)}, rows).evaluated, 1) << "half is found";
   const VelocityReport slow = report_of({Points().add(3, 2, 3)}, rows);
-  EXPECT_EQ(slow.judged, 0);
+  EXPECT_EQ(slow.evaluated, 0);
   EXPECT_EQ(slow.movers, 1);
   EXPECT_FALSE(slow.rms_mps);
   const VelocityReport mixed = report_of({Points().add(3, 1, 3).add(3, 0, 3)}, rows);
-  EXPECT_EQ(mixed.judged, 0);
+  EXPECT_EQ(mixed.evaluated, 0);
   EXPECT_EQ(mixed.mixed, 1);
   const VelocityReport fresh = report_of({Points(), Points().add(3, 1, 3)}, rows);
-  EXPECT_EQ(fresh.judged, 0);
+  EXPECT_EQ(fresh.evaluated, 0);
   EXPECT_EQ(fresh.first_seen, 1);
 }
 
@@ -110,7 +110,7 @@ TEST(VelocityEvaluator, CountsChangesOfId) {
   EXPECT_EQ(r.id_changes, 2) << "3 to 4, and back";
 }
 
-TEST(VelocityEvaluator, LeavesOutWhatIsFartherThanTheLimit) {
+TEST(VelocityEvaluator, LeavesOutPointsBeyondTheLimit) {
   const std::vector<ObjectRow> rows = {row(0, 3, {0, 0, 0}), row(0, 4, {5, 0, 0})};
   const Points points = Points().add(5, 1, 3, 30).add(2, 1, 4, 10);
   EXPECT_NEAR(report_of({points}, rows, 20).rms_mps.value(), 0, 1e-12);
@@ -124,6 +124,14 @@ TEST(VelocityEvaluator, FindsIdsBeyond65535ByTheirLabel) {
 TEST(VelocityEvaluator, RefusesLabelsOfAnotherRun) {
   EXPECT_THROW(report_of({Points().add(3, 1, 7)}, {row(0, 8, {5, 0, 0})}), InputError);
   EXPECT_THROW(report_of({Points().add(3, 0, 7)}, {row(1, 7, {5, 0, 0})}), InputError);
+}
+
+TEST(VelocityEvaluator, RefusesScansOfDifferentLengths) {
+  VelocityEvaluator evaluator({}, {}, "objects.csv");
+  Points points;
+  points.add(3, 1, 1);
+  points.result.pop_back();
+  EXPECT_THROW(evaluator.add(points.scan(0), Matrix3d::Identity()), InputError);
 }
 
 }  // namespace MAPLESS_FILE

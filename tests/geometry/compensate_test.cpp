@@ -32,7 +32,7 @@ ScrewTrajectory fast_turn() {
           kStart + Duration::from_seconds(0.2)};
 }
 
-// Ranges that vary from ray to ray, up to 100 m: compensation does not care what was hit.
+// Ranges that vary from ray to ray, up to 100 m: compensation does not depend on the surfaces.
 std::optional<double> some_range(const Eigen::Vector3d&, const Eigen::Vector3d& direction_0) {
   const double range = 50 + 50 * std::sin(97 * direction_0.x() + 13 * direction_0.y());
   return range < 2 ? std::nullopt : std::optional(range);
@@ -62,20 +62,20 @@ double largest_error_m(const CompensatedScan& compensated, const Trajectory& tra
   return largest;
 }
 
-TEST(Compensate, MeetsThePoseOfEveryPointWithinTenMicrometres) {
+TEST(Compensate, AgreesWithThePoseOfEveryPointWithinTenMicrometres) {
   const ScrewTrajectory trajectory = fast_turn();
   const auto scan = some_scan(trajectory);
   ASSERT_GT(scan->returns.size(), 14'000u);
   EXPECT_LT(largest_error_m(compensate(scan, trajectory), trajectory), 1e-5);
 }
 
-TEST(Compensate, MeetsThePoseOfPointsFarFromTheInstantOfTheirColumn) {
+TEST(Compensate, AgreesWithThePoseOfPointsFarFromTheInstantOfTheirColumn) {
   const ScrewTrajectory trajectory = fast_turn();
   const auto scan = scan_with_stray_times(trajectory);
   EXPECT_LT(largest_error_m(compensate(scan, trajectory), trajectory), 1e-5);
 }
 
-TEST(Compensate, SmoothTrajectoriesAreMetToo) {
+TEST(Compensate, AgreesForSmoothTrajectories) {
   const Time end = kStart + Duration::from_seconds(0.15);
   const SE3 T_start = SE3::exp((Vector6d() << 3, 4, 5, 0.3, 0.2, 0.1).finished());
   const SE3 T_end = SE3::exp(velocity(2, 20)) * T_start;
@@ -85,7 +85,7 @@ TEST(Compensate, SmoothTrajectoriesAreMetToo) {
 }
 
 // A float at 100 m has steps of 8 micrometres.
-TEST(CompensateLocally, MeetsCompensateWithinSinglePrecision) {
+TEST(CompensateLocally, AgreesWithCompensateWithinSinglePrecision) {
   const ScrewTrajectory trajectory = fast_turn();
   const auto scan = scan_with_stray_times(trajectory);
   const CompensatedScan expected = compensate(scan, trajectory);
@@ -101,7 +101,7 @@ TEST(CompensateLocally, MeetsCompensateWithinSinglePrecision) {
 }
 
 // Without motion the points stay where they are, to the last bit.
-TEST(Compensate, StandingStillChangesNothing) {
+TEST(Compensate, AStationarySensorLeavesPointsUnchanged) {
   const StationaryTrajectory still;
   const auto scan = some_scan(still);
   const CompensatedScan compensated = compensate(scan, still);
@@ -154,11 +154,16 @@ TEST(Compensate, RefusesATrajectoryThatEndsBeforeTheLastReturn) {
                TrajectoryDomainError);
 }
 
-TEST(Compensate, AnEmptyScanIsAScan) {
+TEST(Compensate, AcceptsAnEmptyScan) {
   const StationaryTrajectory still;
   const auto nothing = [](const Eigen::Vector3d&, const Eigen::Vector3d&) { return std::optional<double>(); };
   const auto scan = std::make_shared<LidarScan>(cast_rays(awkward_model(4, 100), kStart, still, nothing));
   EXPECT_TRUE(compensate(scan, still).points_0.empty());
+}
+
+TEST(Compensate, RefusesANullScan) {
+  EXPECT_THROW((void)compensate(nullptr, StationaryTrajectory()), ParameterError);
+  EXPECT_THROW((void)compensate_locally(nullptr, StationaryTrajectory()), ParameterError);
 }
 
 }  // namespace MAPLESS_FILE

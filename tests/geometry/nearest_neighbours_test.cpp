@@ -133,7 +133,7 @@ TEST(NearestNeighbours, EmptySetHasNoNeighbours) {
   EXPECT_THAT(near, IsEmpty());
 }
 
-TEST(NearestNeighbours, QueriesAndPointsThatAreNotFiniteAreNobodysNeighbours) {
+TEST(NearestNeighbours, NonFinitePointsAndQueriesHaveNoNeighbours) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double infinity = std::numeric_limits<double>::infinity();
   std::mt19937 random(3);

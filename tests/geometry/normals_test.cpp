@@ -89,7 +89,7 @@ INSTANTIATE_TEST_SUITE_P(Methods, NormalsOfBothMethods,
                          });
 
 // Away from edges every normal there is is that of the wall, and points into the room.
-TEST_P(NormalsOfBothMethods, AreThoseOfTheWallsOfARoom) {
+TEST_P(NormalsOfBothMethods, AgreeWithTheWallsOfARoom) {
   const CompensatedScan scan = scan_of(kRoom);
   const auto normals = normals_of(scan, with(GetParam()));
   ASSERT_EQ(normals.size(), scan.points_0.size());
@@ -132,7 +132,7 @@ TEST_P(NormalsOfBothMethods, PointTowardsTheOriginOfTheirOwnRay) {
   EXPECT_GT(towards_plus, 100);
 }
 
-TEST_P(NormalsOfBothMethods, FewerThanMinPointsHaveNone) {
+TEST_P(NormalsOfBothMethods, FewerThanMinPointsGiveNone) {
   const CompensatedScan scan = scan_of(kRoom);
   NormalParameters parameters = with(GetParam());
   parameters.min_points = 22;  // the window holds 21
@@ -144,7 +144,7 @@ TEST_P(NormalsOfBothMethods, FewerThanMinPointsHaveNone) {
 }
 
 // One laser sees a curve: on a flat wall, a line. Lines have no normal.
-TEST_P(NormalsOfBothMethods, PointsOfOneLineHaveNone) {
+TEST_P(NormalsOfBothMethods, PointsOnALineGiveNone) {
   const CompensatedScan scan = scan_of({kRoom[0]}, StationaryTrajectory(), 1, 2000);
   ASSERT_GT(scan.points_0.size(), 100u);
   for (const Eigen::Vector3f& n : normals_of(scan, with(GetParam()))) ASSERT_TRUE(n.isZero());
@@ -157,7 +157,7 @@ TEST_P(NormalsOfBothMethods, PointsOfOneLineHaveNone) {
 }
 
 // Points scattered in a ball of half a metre are no plane: thickness and width are alike.
-TEST_P(NormalsOfBothMethods, ScatteredPointsMostlyHaveNone) {
+TEST_P(NormalsOfBothMethods, ScatteredPointsMostlyGiveNone) {
   std::mt19937 random(5);
   std::normal_distribution<double> noise(0, 0.5);
   LidarScan foliage = *scan_of(kRoom).scan;
@@ -172,7 +172,7 @@ TEST_P(NormalsOfBothMethods, ScatteredPointsMostlyHaveNone) {
   EXPECT_LT(static_cast<double>(found), 0.25 * static_cast<double>(normals.size()));
 }
 
-TEST_P(NormalsOfBothMethods, DuplicatePointsHaveNone) {
+TEST_P(NormalsOfBothMethods, DuplicatePointsGiveNone) {
   LidarScan scan = *scan_of(kRoom, StationaryTrajectory(), 8, 100).scan;
   for (LidarReturn& r : scan.returns) r.position_v = {3, 4, 5};
   const auto normals =
@@ -180,7 +180,7 @@ TEST_P(NormalsOfBothMethods, DuplicatePointsHaveNone) {
   for (const Eigen::Vector3f& n : normals) ASSERT_TRUE(n.isZero());
 }
 
-TEST_P(NormalsOfBothMethods, TurnWithTheWorld) {
+TEST_P(NormalsOfBothMethods, RotateWithTheWorldFrame) {
   const SE3 T_0w = SE3::exp((Vector6d() << 5000, -3000, 40, 0.7, -1.1, 2.0).finished());
   std::vector<Plane> turned_room;
   for (const Plane& plane : kRoom) {
@@ -206,7 +206,7 @@ TEST_P(NormalsOfBothMethods, OneThreadAndSeveralGiveTheSameBytes) {
   EXPECT_EQ(normals_of(scan, with(GetParam())), several);
 }
 
-TEST_P(NormalsOfBothMethods, EmptyScansAndWindowsWiderThanTheScanAreFine) {
+TEST_P(NormalsOfBothMethods, AcceptsEmptyScansAndWindowsWiderThanTheScan) {
   EXPECT_TRUE(normals_of(scan_of({}), with(GetParam())).empty());
   NormalParameters wide = with(GetParam());
   wide.window_columns = 31;
@@ -239,7 +239,7 @@ TEST(Normals, TheWindowFollowsTheAzimuthOffsetsAcrossTheSeam) {
 }
 
 // Around a point whose range differs from its neighbours' by more than the gate, nothing counts.
-TEST(Normals, TheGateKeepsOtherSurfacesOut) {
+TEST(Normals, TheGateExcludesOtherSurfaces) {
   LidarScan scan = *scan_of(kRoom, StationaryTrajectory()).scan;
   const std::size_t i = scan.returns.size() / 2;
   scan.returns[i].position_v *= 0.5f;

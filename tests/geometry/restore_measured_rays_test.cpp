@@ -75,7 +75,7 @@ void expect_consistent_cells(const LidarScan& scan) {
   }
 }
 
-TEST(RestoreMeasuredRays, UndoesCompensationWhereTimesAreKnown) {
+TEST(RestoreMeasuredRays, InvertsCompensationIfTimesAreKnown) {
   const ScrewTrajectory trajectory = driving(30, 90);
   const LidarScan measured = cast_rays(awkward_model(16, 1000), kStart, trajectory, some_range);
   const LidarScan restored = restore_measured_rays(compensated_by_others(measured, trajectory), trajectory);
@@ -131,7 +131,7 @@ TEST(RestoreMeasuredRays, RecoversColumnsFromAzimuths) {
   }
 }
 
-TEST(RestoreMeasuredRays, LasersBesideTheAxisAndFiringLateComeBackToo) {
+TEST(RestoreMeasuredRays, HandlesLasersOffTheAxisAndLateFirings) {
   const ScrewTrajectory trajectory = driving(15, 20);
   const LidarScan measured = cast_rays(awkward_model(16, 2000), kStart, trajectory, some_range);
   LidarScan compensated = compensated_by_others(measured, trajectory);
@@ -147,7 +147,7 @@ TEST(RestoreMeasuredRays, LasersBesideTheAxisAndFiringLateComeBackToo) {
   }
 }
 
-// Cells that said why nothing came back go on saying so.
+// Cells without a return keep their code.
 TEST(RestoreMeasuredRays, KeepsTheCodesOfEmptyCells) {
   const ScrewTrajectory trajectory = driving(0, 0);
   LidarScan measured = cast_rays(awkward_model(4, 400), kStart, trajectory, some_range);

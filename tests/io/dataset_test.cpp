@@ -1,85 +1,38 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "support/bare_cloud.hpp"
-#include "support/temporary_folder.hpp"
+#include "support/memory_dataset.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/io/dataset.hpp>
 
 namespace mapless {
 namespace MAPLESS_FILE {
 
-using test::TemporaryFolder;
-using test::write_text;
-using ::testing::HasSubstr;
+using testing::AllOf;
+using testing::HasSubstr;
 
-std::string refusal(const std::filesystem::path& path, const std::string& format = "") {
-  DatasetOptions options;
-  options.format = format;
+std::string refusal(const std::vector<double>& starts_s, std::size_t first, std::size_t count) {
+  std::vector<Time> starts;
+  for (const double s : starts_s) starts.push_back(Time::from_seconds(s));
   try {
-    (void)open_dataset(path, options);
-  } catch (const Error& error) {
+    require_time_order(test::MemoryDataset(starts, 4), first, count);
+  } catch (const InputError& error) {
     return error.what();
   }
-  ADD_FAILURE() << "accepted";
   return "";
 }
 
-TEST(OpenDataset, KnowsTheFormatsOfTheCommandLine) {
-  EXPECT_THAT(dataset_formats(),
-              ::testing::UnorderedElementsAre("native", "kitti-raw", "kitti", "mdlidar", "pcd"));
+TEST(TimeOrder, NamesTheFirstScanThatDoesNotStartAfterTheOneBefore) {
+  EXPECT_EQ(refusal({0, 0.1, 0.2}, 0, 3), "");
+  EXPECT_EQ(refusal({5}, 0, 1), "");
+  EXPECT_THAT(refusal({0, 0.1, 0.1, 0.2}, 0, 4),
+              AllOf(HasSubstr("memory: start of scan 2 = 0.100000000 s"), HasSubstr("that of scan 1")));
+  EXPECT_THAT(refusal({0, 0.2, 0.1}, 0, 3), HasSubstr("scan 2"));
 }
 
-TEST(OpenDataset, AFolderWithoutARecording) {
-  const TemporaryFolder folder;
-  const std::string text = refusal(folder.path());
-  EXPECT_THAT(text, HasSubstr(folder.path().string()));
-  for (const std::string& format : dataset_formats()) EXPECT_THAT(text, HasSubstr(format));
-  EXPECT_THAT(text, HasSubstr("--format"));
-}
-
-TEST(OpenDataset, AFolderOfMixedFormats) {
-  const TemporaryFolder folder;
-  write_text(folder / "velodyne_points/data/0000000000.bin", "");
-  write_text(folder / "velodyne/000000.bin", "");
-  const std::string text = refusal(folder.path());
-  EXPECT_THAT(text, HasSubstr("kitti-raw, kitti"));
-  EXPECT_THAT(text, HasSubstr("--format"));
-  // Named, it is read as what it is said to be.
-  EXPECT_THAT(refusal(folder.path(), "kitti-raw"), HasSubstr("timestamps_start.txt"));
-  EXPECT_THAT(refusal(folder.path(), "kitti"), HasSubstr("times.txt"));
-}
-
-TEST(OpenDataset, UnknownFormatAndMissingFolder) {
-  const TemporaryFolder folder;
-  const std::string text = refusal(folder.path(), "las");
-  EXPECT_THAT(text, HasSubstr("las"));
-  EXPECT_THAT(text, HasSubstr("mdlidar"));
-  EXPECT_THAT(refusal(folder / "none"), HasSubstr("no such folder"));
-  write_text(folder / "file", "");
-  EXPECT_THAT(refusal(folder / "file"), HasSubstr("not a folder"));
-}
-
-TEST(OpenDataset, ANamedFormatThatIsNotThere) {
-  const TemporaryFolder folder;
-  for (const std::string& format : dataset_formats()) {
-    SCOPED_TRACE(format);
-    EXPECT_THAT(refusal(folder.path(), format), HasSubstr(folder.path().string()));
-  }
-}
-
-// What lies beside the recording and cannot be looked into, as lost+found at the root of a disk, does not
-// matter.
-TEST(OpenDataset, WhatIsBesideARecordingMayBeClosed) {
-  const TemporaryFolder folder;
-  std::filesystem::create_symlink("loop", folder / "loop");
-  EXPECT_THAT(refusal(folder.path()), HasSubstr("no recording here"));
-}
-
-// As a folder one may not look into is; but root may look everywhere.
-TEST(OpenDataset, APathTheSystemRefusesIsNamed) {
-  const std::string path(300, 'x');
-  EXPECT_THAT(refusal(path), ::testing::AllOf(HasSubstr(path), HasSubstr("too long")));
+TEST(TimeOrder, ChecksTheChosenScansOnly) {
+  EXPECT_EQ(refusal({0, 0.2, 0.1, 0.3, 0.25}, 2, 2), "");
+  EXPECT_EQ(refusal({0, 0.2, 0.1, 0.3}, 0, 2), "");
 }
 
 }  // namespace MAPLESS_FILE

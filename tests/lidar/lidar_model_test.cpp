@@ -64,7 +64,7 @@ TEST(Laser, LaserFrameHasXAlongTheBeamAndYHorizontal) {
   EXPECT_LT((T_lh.rotation() * T_lh.rotation().transpose() - Eigen::Matrix3d::Identity()).norm(), 1e-15);
 }
 
-TEST(LidarModel, HubTurnsItsWayFromTheStart) {
+TEST(LidarModel, HubAngleFollowsTheDirectionOfRotation) {
   LidarModel model = small_model();
   EXPECT_NEAR(model.hub_angle(0), std::numbers::pi, 1e-15);
   EXPECT_NEAR(model.hub_angle(90), std::numbers::pi / 2, 1e-15);
@@ -72,7 +72,7 @@ TEST(LidarModel, HubTurnsItsWayFromTheStart) {
   EXPECT_NEAR(model.hub_angle(0.5), std::numbers::pi + 0.5 * kDegree, 1e-15);
 }
 
-TEST(LidarModel, PointIsTheNativeFormula) {
+TEST(LidarModel, PointAgreesWithTheFormulaOfTheNativeFormat) {
   const LidarModel model = small_model();
   // At column 90 the clockwise hub, which began at the rear, points to the left: hub x is sensor y.
   const double el = -0.1, az = 0.7, range = 20;
@@ -82,7 +82,7 @@ TEST(LidarModel, PointIsTheNativeFormula) {
   EXPECT_LT((model.point_v(1, 90, range) - expected).norm(), 1e-13);
 }
 
-TEST(LidarModel, ElevationStepIsToTheFartherNeighbour) {
+TEST(LidarModel, ElevationStepIsThatToTheFartherNeighbour) {
   LidarModel model = small_model();
   model.lasers.resize(1);
   EXPECT_EQ(model.elevation_step(0), 0);
@@ -101,7 +101,7 @@ TEST(LidarModel, LargestElevationStep) {
   EXPECT_EQ(model.largest_elevation_step(), 0);
 }
 
-TEST(LidarModel, ValidationNamesWhatIsWrong) {
+TEST(LidarModel, ValidationNamesTheInvalidMember) {
   using ::testing::AllOf;
   using ::testing::HasSubstr;
   const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();

@@ -48,7 +48,7 @@ std::string refusal(const LidarRecord& bad) {
   return "accepted";
 }
 
-TEST(Organise, ReturnsGoByLaserColumnAndInputIndex) {
+TEST(Organise, ReturnsAreSortedByLaserColumnAndInputIndex) {
   const LidarScan scan = organised({record(1, 3, 9), record(0, 7, 4), record(0, 2, 6), record(0, 7, 5)});
   ASSERT_EQ(scan.returns.size(), 4u);
   std::vector<std::uint32_t> order;
@@ -61,14 +61,14 @@ TEST(Organise, ReturnsGoByLaserColumnAndInputIndex) {
   EXPECT_EQ(scan.cells.size(), 2u * kColumns);
 }
 
-TEST(Organise, RangesAreFromTheLasersOwnOrigin) {
+TEST(Organise, RangesAreDistancesFromTheOriginOfTheLaser) {
   const LidarScan scan = organised({record(1, 33, 9), record(0, 33, 4)});
   EXPECT_NEAR(scan.returns[0].range_m, 4, 1e-6);
   EXPECT_NEAR(scan.returns[1].range_m, 9, 1e-6);
   EXPECT_GT(scan.returns[1].position_v.norm(), 9.04);
 }
 
-TEST(Organise, CellShowsTheNearerReturnAndTheFirstOfEquals) {
+TEST(Organise, ACellHoldsTheNearerReturnAndTheFirstOfEquals) {
   const LidarScan scan =
       organised({record(0, 1, 8), record(0, 1, 3), record(0, 1, 5), record(1, 1, 6), record(1, 1, 6)});
   EXPECT_EQ(scan.returns[static_cast<std::size_t>(scan.cell(0, 1))].input_index, 1u);
@@ -95,7 +95,7 @@ TEST(Organise, CellsWithoutReturnKeepTheirCode) {
   EXPECT_EQ(scan.returns.size(), 1u);
 }
 
-TEST(Organise, WhereCodesDisagreeTheOneThatClaimsLeastStands) {
+TEST(Organise, OfSeveralCodesTheWeakestClaimIsKept) {
   const LidarScan scan =
       organised({record(0, 1, 1, ReturnCode::nothing), record(0, 1, 1, ReturnCode::faulty),
                  record(0, 1, 1, ReturnCode::nothing), record(0, 2, 1, ReturnCode::nothing), record(0, 2, 7),
@@ -149,6 +149,19 @@ TEST(Organise, EqualsAStableSortOfRandomRecords) {
     ASSERT_EQ(scan.returns.size(), order.size());
     for (std::size_t i = 0; i < order.size(); ++i) EXPECT_EQ(scan.returns[i].input_index, order[i]);
   }
+}
+
+TEST(Organise, RefusesAScanWithoutAValidModel) {
+  LidarScan scan;
+  scan.columns = 1;
+  scan.column_period = Duration::from_nanoseconds(1);
+  EXPECT_THROW((void)organise(scan, {}, "test"), ParameterError);
+  scan.model = std::make_shared<const LidarModel>();
+  EXPECT_THROW((void)organise(scan, {}, "test"), InputError);
+  scan.model = std::make_shared<const LidarModel>(named_model("VLP-16"));
+  EXPECT_NO_THROW((void)organise(scan, {}, "test"));
+  scan.columns = 1'000'001;
+  EXPECT_THROW((void)organise(scan, {}, "test"), InputError);
 }
 
 }  // namespace MAPLESS_FILE

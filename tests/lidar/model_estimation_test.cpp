@@ -33,7 +33,7 @@ void expect_elevations(const LidarModel& estimated, const LidarModel& truth) {
   }
 }
 
-TEST(EstimateModel, AnEvenGridGivesOffsetsToWholeColumns) {
+TEST(EstimateModel, AUniformGridGivesOffsetsModuloAColumn) {
   const LidarModel truth = make_bare_cloud_model(32, 1800);
   const EstimatedModel e =
       estimate_model({make_bare_cloud(truth, 0), make_bare_cloud(truth, 0, 1.3)}, {}, "clouds");
@@ -54,7 +54,7 @@ TEST(EstimateModel, AnEvenGridGivesOffsetsToWholeColumns) {
   }
 }
 
-TEST(EstimateModel, AnEncoderGivesWholeOffsetsUpToOneCommonTurn) {
+TEST(EstimateModel, AnIrregularEncoderGivesCompleteOffsets) {
   const LidarModel truth = make_bare_cloud_model(64, 2152);
   const EstimatedModel e =
       estimate_model({make_bare_cloud(truth, 4000), make_bare_cloud(truth, 4000, 1.3)}, {}, "clouds");
@@ -89,7 +89,7 @@ TEST(EstimateModel, EstimatedBeamsPassThroughThePoints) {
   }
 }
 
-TEST(EstimateModel, ARingAtOneDistanceBorrowsItsOrigin) {
+TEST(EstimateModel, ARingAtOneDistanceTakesItsOriginFromItsNeighbours) {
   const LidarModel truth = make_bare_cloud_model(16, 1000);
   Cloud cloud = make_bare_cloud(truth, 0);
   // The fourth stored ring (row 12) sees a round wall.

@@ -29,7 +29,7 @@ const std::vector<Expected> kExpected = {
     {"OS1-64", 64, -16.68, 16.73, 3.4, 120, 97.656},  {"OS1-128", 128, -21.48, 21.48, 4.26, 120, 97.656},
     {"Pandar64", 64, -24.88, 14.9, 5.4, 200, 55.56},  {"XT-32", 32, -16.02, 14.97, 0.114, 120, 50}};
 
-TEST(NamedModels, HaveTheAnglesTimesAndRangesOfTheirSheets) {
+TEST(NamedModels, HaveTheAnglesTimesAndRangesOfTheirDataSheets) {
   ASSERT_EQ(named_models().size(), kExpected.size());
   for (const Expected& e : kExpected) {
     SCOPED_TRACE(e.name);
@@ -59,7 +59,7 @@ TEST(NamedModels, NamesIgnoreCaseAndUnknownOnesListTheKnown) {
   }
 }
 
-TEST(NamedModels, BlocksOfTheHdl64eS2OverlapAndHaveTheirOffsets) {
+TEST(NamedModels, BlocksOfTheHdl64eS2OverlapInElevation) {
   for (const Laser& laser : named_model("HDL-64E-S2").lasers) {
     // The beam's offset at a right angle to it: 0.026 m to a side; upwards .19 to .21 (upper block), .10 to
     // .13 (lower).
@@ -72,7 +72,7 @@ TEST(NamedModels, BlocksOfTheHdl64eS2OverlapAndHaveTheirOffsets) {
 }
 
 // A VLP-16 fires -15, 1, -13, 3 ... degrees, 2.304 us apart, while the hub turns clockwise.
-TEST(NamedModels, AzimuthOffsetHoldsTheTurnDuringFiring) {
+TEST(NamedModels, AzimuthOffsetIncludesTheRotationDuringFiring) {
   const LidarModel model = named_model("VLP-16");
   const auto laser_at = [&](double elevation_deg) {
     for (const Laser& l : model.lasers) {
@@ -90,7 +90,7 @@ TEST(NamedModels, AzimuthOffsetHoldsTheTurnDuringFiring) {
 
 // The formula of Ouster's manual, in millimetres, from the sensor's own metadata, then into its "sensor"
 // frame.
-TEST(NamedModels, OusterRaysAreThoseOfItsMetadata) {
+TEST(NamedModels, OusterRaysAgreeWithItsMetadata) {
   const std::vector<std::pair<const char*, const char*>> cases = {
       {"OS1-64", "calib/ouster_json/2_1_2_os1-991913000010-64_legacy.json"},
       {"OS1-128", "calib/ouster_json/2_0_0_os1-992008000494-128_col_win_legacy.json"}};
@@ -120,7 +120,7 @@ TEST(NamedModels, OusterRaysAreThoseOfItsMetadata) {
 }
 
 // Hesai measures azimuths clockwise from y, and adds each channel's own and the turn until it fires.
-TEST(NamedModels, HesaiRaysAreThoseOfItsAngleFiles) {
+TEST(NamedModels, HesaiRaysAgreeWithItsAngleFiles) {
   const LidarModel model = named_model("XT-32");
   const double fired = 6e-6 + 31 * 1.512e-6;  // channel 32, the lowest
   const double azimuth = 40 * kDegree + (-0.129679 + 3600 * fired) * kDegree;

@@ -38,14 +38,14 @@ std::pair<Cloud, std::vector<std::int32_t>> some_of(const Cloud& cloud, const st
   return kept;
 }
 
-TEST(RingStarts, OneWhereTheAzimuthDrops) {
+TEST(RingStarts, ARingStartsWhereTheAzimuthDrops) {
   const LidarModel model = make_bare_cloud_model(16, 500);
   const std::vector<std::size_t> starts = ring_starts(make_bare_cloud(model, 0));
   ASSERT_EQ(starts.size(), 16U);
   for (std::size_t i = 0; i < starts.size(); ++i) EXPECT_EQ(starts[i], 500 * i);
 }
 
-TEST(RingStarts, SmallStepsBackAndPointsJustBeforeTheFrontStartNoRing) {
+TEST(RingStarts, SmallBackwardStepsAndPointsJustBeforeTheFrontStartNoRing) {
   // The last point lies on the front itself, a hair to the right.
   const Cloud cloud = {{1, 0.1F, 0},  {1, 0.3F, 0},  {1, 0.29F, 0}, {-1, 0, 0},
                        {1, -0.1F, 0}, {1, -0.0F, 0}, {1, 0.2F, 0}};
@@ -78,13 +78,13 @@ TEST(RingStarts, PointsRoundedAcrossTheFrontStayInTheirRing) {
   }
 }
 
-TEST(RecoverLasers, FromTheOrderAlone) {
+TEST(RecoverLasers, RingsFollowFromTheOrderAlone) {
   const LidarModel model = make_bare_cloud_model(16, 500);
   const Cloud cloud = make_bare_cloud(model, 0);
   EXPECT_EQ(recover_lasers(cloud, model, top_first_layout(model), "cloud"), true_rows(cloud, 16, 500));
 }
 
-TEST(RecoverLasers, AMissingRingIsFoundByTheBeams) {
+TEST(RecoverLasers, AMissingRingIsFoundFromTheBeams) {
   const LidarModel model = make_bare_cloud_model(16, 500);
   const Cloud whole = make_bare_cloud(model, 0);
   const auto [cloud, rows] =
@@ -93,7 +93,7 @@ TEST(RecoverLasers, AMissingRingIsFoundByTheBeams) {
   EXPECT_EQ(recover_lasers(cloud, model, top_first_layout(model), "cloud"), rows);
 }
 
-TEST(RecoverLasers, RingsThatRunIntoEachOtherAreTakenApart) {
+TEST(RecoverLasers, MergedRingsAreSeparated) {
   const LidarModel model = make_bare_cloud_model(16, 500);
   const Cloud whole = make_bare_cloud(model, 0);
   // Of the top ring only the first tenth is left, of the second one only what comes after that.
@@ -147,7 +147,7 @@ TEST(RecoverFirings, WithoutOffsetsTimeFollowsTheAzimuth) {
   EXPECT_EQ(f.columns, (std::vector<std::int32_t>{500, 1000, 1500, 0, 0}));
 }
 
-TEST(RecoverFirings, EveryFiringOfAnEncoderHasItsColumn) {
+TEST(RecoverFirings, EveryFiringOfAnEncoderGetsItsOwnColumn) {
   const LidarModel model = make_bare_cloud_model(8, 2152);
   const Cloud cloud = make_bare_cloud(model, 4000);
   const std::vector<std::int32_t> rows = true_rows(cloud, 8, 2152);
@@ -186,7 +186,7 @@ TEST(RecoverFirings, ColumnAndTimeBelongTogetherAtTheSeam) {
   }
 }
 
-TEST(RecoverRecords, ReturnsAreOfTheTimeOfTheirColumn) {
+TEST(RecoverRecords, ReturnsHaveTheTimeOfTheirColumn) {
   const LidarModel model = make_bare_cloud_model(16, 500);
   for (const int encoder_steps : {0, 1000}) {
     SCOPED_TRACE(encoder_steps);

@@ -5,7 +5,7 @@
 
 #include "support/shared_data.hpp"
 #include <mapless/io/dataset.hpp>
-#include <mapless/io/trajectory_source.hpp>
+#include <mapless/io/trajectory_file.hpp>
 #include <mapless/odometry/lidar_odometry.hpp>
 
 // The real drive: 3 to 7 m/s from the first scan on, a bend, traffic.

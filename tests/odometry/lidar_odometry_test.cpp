@@ -9,7 +9,7 @@
 
 #include "support/toy_scene.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/evaluation/quantile.hpp>
+#include <mapless/evaluation/trajectory_evaluation.hpp>
 #include <mapless/odometry/lidar_odometry.hpp>
 
 namespace mapless {

@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "support/shared_data.hpp"
-#include <mapless/evaluation/quantile.hpp>
+#include <mapless/evaluation/trajectory_evaluation.hpp>
 #include <mapless/geometry/compensated_scan.hpp>
 #include <mapless/odometry/lidar_odometry.hpp>
 

@@ -9,10 +9,10 @@
 #include "io/formats/pcd/pcd.hpp"
 #include "support/temporary_folder.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/io/atomic_file.hpp>
 #include <mapless/io/dataset.hpp>
+#include <mapless/io/files.hpp>
 #include <mapless/io/labels.hpp>
-#include <mapless/io/object_truth.hpp>
+#include <mapless/io/object_tables.hpp>
 #include <mapless/simulation/sequence_writer.hpp>
 
 namespace mapless {
@@ -101,7 +101,7 @@ TEST(SequenceWriter, KittiCloudsHaveOneLabelForEachPointAndAreCompensatedToMidSc
   EXPECT_EQ(scan.compensated_to->nanoseconds(), 150'000'000);
 }
 
-TEST(SequenceWriter, KittiTurnsBeginAtTheRearAsTheirReadersTakeThemTo) {
+TEST(SequenceWriter, KittiTurnsBeginAtTheRear) {
   const test::TemporaryFolder folder;
   const Recording recording = recorded("kitti", "HDL-64E-S2", folder.path() / "out");
   int near = 0;
@@ -127,7 +127,7 @@ TEST(SequenceWriter, NamesEveryObjectOnce) {
 }
 
 /// A car-sized box 10 m ahead of a standing sensor at the origin, one far above it, both 3 m/s along y and
-/// turning about z; told in a frame whose x, y, z are the level y, z, x.
+/// turning about z; the world frame of the recording has x, y, z along the level y, z, x.
 Scene two_boxes() {
   Scene scene;
   scene.world.shapes.resize(1);
@@ -148,7 +148,7 @@ Scene two_boxes() {
   return scene;
 }
 
-TEST(SequenceWriter, TellsTheStateOfEveryMoverSeenWhileItGoesOn) {
+TEST(SequenceWriter, WritesTheStateOfEveryVisibleMoverScanByScan) {
   const test::TemporaryFolder folder;
   const Scene scene = two_boxes();
   const auto model = std::make_shared<const LidarModel>(named_model("VLP-16"));
@@ -187,13 +187,22 @@ TEST(SequenceWriter, NativeScansKeepTheIntensityOfEveryReturn) {
   EXPECT_GT(highest, 10);
 }
 
-TEST(SequenceWriter, RefusesAFolderThatIsThereAndAnUnknownFormat) {
+TEST(SequenceWriter, RefusesAnExistingFolderAndAnUnknownFormat) {
   const test::TemporaryFolder folder;
   Scene scene;
   const auto model = std::make_shared<const LidarModel>(named_model("VLP-16"));
   EXPECT_THROW((void)make_sequence_writer("native", folder.path(), model, scene), OutputError);
   EXPECT_THROW((void)make_sequence_writer("xyz", folder.path() / "new", model, scene), ParameterError);
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "new"));
+}
+
+TEST(SequenceWriter, RefusesToWriteWithoutAValidModel) {
+  const test::TemporaryFolder folder;
+  EXPECT_THROW((void)make_sequence_writer("native", folder / "out", nullptr, Scene{}), ParameterError);
+  EXPECT_THROW(
+      (void)make_sequence_writer("native", folder / "out", std::make_shared<const LidarModel>(), Scene{}),
+      InputError);
+  EXPECT_FALSE(std::filesystem::exists(folder / "out"));
 }
 
 }  // namespace MAPLESS_FILE

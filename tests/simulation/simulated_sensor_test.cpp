@@ -5,6 +5,7 @@
 
 #include "support/cast_rays.hpp"
 #include "support/toy_scene.hpp"
+#include <mapless/core/errors.hpp>
 #include <mapless/io/labels.hpp>
 #include <mapless/simulation/scene.hpp>
 #include <mapless/simulation/simulated_sensor.hpp>
@@ -44,7 +45,7 @@ SimulatedScan first_scan(const WorldDescription& description, const SensorOption
   return sensor.scan(number);
 }
 
-TEST(SimulatedSensor, PointsLieOnTheSurfacesOfTheirOwnInstant) {
+TEST(SimulatedSensor, PointsLieOnTheSurfacesAtTheirOwnInstant) {
   const auto model = test::awkward_model(16, 360);
   const auto trajectory = test::drive(3, 0.5);
   const double speed = 5;
@@ -67,7 +68,7 @@ TEST(SimulatedSensor, PointsLieOnTheSurfacesOfTheirOwnInstant) {
   EXPECT_GT(on_cube, 50);
 }
 
-TEST(SimulatedSensor, TruthIsDynamicAboveTwoTenthsOfAMetrePerSecond) {
+TEST(SimulatedSensor, TrueLabelsAreDynamicAbove0Point2MetresPerSecond) {
   for (const double speed : {0.19, 0.21}) {
     const SimulatedScan scan = first_scan(room(speed, Material::brick), exact());
     for (const std::uint32_t label : scan.labels) {
@@ -77,7 +78,7 @@ TEST(SimulatedSensor, TruthIsDynamicAboveTwoTenthsOfAMetrePerSecond) {
   }
 }
 
-TEST(SimulatedSensor, NoiseHasTheDeviationAskedForAndIsTheSameForAnyNumberOfThreads) {
+TEST(SimulatedSensor, NoiseHasTheGivenDeviationAndIsTheSameForAnyNumberOfThreads) {
   SensorOptions noisy = exact();
   noisy.range_noise_m = 0.05;
   const WorldDescription description = room(5, Material::brick);
@@ -131,7 +132,7 @@ TEST(SimulatedSensor, EverySceneIsTheSameForAnyDurationAndNumberOfThreads) {
   }
 }
 
-TEST(SimulatedSensor, TellsFaultyReturnsFromNothingWithinRange) {
+TEST(SimulatedSensor, DistinguishesFaultyReturnsFromNothingWithinRange) {
   WorldDescription glass = room(0, Material::glass);
   SensorOptions options = exact();
   options.faulty = true;
@@ -156,6 +157,22 @@ TEST(SimulatedSensor, EveryNamedModelFiresEveryLaserInEveryColumn) {
     std::size_t hits = 0;
     for (const LidarRecord& r : scan.records) hits += r.code == ReturnCode::hit;
     EXPECT_EQ(hits, scan.records.size());
+  }
+}
+
+TEST(SimulatedSensor, RefusesInvalidArguments) {
+  WorldDescription description;
+  SimulatedWorld world(description);
+  const auto model = std::make_shared<const LidarModel>(named_model("VLP-16"));
+  const auto trajectory = std::make_shared<const StationaryTrajectory>();
+  EXPECT_NO_THROW(SimulatedSensor(model, trajectory, world, {}));
+  EXPECT_THROW(SimulatedSensor(nullptr, trajectory, world, {}), ParameterError);
+  EXPECT_THROW(SimulatedSensor(model, nullptr, world, {}), ParameterError);
+  EXPECT_THROW(SimulatedSensor(std::make_shared<const LidarModel>(), trajectory, world, {}), InputError);
+  for (const double noise_m : {-0.1, std::nan(""), 11.0}) {
+    SensorOptions options;
+    options.range_noise_m = noise_m;
+    EXPECT_THROW(SimulatedSensor(model, trajectory, world, options), ParameterError) << noise_m;
   }
 }
 

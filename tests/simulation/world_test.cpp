@@ -2,6 +2,7 @@
 #include <random>
 
 #include <Eigen/Geometry>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <mapless/core/errors.hpp>
@@ -78,7 +79,7 @@ TEST(SimulatedWorld, HitsAgreeWithClosedFormGeometryAtTheRaysOwnTime) {
     const TimedRay ray = random_ray(random);
     const SE3 T_0b = motion(ray.time);
     const auto box = enter_box(T_0b, ray);
-    // A ray within 2 mm of an edge may be told either way.
+    // A ray within 2 mm of an edge may hit or miss.
     TimedRay beside = ray;
     bool sure = true;
     for (const double shift : {-0.002, 0.002}) {
@@ -102,7 +103,7 @@ TEST(SimulatedWorld, HitsAgreeWithClosedFormGeometryAtTheRaysOwnTime) {
   EXPECT_GT(on_box, 500);
 }
 
-TEST(SimulatedWorld, SurfaceThatPassesTheAxisOfATurnIsSlowThereAndFastOutside) {
+TEST(SimulatedWorld, ARotatingSurfaceIsSlowNearTheAxisAndFastOutside) {
   SimulatedWorld world(wall_and_box([](Time t) { return turn_z(t.seconds(), {10, 0, 0}); }));
   world.prepare(seconds(0), seconds(0.1), Vector3d::Zero(), 120);
   // The face towards us is 1 m from the axis: the speed is the distance from the axis, 1 rad/s.
@@ -114,7 +115,7 @@ TEST(SimulatedWorld, SurfaceThatPassesTheAxisOfATurnIsSlowThereAndFastOutside) {
   EXPECT_EQ(hit->material, Material::paint);
 }
 
-TEST(SimulatedWorld, PartsMoveInTheirBody) {
+TEST(SimulatedWorld, PartsMoveRelativeToTheirBody) {
   WorldDescription description = wall_and_box([](Time t) { return turn_z(0, {10 + t.seconds(), 0, 0}); });
   description.movers[0].parts[0].T_bs = [](Time t) { return turn_z(0, {0, 0, 5 - t.seconds()}); };
   SimulatedWorld world(std::move(description));
@@ -125,7 +126,7 @@ TEST(SimulatedWorld, PartsMoveInTheirBody) {
   EXPECT_LT((hit->velocity_0 - Vector3d(1, 0, -1)).norm(), 1e-6);
 }
 
-TEST(SimulatedWorld, NothingIsHitBeyondTheRangeAsked) {
+TEST(SimulatedWorld, NothingIsHitBeyondTheGivenRange) {
   SimulatedWorld world(wall_and_box([](Time) { return turn_z(0, {1000, 0, 0}); }));
   world.prepare(seconds(0), seconds(0.1), Vector3d::Zero(), 120);
   const TimedRay ray{{0, 0, 0}, {1, 0, 0}, seconds(0)};
@@ -136,10 +137,58 @@ TEST(SimulatedWorld, NothingIsHitBeyondTheRangeAsked) {
   EXPECT_TRUE(hit);
 }
 
-TEST(SimulatedWorld, RefusesAShapeThatIsNotThere) {
+TEST(SimulatedWorld, RefusesAnAbsentShape) {
   WorldDescription world = wall_and_box([](Time) { return SE3(); });
   world.statics[0].shape = 2;
   EXPECT_THROW(SimulatedWorld{std::move(world)}, InputError);
+}
+
+std::string refusal(const std::function<void()>& step) {
+  try {
+    step();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(SimulatedWorld, RefusesInvalidMovers) {
+  const auto still = [](Time) { return SE3(); };
+  const auto with = [&](auto change) {
+    WorldDescription world = wall_and_box(still);
+    change(world.movers[0]);
+    return refusal([&] { SimulatedWorld{world}; });
+  };
+  EXPECT_EQ(with([](Mover&) {}), "");
+  EXPECT_THAT(with([](Mover& m) { m.T_0b = nullptr; }), testing::HasSubstr("T_0b"));
+  EXPECT_THAT(with([](Mover& m) { m.object_id = 0; }), testing::HasSubstr("1 to 65535"));
+  EXPECT_THAT(with([](Mover& m) { m.object_id = 65536; }), testing::HasSubstr("65536"));
+  EXPECT_THAT(with([](Mover& m) { m.radius_m = std::nan(""); }), testing::HasSubstr("radius_m"));
+}
+
+TEST(SimulatedWorld, RefusesRaysOutsideThePreparedInterval) {
+  SimulatedWorld world(wall_and_box([](Time) { return SE3(); }));
+  EXPECT_THROW(world.prepare(seconds(1), seconds(0), Vector3d::Zero(), 10), ParameterError);
+  EXPECT_THROW(world.prepare(seconds(0), seconds(1), Vector3d::Zero(), -1), ParameterError);
+  world.prepare(seconds(0), seconds(0.1), Vector3d::Zero(), 120);
+  const TimedRay late{Vector3d::Zero(), Vector3d::UnitX(), seconds(0.2)};
+  const TimedRay ray{Vector3d::Zero(), Vector3d::UnitX(), seconds(0.1)};
+  EXPECT_THAT(refusal([&] { (void)cast_one(world, late); }), testing::HasSubstr("prepared interval"));
+  std::optional<RayHit> hit;
+  EXPECT_THROW(world.cast({&ray, 1}, 120, {&hit, 0}), ParameterError);
+  EXPECT_THROW(world.cast({&ray, 1}, std::nan(""), {&hit, 1}), ParameterError);
+  EXPECT_NO_THROW(world.cast({&ray, 1}, 120, {&hit, 1}));
+}
+
+TEST(Mesh, RefusesDegenerateShapes) {
+  Mesh mesh;
+  const Material m = Material::wood;
+  EXPECT_THROW(mesh.add_frustum({0, 0, 0}, 1, {0, 0, 1}, 1, 2, m), ParameterError);
+  EXPECT_THROW(mesh.add_frustum({0, 0, 0}, -1, {0, 0, 1}, 1, 8, m), ParameterError);
+  EXPECT_THROW(mesh.add_frustum({0, 0, 1}, 1, {0, 0, 1}, 1, 8, m), ParameterError);
+  EXPECT_THROW(mesh.add_extrusion({{0, 0}, {1, 0}}, 1, m), ParameterError);
+  EXPECT_THROW(mesh.add_ellipsoid({0, 0, 0}, {1, 1, 1}, 1, m), ParameterError);
+  EXPECT_TRUE(mesh.triangles.empty());
 }
 
 }  // namespace MAPLESS_FILE

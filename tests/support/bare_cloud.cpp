@@ -74,9 +74,4 @@ void write_kitti_cloud(const std::filesystem::path& file, const Cloud& cloud) {
   }
 }
 
-void write_text(const std::filesystem::path& file, const std::string& text) {
-  std::filesystem::create_directories(file.parent_path());
-  std::ofstream(file, std::ios::binary) << text;
-}
-
 }  // namespace mapless::test

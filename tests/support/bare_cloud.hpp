@@ -24,6 +24,5 @@ using Cloud = std::vector<Eigen::Vector3f>;
 
 /// Writes a cloud as KITTI's .bin, reflectance 0.
 void write_kitti_cloud(const std::filesystem::path& file, const Cloud& cloud);
-void write_text(const std::filesystem::path& file, const std::string& text);
 
 }  // namespace mapless::test

@@ -53,7 +53,7 @@ pid_t spawn(const std::vector<std::string>& arguments, int out, int err) {
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_adddup2(&actions, out, STDOUT_FILENO);
   posix_spawn_file_actions_adddup2(&actions, err, STDERR_FILENO);
-  // Whatever the tests run under (nohup, a background job), signals do there what they do at a terminal.
+  // Signals act as at a terminal, even if the tests run under nohup or as a background job.
   sigset_t signals;
   sigemptyset(&signals);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&signals, signal);

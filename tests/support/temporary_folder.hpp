@@ -19,4 +19,7 @@ class TemporaryFolder {
   std::filesystem::path path_;
 };
 
+/// Writes a file, and makes its folder where there is none.
+void write_text(const std::filesystem::path& file, const std::string& text);
+
 }  // namespace mapless::test

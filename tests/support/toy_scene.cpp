@@ -14,7 +14,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kDynamicSpeed = 0.2;  // the paper's definition of truth [m/s]
+constexpr double kDynamicSpeed_mps = 0.2;  // the paper's definition of truth [m/s]
 constexpr Duration kForever = Duration::from_nanoseconds(std::int64_t{1} << 60);
 
 std::uint64_t splitmix(std::uint64_t x) {
@@ -24,7 +24,8 @@ std::uint64_t splitmix(std::uint64_t x) {
   return x ^ (x >> 31);
 }
 
-/// A standard normal number that depends on the ray alone, so that it is the same whoever computes it.
+/// A standard normal number that depends on the ray alone, so that it does not depend on the order of
+/// computation.
 double normal_number(std::uint64_t seed, int scan, std::size_t record) {
   const std::uint64_t a = splitmix(splitmix(seed ^ splitmix(static_cast<std::uint64_t>(scan))) + record);
   const double u = (static_cast<double>(a >> 11) + 1) * 0x1p-53;
@@ -57,7 +58,7 @@ Cast cast_ray(const ToyScene& scene, int laser, int column, const Instant& now) 
   if (!hit || hit->range_m > scene.model->max_range_m) return {0, scene.empty_code, kLabelUnknown};
   if (hit->range_m < scene.model->min_range_m) return {};
   const ToyBody& body = scene.world[hit->body];
-  const bool moves = body.speed_at(origin_0 + hit->range_m * direction_0, now.time) > kDynamicSpeed;
+  const bool moves = body.speed_at(origin_0 + hit->range_m * direction_0, now.time) > kDynamicSpeed_mps;
   const std::uint32_t label =
       moves ? kLabelDynamic | static_cast<std::uint32_t>(body.object) << 16 : kLabelStatic;
   return {hit->range_m, ReturnCode::hit, label};

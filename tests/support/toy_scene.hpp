@@ -53,7 +53,7 @@ struct ToyScene {
   ToyWorld world;
   double range_noise_m = 0;                     ///< standard deviation
   std::uint64_t seed = 1;                       ///< of the noise
-  ReturnCode empty_code = ReturnCode::nothing;  ///< what a ray is said to be that met nothing within range
+  ReturnCode empty_code = ReturnCode::nothing;  ///< code of a ray without a surface within range
 };
 
 /// One turn of the sensor, in the forms the native format and the detector want it.
@@ -72,7 +72,7 @@ struct ToyScan {
 /// drives at 8 m/s and turns left at the crossing. Lasts 6.5 s.
 [[nodiscard]] ToyScene toy_street(std::string_view sensor = "HDL-64E-S2");
 
-/// The scene as a sensor sees it that fires `columns` times a turn: fewer rays where many tell no more.
+/// The scene as measured by a sensor with `columns` firings a turn: fewer rays where many are not needed.
 [[nodiscard]] ToyScene with_columns(ToyScene scene, int columns);
 
 /// A closed room with furniture, in which nothing moves.

@@ -92,7 +92,7 @@ TEST(SampledTrajectory, VelocityIsTheDerivativeOfThePose) {
 }
 
 // What is beyond single precision would come out of detection as NaN, and be no place in any table.
-TEST(SampledTrajectory, PositionsThatCannotBeMetresAreRefused) {
+TEST(SampledTrajectory, PositionsBeyondTheBoundAreRefused) {
   for (const double far_m : {2e8, -1e20, 1e300, std::nan("")}) {
     SCOPED_TRACE(far_m);
     const SE3 T_v0(Eigen::Matrix3d::Identity(), Eigen::Vector3d(0, far_m, 0));
@@ -106,7 +106,44 @@ TEST(SampledTrajectory, PositionsThatCannotBeMetresAreRefused) {
   }
 }
 
-TEST(SampledTrajectory, OutsideItsDomainIsAnErrorThatNamesTheTimes) {
+TEST(SampledTrajectory, RefusesPosesThatAreNoRotationAndANegativeExtrapolation) {
+  const SE3 stretched(2 * Eigen::Matrix3d::Identity(), Eigen::Vector3d::Zero());
+  const SE3 mirrored(Eigen::Vector3d(1, 1, -1).asDiagonal(), Eigen::Vector3d::Zero());
+  for (const SE3& T : {stretched, mirrored}) {
+    try {
+      (void)SampledTrajectory({{ms(0), SE3()}, {ms(1), T}}, Duration(), "poses.txt");
+      FAIL();
+    } catch (const InputError& error) {
+      EXPECT_EQ(error.detail().field, "rotation of pose 1");
+    }
+  }
+  EXPECT_THROW(
+      SampledTrajectory({{ms(0), SE3()}, {ms(1), SE3()}}, Duration::from_nanoseconds(-1), "poses.txt"),
+      ParameterError);
+}
+
+TEST(Trajectory, RefusesToSampleBackwardsInTime) {
+  const SampledTrajectory sampled({{ms(0), SE3()}, {ms(100), SE3()}}, Duration(), "test");
+  const GaussianProcessTrajectory process(
+      {{ms(0), SE3(), Vector6d::Zero()}, {ms(100), SE3(), Vector6d::Zero()}}, "test");
+  const StationaryTrajectory stationary;
+  std::vector<TrajectoryState> states(2);
+  for (const Trajectory* trajectory :
+       std::initializer_list<const Trajectory*>{&sampled, &process, &stationary}) {
+    EXPECT_NO_THROW(trajectory->sample(ms(50), Duration(), states));
+    EXPECT_THROW(trajectory->sample(ms(50), Duration::from_nanoseconds(-1), states), ParameterError);
+  }
+}
+
+TEST(GaussianProcessTrajectory, RefusesVelocitiesThatAreNotFiniteAndSegmentsWithoutLength) {
+  const TrajectoryKnot first{ms(0), SE3(), Vector6d::Zero()};
+  TrajectoryKnot bad{ms(100), SE3(), Vector6d::Zero()};
+  bad.varpi[3] = std::nan("");
+  EXPECT_THROW(GaussianProcessTrajectory({first, bad}, "knots"), InputError);
+  EXPECT_THROW(KnotSegment(first, first), ParameterError);
+}
+
+TEST(SampledTrajectory, OutsideItsDomainThrowsAnErrorThatNamesTheTimes) {
   const SampledTrajectory trajectory({{ms(1000), SE3()}, {ms(2000), SE3()}}, Duration::from_seconds(0.5),
                                      "poses.txt");
   EXPECT_NO_THROW((void)trajectory.at(ms(500)));
@@ -252,7 +289,7 @@ TEST(GaussianProcessTrajectory, InterpolatedStateMinimisesThePriorCostForSmallMo
   EXPECT_LT(gradient(0.1), 0.02 * gradient(1));
 }
 
-TEST(Trajectories, ManyInstantsAtOnceAreAsEachByItself) {
+TEST(Trajectories, SampleAgreesWithAtForEveryInstant) {
   std::mt19937 random(6);
   const auto knots = random_knots(random, 4, ms(0));
   const GaussianProcessTrajectory process(knots, "test");

@@ -26,7 +26,7 @@
 #include "terminal/stderr.hpp"
 #include "verbs/verbs.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/io/atomic_file.hpp>
+#include <mapless/io/files.hpp>
 #include <mapless/lidar/lidar_model.hpp>
 #include <mapless/simulation/scene.hpp>
 

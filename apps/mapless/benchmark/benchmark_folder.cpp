@@ -5,7 +5,7 @@
 #include "benchmark/digest.hpp"
 #include "reports/json_text.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/io/atomic_file.hpp>
+#include <mapless/io/files.hpp>
 
 namespace mapless::app {
 namespace {

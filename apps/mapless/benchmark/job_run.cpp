@@ -18,8 +18,8 @@
 #include "terminal/interrupt.hpp"
 #include <mapless/evaluation/evaluator.hpp>
 #include <mapless/io/dataset.hpp>
-#include <mapless/io/detection_labels.hpp>
-#include <mapless/io/object_truth.hpp>
+#include <mapless/io/object_tables.hpp>
+#include <mapless/io/result_folder.hpp>
 #include <mapless/pipeline/online_detector.hpp>
 
 namespace mapless::app {

@@ -12,7 +12,7 @@
 #include "reports/json_text.hpp"
 #include "terminal/interrupt.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/io/atomic_file.hpp>
+#include <mapless/io/files.hpp>
 #include <mapless/simulation/scene.hpp>
 #include <mapless/simulation/sequence_writer.hpp>
 #include <mapless/simulation/simulated_sensor.hpp>

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include <mapless/core/errors.hpp>
-#include <mapless/io/parameters_file.hpp>
+#include <mapless/io/files.hpp>
 
 namespace mapless::app {
 

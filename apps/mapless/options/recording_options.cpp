@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "options/option_checks.hpp"
+#include <mapless/io/dataset.hpp>
 #include <mapless/lidar/lidar_model.hpp>
 
 namespace mapless::app {

@@ -8,7 +8,7 @@
 #include <CLI/App.hpp>
 
 #include <mapless/io/dataset.hpp>
-#include <mapless/io/trajectory_source.hpp>
+#include <mapless/io/trajectory_file.hpp>
 
 namespace mapless::app {
 

@@ -8,7 +8,7 @@
 
 #include "pictures/font.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/io/atomic_file.hpp>
+#include <mapless/io/files.hpp>
 
 namespace mapless::app {
 namespace {

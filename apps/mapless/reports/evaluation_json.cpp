@@ -27,23 +27,23 @@ Json merged(Json first, const Json& second) {
 }
 
 template <class What>
-Json to_json(const InBand<What>& band) {
+Json to_json(const Band<What>& band) {
   const Json up_to = std::isfinite(band.up_to) ? Json(band.up_to) : Json(nullptr);
   return merged({{"above", band.above}, {"up_to", up_to}}, mapless::app::to_json(band.counts));
 }
 
-Json to_json(const WithinRange& within) {
+Json to_json(const RangeLimitReport& within) {
   return merged({{"limit_m", within.limit_m}}, mapless::app::to_json(within.points));
 }
 
-Json to_json(const OfClass& c) {
+Json to_json(const ClassReport& c) {
   return {{"class", c.object_class},
           {"points", mapless::app::to_json(c.points)},
           {"objects", mapless::app::to_json(c.objects)},
           {"evident_movers", to_json(c.evident_movers)}};
 }
 
-Json to_json(const OfKind& k) {
+Json to_json(const KindReport& k) {
   return merged({{"class", k.object_class}, {"kind", k.kind}}, mapless::app::to_json(k.points));
 }
 
@@ -93,15 +93,15 @@ Json to_json(const EvaluationReport& r) {
 }
 
 Json to_json(const VelocityReport& r) {
-  return {{"judged", r.judged},
+  return {{"judged", r.evaluated},
           {"first_seen", r.first_seen},
           {"mixed", r.mixed},
           {"rms_mps", rate_json(r.rms_mps)},
           {"median_mps", rate_json(r.median_mps)},
-          {"close_share", rate_json(r.close_share)},
+          {"close_share", rate_json(r.small_error_share)},
           {"normalised_rms", rate_json(r.normalised_rms)},
-          {"sure", r.sure},
-          {"sure_rms_mps", rate_json(r.sure_rms_mps)},
+          {"sure", r.confident},
+          {"sure_rms_mps", rate_json(r.confident_rms_mps)},
           {"movers", r.movers},
           {"id_changes", r.id_changes}};
 }

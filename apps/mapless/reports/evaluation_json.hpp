@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include <mapless/evaluation/evaluation_report.hpp>
-#include <mapless/evaluation/velocity_evaluator.hpp>
+#include <mapless/evaluation/evaluator.hpp>
 
 namespace mapless::app {
 

@@ -24,14 +24,14 @@ std::string found_columns(const Found& found) {
 
 // Whole numbers in (above, up_to] are above + 1 to up_to.
 template <class What>
-std::string band_name(const InBand<What>& band, bool whole) {
+std::string band_name(const Band<What>& band, bool whole) {
   const double first = whole ? band.above + 1 : band.above;
   return std::isfinite(band.up_to) ? fmt::format("{} - {}", first, band.up_to) : fmt::format("{} -", first);
 }
 
 std::string range_table(const EvaluationReport& report) {
   std::string out = counts_head("range [m]") + "\n";
-  for (const InBand<Counts>& band : report.by_range) {
+  for (const Band<Counts>& band : report.by_range) {
     if (band.counts.points() > band.counts.tn) out += counts_row(band_name(band, false), band.counts) + "\n";
   }
   return out;
@@ -42,7 +42,7 @@ std::string class_table(const EvaluationReport& report) {
   std::string out = counts_head("class") + fmt::format("{:>9}{:>8}", "objects", "of");
   if (report.evident_movers) out += fmt::format("{:>9}{:>8}", "evident", "of");
   out += "\n";
-  for (const OfClass& c : report.by_class) {
+  for (const ClassReport& c : report.by_class) {
     out += counts_row(c.object_class, c.points) + found_columns(c.objects);
     if (c.evident_movers) out += found_columns(*c.evident_movers);
     out += "\n";
@@ -50,9 +50,9 @@ std::string class_table(const EvaluationReport& report) {
   return out;
 }
 
-std::string recall_table(std::string_view name, const std::vector<InBand<Found>>& bands, bool whole) {
+std::string recall_table(std::string_view name, const std::vector<Band<Found>>& bands, bool whole) {
   std::string rows;
-  for (const InBand<Found>& band : bands) {
+  for (const Band<Found>& band : bands) {
     if (band.counts.of == 0) continue;
     rows += fmt::format("{:<22}{:>10}{:>10}\n", band_name(band, whole), rate_text(band.counts.share()),
                         band.counts.of);
@@ -68,7 +68,7 @@ std::string objects_text(const EvaluationReport& report) {
   }
   if (report.evident_movers) {
     out += fmt::format("evident movers found (above {} m/s, {} points or more, within {} m): {} of {}\n",
-                       kEvidentSpeed, kEvidentPoints, kEvidentRange,
+                       kEvidentSpeed_mps, kEvidentPoints, kEvidentRange_m,
                        rate_text(report.evident_movers->share()), report.evident_movers->of);
   }
   const FalseObjects& f = report.false_objects;
@@ -91,12 +91,12 @@ std::string velocity_lines(const VelocityReport& r) {
   std::string out = fmt::format(
       "\nvelocity of found movers (above {} m/s): RMS error {} m/s, median {}, share below {} m/s {}\n"
       "  of {} movers in scans; {} seen for the first time and {} mixed with others not judged\n",
-      kMovingSpeed, rate_text(r.rms_mps), rate_text(r.median_mps), kCloseVelocity, rate_text(r.close_share),
-      r.judged, r.first_seen, r.mixed);
+      kMinEvaluatedSpeed_mps, rate_text(r.rms_mps), rate_text(r.median_mps), kSmallVelocityError_mps,
+      rate_text(r.small_error_share), r.evaluated, r.first_seen, r.mixed);
   out += fmt::format(
       "  of the {} with standard deviations below {} m/s: RMS error {} m/s; error over standard deviation {} "
       "(RMS of all)\n",
-      r.sure, kSureVelocity, rate_text(r.sure_rms_mps), rate_text(r.normalised_rms));
+      r.confident, kConfidentVelocityStd_mps, rate_text(r.confident_rms_mps), rate_text(r.normalised_rms));
   const double changes =
       r.movers == 0 ? 0 : static_cast<double>(r.id_changes) / static_cast<double>(r.movers);
   out += fmt::format("changes of id: {} of {} movers found, {:.2f} each\n", r.id_changes, r.movers, changes);

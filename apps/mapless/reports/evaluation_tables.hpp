@@ -4,7 +4,7 @@
 #include <string>
 
 #include <mapless/evaluation/evaluation_report.hpp>
-#include <mapless/evaluation/velocity_evaluator.hpp>
+#include <mapless/evaluation/evaluator.hpp>
 
 namespace mapless::app {
 

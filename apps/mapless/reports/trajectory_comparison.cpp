@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "terminal/progress.hpp"
-#include <mapless/io/atomic_file.hpp>
+#include <mapless/io/files.hpp>
 #include <mapless/io/result_folder.hpp>
 
 namespace mapless::app {

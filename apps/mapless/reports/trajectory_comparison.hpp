@@ -4,7 +4,7 @@
 #include <optional>
 
 #include <mapless/evaluation/trajectory_evaluation.hpp>
-#include <mapless/io/trajectory_source.hpp>
+#include <mapless/io/trajectory_file.hpp>
 
 namespace mapless::app {
 

@@ -3,7 +3,7 @@
 #include <ctime>
 #include <utility>
 
-#include <mapless/core/timed.hpp>
+#include <mapless/core/time.hpp>
 
 namespace mapless::app {
 

@@ -4,11 +4,11 @@
 
 #include "run/scan_poses.hpp"
 #include "terminal/interrupt.hpp"
-#include <mapless/core/timed.hpp>
+#include <mapless/core/time.hpp>
 #include <mapless/geometry/compensated_scan.hpp>
-#include <mapless/io/atomic_file.hpp>
-#include <mapless/io/detection_labels.hpp>
+#include <mapless/io/files.hpp>
 #include <mapless/io/labels.hpp>
+#include <mapless/io/result_folder.hpp>
 
 namespace mapless::app {
 namespace {

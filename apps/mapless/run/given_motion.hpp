@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-#include <mapless/io/trajectory_source.hpp>
+#include <mapless/io/trajectory_file.hpp>
 
 namespace mapless::app {
 

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include <mapless/evaluation/quantile.hpp>
+#include <mapless/evaluation/trajectory_evaluation.hpp>
 
 namespace mapless::app {
 namespace {

@@ -14,7 +14,7 @@
 #include "run/real_time_pace.hpp"
 #include <mapless/detection/detector.hpp>
 #include <mapless/io/dataset.hpp>
-#include <mapless/io/trajectory_source.hpp>
+#include <mapless/io/trajectory_file.hpp>
 #include <mapless/pipeline/odometry_report.hpp>
 
 namespace mapless::app {

@@ -16,9 +16,9 @@
 #include "terminal/stderr.hpp"
 #include "verbs/verbs.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/io/atomic_file.hpp>
+#include <mapless/io/dataset.hpp>
+#include <mapless/io/files.hpp>
 #include <mapless/io/result_folder.hpp>
-#include <mapless/io/time_order.hpp>
 
 namespace mapless::app {
 namespace {

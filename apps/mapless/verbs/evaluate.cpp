@@ -19,8 +19,8 @@
 #include "verbs/verbs.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/detection/stages.hpp>
-#include <mapless/evaluation/result_evaluation.hpp>
-#include <mapless/io/atomic_file.hpp>
+#include <mapless/evaluation/evaluator.hpp>
+#include <mapless/io/files.hpp>
 
 namespace mapless::app {
 namespace {

@@ -11,8 +11,8 @@
 #include "terminal/progress.hpp"
 #include "verbs/verbs.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/io/recording_survey.hpp>
-#include <mapless/io/trajectory_source.hpp>
+#include <mapless/io/dataset.hpp>
+#include <mapless/io/trajectory_file.hpp>
 
 namespace mapless::app {
 namespace {

@@ -25,7 +25,7 @@
 #include "terminal/stderr.hpp"
 #include "verbs/verbs.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/evaluation/quantile.hpp>
+#include <mapless/evaluation/trajectory_evaluation.hpp>
 #include <mapless/io/result_folder.hpp>
 #include <mapless/io/trajectory_file.hpp>
 #include <mapless/odometry/lidar_odometry.hpp>

@@ -15,9 +15,8 @@
 #include "terminal/stderr.hpp"
 #include "verbs/verbs.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/core/timed.hpp>
-#include <mapless/io/atomic_file.hpp>
-#include <mapless/io/model_file.hpp>
+#include <mapless/core/time.hpp>
+#include <mapless/io/files.hpp>
 #include <mapless/simulation/scene.hpp>
 #include <mapless/simulation/sequence_writer.hpp>
 #include <mapless/simulation/simulated_sensor.hpp>

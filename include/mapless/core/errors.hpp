@@ -3,23 +3,23 @@
 #include <stdexcept>
 #include <string>
 
-/// The library hides its symbols; an exception that leaves a shared library is caught by its type, which
-/// shows.
+/// The library is compiled with hidden symbols. Exceptions need visible type information to be caught by type
+/// outside a shared library.
 #define MAPLESS_EXCEPTION __attribute__((visibility("default")))
 
 namespace mapless::inline v1 {
 
-/// What went wrong with one thing from outside. Every part may be empty except `problem`.
+/// What is wrong with one piece of outside input. Every member may be empty except `problem`.
 struct ErrorDetail {
-  std::string where;    ///< file (with line or scan where known), option or parameter
-  std::string field;    ///< the field in it: "pose row 17", "POINTS", "quaternion"
-  std::string value;    ///< the value found
-  std::string problem;  ///< what is wrong with it, with the bound it broke
+  std::string where;  ///< file (with line or scan where known), option, parameter or function
+  std::string field;  ///< the field of the file, or the argument of the function: "pose row 17", "quaternion"
+  std::string value;  ///< the value found
+  std::string problem;  ///< what is wrong with the value, with the violated bound
   std::string remedy;   ///< what the user can do
 };
 
-/// Base of all errors that outside input can cause. what() is one line:
-/// "where: field = value: problem; remedy".
+/// Base of every error that outside input can cause. what() is one line without control characters:
+/// "where: field = value: problem; remedy". Parts longer than 200 bytes are shortened there.
 class MAPLESS_EXCEPTION Error : public std::runtime_error {
  public:
   explicit Error(ErrorDetail detail);
@@ -29,22 +29,22 @@ class MAPLESS_EXCEPTION Error : public std::runtime_error {
   ErrorDetail detail_;
 };
 
-/// A file or scan that cannot be used: truncated, not finite, inconsistent, absent.
+/// A file, scan or trajectory that cannot be used: truncated, not finite, inconsistent, absent.
 class MAPLESS_EXCEPTION InputError : public Error {
   using Error::Error;
 };
 
-/// A parameter or option that is unknown, of the wrong type, or out of bounds.
+/// A parameter, argument or option that is unknown, of the wrong type, or out of bounds.
 class MAPLESS_EXCEPTION ParameterError : public Error {
   using Error::Error;
 };
 
-/// A trajectory asked outside the time it covers.
+/// A trajectory evaluated at an instant that it does not cover.
 class MAPLESS_EXCEPTION TrajectoryDomainError : public Error {
   using Error::Error;
 };
 
-/// A result that could not be written: no permission, disk full, already there.
+/// A result that could not be written: no permission, disk full, file exists.
 class MAPLESS_EXCEPTION OutputError : public Error {
   using Error::Error;
 };

@@ -4,6 +4,9 @@
 
 namespace mapless::inline v1 {
 
+/// Room core: time, rigid transforms, errors and parameter declarations, on which every other room builds. It
+/// depends on no other room and holds no state.
+
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
@@ -13,7 +16,8 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 class SE3 {
  public:
   SE3() : rotation_(Eigen::Matrix3d::Identity()), translation_(Eigen::Vector3d::Zero()) {}
-  /// `rotation` must be orthonormal with determinant +1; it is taken as it is.
+  /// `rotation` must be orthonormal with determinant +1. It is stored unchecked: transforms are made in inner
+  /// loops, and readers of files and trajectories check rotations from outside.
   SE3(const Eigen::Matrix3d& rotation, const Eigen::Vector3d& translation)
       : rotation_(rotation), translation_(translation) {}
 
@@ -40,7 +44,7 @@ class SE3 {
 
 /// Skew-symmetric matrix: hat(a) b = a x b.
 [[nodiscard]] Eigen::Matrix3d hat(const Eigen::Vector3d& a);
-/// Rotation by `angle_rad` about +z, counter-clockwise seen from +z.
+/// Rotation by `angle_rad` about +z; a positive angle is counter-clockwise seen from +z.
 [[nodiscard]] Eigen::Matrix3d rotation_z(double angle_rad);
 
 /// SO(3) exponential of a rotation vector [rad], and its inverse.

@@ -7,30 +7,32 @@
 #include <string_view>
 #include <vector>
 
+#include <mapless/io/object_tables.hpp>
+
 namespace mapless::inline v1 {
 
-/// The folder a run of the detector writes. Scan numbers are those of the recording, from 0, six digits:
+// Declared only: room evaluation includes this header and must not depend on detection.
+struct Detection;
+struct TrackedObject;
+
+/// The folder that a run of the detector writes. Scan numbers are those of the recording, from 0, six digits:
 ///
-///     labels/NNNNNN.label   one uint32 per input record, in input order (io/labels.hpp): 251 and the
-///     object's number, label_number of its id,
-///                           in the high 16 bits where dynamic, 9 where static, 0 for a record without a
-///                           return
-///     objects.csv           one row per object and scan: where it is and how fast, with an id kept over time
-///     (io/object_table.hpp)
-///     stages/NNNNNN.stages  one uint8 per input record: bit s is 1 where the point counted as dynamic after
-///     stage s
-///                           (0 candidates, 1 past freespace, 2 future freespace, 3 filter,
-///                           4 region growth; detection/stages.hpp); 0 for a record without a return
-///     poses_kitti.txt       T_0v (world from sensor) at the start of each labelled scan, 12 numbers a row,
-///     in order
-///     trajectory.txt        the same instants, nine more within each of these scans and the end of the last
-///     one, as TUM rows
-///     config.yaml           every parameter as it was used; `--config` reads it back
-///     summary.json          what was read, used and found; "complete" is false until the last scan is
-///     labelled
+///     labels/NNNNNN.label   one uint32 per input record, in input order (io/labels.hpp): 251 for a
+///                           dynamic point, with the label_number of its object in the high 16 bits;
+///                           9 for a static point; 0 for a record without a return
+///     objects.csv           one row per tracked object and scan: id, position, size, velocity
+///                           (io/object_tables.hpp)
+///     stages/NNNNNN.stages  one uint8 per input record: bit s is 1 if the point is dynamic after
+///                           stage s (detection/stages.hpp); 0 for a record without a return
+///     poses_kitti.txt       T_0v (world from sensor) at the start of each labelled scan, 12 numbers per row
+///     trajectory.txt        TUM rows at the same instants, at nine more within each of these scans, and
+///                           at the end of the last one
+///     config.yaml           the value of every parameter of the run; `--config` reads it
+///     summary.json          input, parameters and statistics of the run; "complete" is false until the
+///                           last scan is labelled
 ///
-/// Every file is written beside and renamed, but for objects.csv, which grows by all rows of a scan at once,
-/// before the scan's labels are there: whatever stops a run, the files there are whole.
+/// Files are written atomically, except objects.csv: it grows by all rows of a scan at once, before the
+/// labels of that scan are written. If a run is stopped, every file in the folder is complete.
 class ResultFolder {
  public:
   explicit ResultFolder(std::filesystem::path path) : path_(std::move(path)) {}
@@ -46,32 +48,47 @@ class ResultFolder {
   [[nodiscard]] std::filesystem::path config() const { return path_ / "config.yaml"; }
   [[nodiscard]] std::filesystem::path summary() const { return path_ / "summary.json"; }
 
-  /// Throws OutputError where the folder cannot take a new result: it exists and `overwrite` is false, it is
-  /// a file, or it is neither empty nor an earlier result (of which summary.json is the sign). Changes
-  /// nothing.
+  /// Throws OutputError if a new result cannot be written here: the folder exists and `overwrite` is false,
+  /// the path is a file, or the folder is neither empty nor an earlier result (which has a summary.json).
+  /// Changes nothing.
   void require_free(bool overwrite) const;
 
-  /// Makes the folder anew, `summary` first: with `overwrite`, the files of an earlier result listed above
-  /// are removed, and nothing else. Throws OutputError as require_free does, or with the system's reason.
+  /// Creates the folder and writes `summary`. With `overwrite`, removes the files of an earlier result listed
+  /// above and nothing else. Throws OutputError as require_free does, or with the reason of the system.
   void create(bool overwrite, std::string_view summary) const;
 
-  /// The scans that have a label file, in order; the folder need not be one of ours. Throws InputError where
-  /// there is no folder `labels`.
+  /// Numbers of the scans with a label file, increasing. The folder may be made by another program. Throws
+  /// InputError if there is no folder `labels`.
   [[nodiscard]] std::vector<std::size_t> labelled_scans() const;
 
  private:
   std::filesystem::path path_;
 };
 
-/// summary.json begins with this, which is how an earlier result is told from anybody else's folder.
+/// Start of summary.json, by which require_free recognises an earlier result.
 inline constexpr std::string_view kProgramName = "mapless detect";
 inline constexpr std::string_view kSummaryBegin = "{\n  \"program\": \"mapless detect\"";
 
-/// Writes beside and renames. Throws OutputError.
+/// Writes a stage file atomically. Throws OutputError.
 void write_stage_file(const std::filesystem::path& file, const std::vector<std::uint8_t>& masks);
 
-/// Throws InputError for a file that cannot be read or whose length is not `expected_count`.
+/// Reads a stage file. Throws InputError for a file that cannot be read or whose length is not
+/// `expected_count`.
 [[nodiscard]] std::vector<std::uint8_t> read_stage_file(const std::filesystem::path& file,
                                                         std::size_t expected_count);
+
+/// One label per input record, in input order: kLabelDynamic with the number of the object in the high 16
+/// bits, kLabelStatic, or 0 for a record without a return.
+[[nodiscard]] std::vector<std::uint32_t> labels_of(const Detection& detection);
+/// The same labels, with label_number(id) of the tracked objects as their number. `objects`: all objects of
+/// the scan.
+[[nodiscard]] std::vector<std::uint32_t> labels_of(const Detection& detection,
+                                                   const std::vector<TrackedObject>& objects);
+
+/// The tracked objects of scan number `scan` as rows of objects.csv.
+[[nodiscard]] std::vector<ObjectRow> object_rows(std::size_t scan, const std::vector<TrackedObject>& objects);
+
+/// One byte per input record: bit s is 1 if the point is dynamic after Stage s; 0 without a return.
+[[nodiscard]] std::vector<std::uint8_t> stage_masks_of(const Detection& detection);
 
 }  // namespace mapless

@@ -1,50 +1,88 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <mapless/core/se3.hpp>
 #include <mapless/core/time.hpp>
+#include <mapless/io/dataset.hpp>
 #include <mapless/trajectory/trajectory.hpp>
 
 namespace mapless::inline v1 {
 
-enum class PoseDirection { world_from_sensor, sensor_from_world };
-
-/// How the rows of a trajectory file are to be read. Nothing here is guessed: what is not stated is the
-/// default, and the command line prints what it used.
+/// Conventions of a trajectory file. Nothing is guessed from its content; the command line prints the values
+/// it used.
 struct TrajectoryFileOptions {
   PoseDirection direction = PoseDirection::world_from_sensor;
-  /// Transform from the sensor to the frame the file's poses are of (KITTI's camera 0: Tr of calib.txt);
-  /// identity where they are of the sensor itself. The world is turned the same way, so that it stays what
-  /// the sensor frame was at the first pose of a KITTI file.
+  /// The frame of the file's poses from the sensor frame (camera 0 of KITTI: Tr of calib.txt); identity if
+  /// the poses are those of the sensor. The world frame is transformed in the same way: it is the sensor
+  /// frame at the first pose of a KITTI file, not the camera frame.
   SE3 T_file_sensor;
-  /// For files of one pose per scan (KITTI rows): the instant of each row, one per scan of the recording.
+  /// For files with one pose per scan (KITTI rows): the instant of each row, one per scan of the recording.
   std::vector<Time> row_times;
-  /// How far before the first and after the last pose the trajectory may be asked.
+  /// Extrapolation allowed before the first and after the last pose; at least 0.
   Duration max_extrapolation;
 };
 
-/// Reads a TUM file (t tx ty tz qx qy qz qw a row) or a KITTI file (12 numbers a row), told apart by the
-/// count of numbers. '#' starts a comment. Throws InputError naming file, row and value: not numbers, not
-/// finite, quaternion of norm 0 or matrix not a rotation (both to 1e-3), times not increasing, fewer or more
-/// KITTI rows than row_times.
+/// Reads a TUM file (t tx ty tz qx qy qz qw per row) or a KITTI file (12 numbers per row), distinguished by
+/// the count of numbers. '#' starts a comment. Throws InputError naming file, row and value for text that is
+/// not a finite number, a quaternion whose norm is not 1 or a matrix that is not a rotation (both to 1e-3),
+/// times that do not increase, and a number of KITTI rows other than that of row_times.
 [[nodiscard]] SampledTrajectory read_trajectory_file(const std::filesystem::path& file,
                                                      const TrajectoryFileOptions& options);
-/// The same of the text of `file`, which a pipe gives but once.
+/// The same from `text`, the content of `file` (a pipe can be read only once).
 [[nodiscard]] SampledTrajectory parse_trajectory(std::string_view text, const std::filesystem::path& file,
                                                  const TrajectoryFileOptions& options);
 
-/// Tr (camera from velodyne) of KITTI odometry's calib.txt, or R and T of KITTI raw's calib_velo_to_cam.txt
-/// followed by R_rect_00 of calib_cam_to_cam.txt beside it where present. Throws InputError.
-[[nodiscard]] SE3 read_kitti_calibration(const std::filesystem::path& file);
-
-/// Rows of T_0v (world from sensor), 12 numbers each, and TUM rows, at the given times.
+/// Write T_0v (world from sensor) of every pose: 12 numbers per row (KITTI), or TUM rows. Both throw
+/// OutputError.
 void write_kitti_poses(const std::filesystem::path& file, const std::vector<TimedPose>& poses);
 void write_tum_trajectory(const std::filesystem::path& file, const std::vector<TimedPose>& poses);
+
+/// The frame whose poses a file holds.
+enum class PoseFrame { sensor, camera };
+/// The instant within its scan of each row of a file with one pose per scan.
+enum class PoseInstant { start, middle, end };
+
+/// Source of the trajectory of a recording, and the conventions of its file.
+struct TrajectoryRequest {
+  bool stationary = false;     ///< the sensor does not move; `file` is not read
+  std::filesystem::path file;  ///< empty: the trajectory of the recording itself
+  PoseDirection direction = PoseDirection::world_from_sensor;
+  PoseFrame frame = PoseFrame::sensor;
+  std::filesystem::path calibration;  ///< for PoseFrame::camera: KITTI's calib.txt or calib_velo_to_cam.txt
+  PoseInstant instant = PoseInstant::middle;
+  /// Extrapolation at constant velocity allowed beyond the first and last pose of a file; finite and at least
+  /// 0. Default: 0 for a file with times; for one row per scan as far as the recording extends beyond the
+  /// first and last row (half a scan for PoseInstant::middle).
+  std::optional<double> max_extrapolation_s;
+};
+
+struct TrajectorySource {
+  std::shared_ptr<const Trajectory> trajectory;
+  /// Name and value of the conventions used: source, and for a file its direction, frame, instant and
+  /// extrapolation.
+  std::vector<std::pair<std::string, std::string>> conventions;
+};
+
+/// Reads the poses of `request.file` with the conventions of the request. Throws InputError for a file that
+/// cannot be used, ParameterError for an extrapolation out of bounds.
+[[nodiscard]] SampledTrajectory read_trajectory(const Dataset& dataset, const TrajectoryRequest& request);
+
+/// The trajectory that the request names. Throws as read_trajectory does, and InputError if the recording has
+/// none.
+[[nodiscard]] TrajectorySource open_trajectory(const Dataset& dataset, const TrajectoryRequest& request);
+
+/// Throws TrajectoryDomainError that names the first of the scans [first, first + count) whose columns the
+/// trajectory does not cover, with the times of both; ParameterError for scans beyond the end of the
+/// recording.
+void require_coverage(const Dataset& dataset, const Trajectory& trajectory, std::size_t first,
+                      std::size_t count);
 
 }  // namespace mapless

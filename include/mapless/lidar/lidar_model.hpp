@@ -12,55 +12,60 @@
 
 namespace mapless::inline v1 {
 
-/// One laser of a spinning lidar, as it sits in the rotating hub (frame h: z along the spin axis, x where the
-/// hub's zero points).
+/// One laser of a spinning lidar, as mounted in the rotating hub. Frame h of the hub: z along the spin axis,
+/// x towards azimuth 0 of the hub.
 struct Laser {
   double elevation_rad = 0;  ///< above the hub's x-y plane
   double azimuth_offset_rad =
-      0;  ///< counter-clockwise positive; holds the hub's turn during firing_offset too
-  Eigen::Vector3d origin_h_m = Eigen::Vector3d::Zero();
-  Duration firing_offset;  ///< after the instant of its column
+      0;  ///< counter-clockwise positive; includes the rotation of the hub during firing_offset
+  Eigen::Vector3d origin_h_m = Eigen::Vector3d::Zero();  ///< where the beam starts [m]
+  Duration firing_offset;                                ///< firing time after the instant of the column
 
-  /// Unit vector of the beam in the hub.
+  /// Unit vector along the beam, in frame h.
   [[nodiscard]] Eigen::Vector3d direction_h() const;
-  /// Hub to laser frame: x along the beam, y horizontal, origin where the beam starts (T_lh of paper Eq. 1).
+  /// Laser frame l from hub frame: x along the beam, y horizontal, origin where the beam starts (T_lh of
+  /// paper Eq. 1).
   [[nodiscard]] SE3 T_lh() const;
 };
 
-/// Which way the hub turns, seen from +z.
+/// Direction of rotation of the hub, seen from +z.
 enum class SpinDirection { clockwise = -1, counter_clockwise = +1 };
 
-/// Geometry and timing of a spinning lidar: every laser with its own pose, lasers by increasing elevation.
+/// Geometry and timing of a spinning lidar: every laser has its own pose; lasers are sorted by increasing
+/// elevation. The members are set freely and checked by validate(); every function that takes a scan or a
+/// model from outside calls it. Member functions with a laser expect an index in [0, lasers.size()).
 struct LidarModel {
   std::string name;
   double rotation_rate_hz = 10;
   SpinDirection direction = SpinDirection::clockwise;
-  int columns = 0;  ///< firings in one turn
-  double start_azimuth_rad = 0;
-  double min_range_m = 0;
-  double max_range_m = 0;
+  int columns = 0;               ///< firings of each laser in one turn
+  double start_azimuth_rad = 0;  ///< hub angle at column 0
+  double min_range_m = 0;        ///< nearer surfaces give no valid return
+  double max_range_m = 0;        ///< farther surfaces give no return
   std::vector<Laser> lasers;
 
   /// +1 counter-clockwise, -1 clockwise.
   [[nodiscard]] double sign() const { return static_cast<double>(direction); }
   /// Angle of the hub about +z at a (fractional) column: start_azimuth + direction 2 pi column / columns.
   [[nodiscard]] double hub_angle(double column) const;
-  /// Where a return of `laser` lies in the sensor frame at the instant of firing:
+  /// Position [m] of a return of `laser` in the sensor frame v at the instant of firing:
   /// Rz(hub_angle) (origin + range (cos el cos az, cos el sin az, sin el)).
   [[nodiscard]] Eigen::Vector3d point_v(int laser, double column, double range_m) const;
-  /// Step in elevation from a laser to the farther of its neighbours [rad]; 0 for a single laser.
+  /// Difference in elevation [rad] between a laser and the farther of its two neighbours; 0 for a single
+  /// laser.
   [[nodiscard]] double elevation_step(int laser) const;
-  /// Largest step in elevation between neighbouring lasers [rad]; 0 for a single laser.
+  /// Largest difference in elevation [rad] between neighbouring lasers; 0 for a single laser.
   [[nodiscard]] double largest_elevation_step() const;
 };
 
-/// Throws InputError naming `source` where a model cannot be one: no lasers, lasers not by increasing
-/// elevation, values not finite, columns or rates not positive, min_range >= max_range, or beyond what any
-/// sensor has (columns 1e6, rates 0.001 to 10000 Hz, ranges 1e6 m, origins 100 m).
+/// Throws InputError that names `source`, the member, its value and its bound for an invalid model: no
+/// lasers, lasers not by increasing elevation, values not finite, columns not in [1, 1e6], rotation rate not
+/// in [0.001, 10000] Hz, maximum range not in (0, 1e6] m, minimum range not in [0, maximum range), laser
+/// origins beyond 100 m.
 void validate(const LidarModel& model, const std::string& source);
 
-/// Models by name: HDL-64E-S2, HDL-64E-S3, VLP-16, HDL-32E, OS1-64, OS1-128, Pandar64, XT-32
-/// (case-insensitive). Throws ParameterError listing the names for any other.
+/// The model of a sensor by its name: HDL-64E-S2, HDL-64E-S3, VLP-16, HDL-32E, OS1-64, OS1-128, Pandar64,
+/// XT-32 (case-insensitive). Throws ParameterError listing the names for any other.
 [[nodiscard]] LidarModel named_model(std::string_view name);
 [[nodiscard]] const std::vector<std::string>& named_models();
 
@@ -68,13 +73,13 @@ void validate(const LidarModel& model, const std::string& source);
 struct ModelEstimate {
   int scans_used = 0;
   double elevation_residual_m =
-      0;  ///< RMS height of the points over their laser's fitted cone (central 95 %)
-  double azimuth_residual_columns = 0;  ///< RMS distance of the points from their column's centre, in columns
-  int lasers_borrowed = 0;  ///< lasers whose vertical origin (or all) is interpolated from their neighbours
-  int encoder_steps = 0;    ///< positions of the hub's encoder found in the azimuths; 0: none
-  int azimuths_known = 0;   ///< lasers whose azimuth offset was found, else taken as 0
-  /// The offsets are true ones, found from the sensor's irregular firing positions. Otherwise only the part
-  /// of each that is less than a column is known: a uniform grid of columns looks the same turned by one.
+      0;  ///< RMS distance of the points from the fitted cone of their laser (central 95 %)
+  double azimuth_residual_columns = 0;  ///< RMS distance of the points from the centre of their column
+  int lasers_borrowed = 0;  ///< lasers whose vertical origin, or whole line, is interpolated from neighbours
+  int encoder_steps = 0;    ///< positions of the angle encoder per turn found in the azimuths; 0: none
+  int azimuths_known = 0;   ///< lasers with an estimated azimuth offset; the others have 0
+  /// True if the azimuth offsets are complete, from the irregular firing positions of the sensor. Otherwise
+  /// each is known modulo a column only: a uniform grid of columns looks the same when rotated by one column.
   bool azimuths_absolute = false;
 };
 

@@ -12,44 +12,50 @@
 
 namespace mapless::inline v1 {
 
-/// What one firing of one laser gave. The first three are the codes of the native format.
+/// Room lidar: the sensor (LidarModel) and what it measured in one turn (LidarScan). In go records of points
+/// with laser, column and time, or bare points whose rings and times are recovered; out comes a LidarScan. A
+/// LidarScan is made by organise() or build_scan() and not changed afterwards: the other rooms rely on its
+/// sorted returns and its cells.
+
+/// Outcome of one firing of one laser. The first three values are the codes of the native format.
 enum class ReturnCode : std::uint8_t {
   hit = 0,
-  faulty = 1,   ///< no return, and it is not known why: never evidence of free space
-  nothing = 2,  ///< no return, and nothing stood within the maximum range
-  absent = 3,   ///< the recording has no firing here (bare clouds store hits only)
+  faulty = 1,   ///< no return for an unknown reason: no evidence of free space
+  nothing = 2,  ///< no return, as no surface lies within the maximum range
+  absent = 3,   ///< the recording has no record of this firing (bare clouds store hits only)
 };
 
+/// Where the times or the rings of a scan come from.
 enum class Provenance : std::uint8_t {
   none,
-  sensor,                ///< a value per point in the recording
-  recovered_from_angle,  ///< from the azimuth
-  recovered_from_order,  ///< from the order of the points
+  sensor,                ///< a value per point in the recording, or the timestamps of the packets
+  recovered_from_angle,  ///< from azimuth or elevation of the point
+  recovered_from_order,  ///< from the position of the point in the file
 };
 
 /// One hit, as the sensor measured it.
 struct LidarReturn {
   Eigen::Vector3f position_v;  ///< [m] in the sensor frame at the instant of firing
-  float range_m;               ///< from the origin of its laser
+  float range_m;               ///< distance from the origin of its laser
   std::int32_t time_ns;        ///< since LidarScan::start
   std::int32_t column;
   std::int32_t laser;
-  std::uint32_t input_index;  ///< which record of the input it came from
+  std::uint32_t input_index;  ///< number of its record in the input, from 0
 };
 
 /// One turn of the sensor as an image: rows are lasers by increasing elevation, columns consecutive firings.
-/// Columns wrap in azimuth, rows do not. Every usable record of the input is a return; where two fall into
-/// one cell (clouds whose columns had to be recovered), the cell shows the nearer.
+/// Columns wrap in azimuth, rows do not. Every usable record of the input is a return. Two returns may share
+/// a cell where columns had to be recovered; the cell then holds the index of the nearer.
 struct LidarScan {
   std::shared_ptr<const LidarModel> model;
   Time start;                  ///< of column 0
   Duration column_period;      ///< between consecutive columns
   int columns = 0;             ///< of this scan; column c has the hub angle model->hub_angle(c)
-  std::size_t input_size = 0;  ///< records of the input, hits or not: the length of a label file
+  std::size_t input_size = 0;  ///< number of records in the input, hits or not: the length of a label file
   Provenance time_source = Provenance::none;
   Provenance ring_source = Provenance::none;
   std::optional<Time>
-      compensated_to;  ///< set where position_v was already moved to one instant by somebody else
+      compensated_to;  ///< set if another system has already moved every position_v to this instant
 
   std::vector<LidarReturn> returns;  ///< by laser, then column, then input index
   std::vector<std::int32_t> cells;   ///< rows x columns, row-major: index into returns, or a negative code
@@ -68,25 +74,27 @@ struct LidarScan {
   }
 };
 
-/// Cells without a return hold these; anything >= 0 is an index into LidarScan::returns.
+/// A cell without a return holds the negative of its ReturnCode; a cell >= 0 is an index into
+/// LidarScan::returns.
 [[nodiscard]] constexpr std::int32_t empty_cell(ReturnCode code) { return -static_cast<std::int32_t>(code); }
 [[nodiscard]] constexpr ReturnCode code_of_cell(std::int32_t cell) {
   return cell >= 0 ? ReturnCode::hit : static_cast<ReturnCode>(-cell);
 }
 
-/// One record of a recording before it is put into its place in the image.
+/// One record of a recording, before organise() assigns it to a cell.
 struct LidarRecord {
   Eigen::Vector3f position_v;  ///< [m]; not finite: no return
-  std::int32_t laser;          ///< row, 0 is the lowest
+  std::int32_t laser;          ///< row of the image; 0 has the lowest elevation
   std::int32_t column;
   std::int32_t time_ns;  ///< since the scan's start
   ReturnCode code;
 };
 
-/// Puts the records (record i is input i) into their cells. `scan` comes with everything but returns, cells
-/// and input_size. Records with code hit but a non-finite position, or nearer than 1 cm to their laser, count
-/// as faulty; cells no record names are absent. Throws InputError naming `source` for a laser, column or time
-/// out of range.
+/// Sorts the records into the image: record i becomes input index i. `scan` has every member set but returns,
+/// cells and input_size. A record with code hit whose position is not finite, or less than 1 cm from its
+/// laser, counts as faulty. A cell without a record is absent. Throws ParameterError for a scan without
+/// model, InputError naming `source` for an invalid model (validate), a scan of no columns or no duration,
+/// and a laser, column or time out of range.
 [[nodiscard]] LidarScan organise(LidarScan scan, const std::vector<LidarRecord>& records,
                                  const std::string& source);
 

@@ -10,29 +10,32 @@
 
 namespace mapless::inline v1 {
 
-/// What decides a scene. A longer duration of the same seed continues the shorter one.
+/// Options of make_scene. The same seed with a longer duration gives the same motion, continued.
 struct SceneOptions {
   std::uint64_t seed = 1;
-  double duration_s = 10;  ///< from time 0, at most kMaxSceneDuration_s
-  /// Whether the world frame is turned by an arbitrary rotation (of the seed), so that its z means nothing.
+  double duration_s = 10;  ///< from time 0; above 0 and at most kMaxSceneDuration_s
+  /// Rotates the world frame by a random rotation (of the seed), so that its z axis is not vertical.
   bool arbitrary_world = true;
 };
+/// The paths of all movers are as long as this duration needs [s].
 inline constexpr double kMaxSceneDuration_s = 600;
 
-/// A place with all that moves in it, and the way a sensor takes through it.
+/// A place with everything that moves in it, and the poses of a sensor that moves through it.
 struct Scene {
   std::string name;
-  WorldDescription world;  ///< in a level frame 0: z up
-  /// Of the sensor in that frame at 200 Hz, from shortly before time 0 until shortly after the duration.
+  WorldDescription world;  ///< in the level frame 0: z up
+  /// Of the sensor with respect to frame 0, at 200 Hz, from 0.1 s before time 0 to 0.1 s after the duration.
   std::vector<TimedPose> poses;
-  SE3 T_w0;  ///< level frame to the world frame that is told to others
+  SE3 T_w0;  ///< world frame w of the recording from the level frame 0
 
-  /// Poses in the world frame, T_vw.
+  /// The poses with respect to the world frame of the recording: T_vw.
   [[nodiscard]] std::vector<TimedPose> poses_in_world() const;
 };
 
-/// Throws ParameterError listing the names for a scene that is not known, and for a duration out of range.
+/// Builds the scene of this name (scene_names()). Throws ParameterError for an unknown name, listing the
+/// names, and for a duration out of bounds.
 [[nodiscard]] Scene make_scene(std::string_view name, const SceneOptions& options);
+/// Names of all scenes, in a fixed order.
 [[nodiscard]] const std::vector<std::string>& scene_names();
 
 }  // namespace mapless

@@ -10,35 +10,37 @@
 
 namespace mapless::inline v1 {
 
-/// Truth counts a surface as dynamic above this speed (paper, section on its benchmark) [m/s].
-inline constexpr double kDynamicSpeed = 0.2;
+/// A surface that moves faster than this is dynamic in the true labels (paper, section V) [m/s].
+inline constexpr double kDynamicSpeed_mps = 0.2;
 
 struct SensorOptions {
-  double range_noise_m = 0.02;  ///< standard deviation, Gaussian
-  bool faulty = true;           ///< whether dark, glassy and grazed surfaces may give no return
+  double range_noise_m = 0.02;  ///< standard deviation of the Gaussian range noise, 0 to 10
+  bool faulty = true;           ///< dark, glass and grazed surfaces give no return at random
   std::uint64_t seed = 1;
 };
 
-/// One turn. One entry per firing, laser by laser, then column.
+/// One turn. Each vector has one entry per firing, ordered by laser, then column.
 struct SimulatedScan {
   Time start;
   std::vector<LidarRecord> records;
-  std::vector<std::uint32_t> labels;  ///< as io/labels.hpp, high 16 bits the object's id; 0 without a return
+  std::vector<std::uint32_t> labels;  ///< class and object id (io/labels.hpp); 0 without a return
   std::vector<float> intensities;     ///< 0 to 1
 };
 
-/// A lidar that is moved along a trajectory through a world. Every ray starts at its laser's own pose at its
-/// own firing time. Noise and faults depend on seed, scan, laser and column alone.
+/// A lidar that moves along a trajectory through a world. Every ray starts at the pose of its laser at its
+/// own firing time. Noise and faults depend on seed, scan, laser and column only.
 class SimulatedSensor {
  public:
-  /// The world is prepared by scan(); nobody else may do so meanwhile.
+  /// `world` must outlive the sensor; scan() prepares it, so that two sensors of one world take turns. Throws
+  /// ParameterError for a null model or trajectory and for options out of bounds, InputError for an invalid
+  /// model (validate).
   SimulatedSensor(std::shared_ptr<const LidarModel> model, std::shared_ptr<const Trajectory> trajectory,
                   SimulatedWorld& world, SensorOptions options);
 
-  /// Scan `number`, which starts at number / rotation rate after the trajectory's epoch (time 0). Throws
-  /// TrajectoryDomainError where the trajectory does not reach.
+  /// Scan `number`, which starts at time number / rotation_rate_hz. Throws TrajectoryDomainError if the
+  /// trajectory does not cover it.
   [[nodiscard]] SimulatedScan scan(int number);
-  /// The same as odometry and detection want it, without its truth.
+  /// The same scan as the input of odometry and detection, without its truth.
   [[nodiscard]] std::shared_ptr<const LidarScan> lidar_scan(int number);
 
  private:
@@ -52,9 +54,9 @@ class SimulatedSensor {
   std::shared_ptr<const Trajectory> trajectory_;
   SimulatedWorld& world_;
   SensorOptions options_;
-  std::vector<Eigen::Vector3d> directions_h_;  // of the lasers
+  std::vector<Eigen::Vector3d> directions_h_;  // of each laser, in the hub
   Duration column_period_;
-  Duration first_firing_, last_firing_;  // of a column's lasers, from the column's instant
+  Duration first_firing_, last_firing_;  // least and largest firing offset of the lasers
 };
 
 }  // namespace mapless

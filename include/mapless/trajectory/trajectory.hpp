@@ -10,27 +10,31 @@
 
 namespace mapless::inline v1 {
 
-/// Where the sensor was, and how it moved, at one instant.
+/// Room trajectory: where the sensor was, as a continuous function of time. In go timed poses (from a file,
+/// from the odometry); out come pose and velocity at any instant within the time domain. A trajectory does
+/// not change once it is made, and every member function is thread-safe.
+
+/// Pose and velocity of the sensor at one instant.
 struct TrajectoryState {
-  SE3 T_v0;        ///< world (0) to sensor (v)
+  SE3 T_v0;        ///< sensor (v) from world (0): p_v = T_v0 * p_0
   Vector6d varpi;  ///< body-centric velocity, d/dt T_v0 = varpi^ T_v0 [m/s, rad/s]
 };
 
-/// A continuous-time trajectory T_v0(t), varpi(t) (paper step 1).
+/// A continuous-time trajectory T_v0(t), varpi(t) (paper, section III-A, step 1).
 class Trajectory {
  public:
   virtual ~Trajectory() = default;
-  /// First and last instant it can be asked for, extrapolation included.
+  /// First and last instant of the time domain, extrapolation included.
   [[nodiscard]] virtual Time begin() const = 0;
   [[nodiscard]] virtual Time end() const = 0;
   /// Throws TrajectoryDomainError outside [begin, end].
   [[nodiscard]] virtual TrajectoryState at(Time t) const = 0;
-  /// The same at `first`, `period` later and so on, one for each of `states`; throws as at() does. A
-  /// trajectory may take less time for all of them than for each by itself.
+  /// States at the instants first + i period, i = 0 ... states.size() - 1. Faster than as many calls of at().
+  /// Throws ParameterError for a negative period, TrajectoryDomainError as at() does.
   virtual void sample(Time first, Duration period, std::span<TrajectoryState> states) const;
 };
 
-/// A sensor that stands still at the origin, at all times.
+/// A sensor that does not move: T_v0 is the identity at all times.
 class StationaryTrajectory final : public Trajectory {
  public:
   [[nodiscard]] Time begin() const override;
@@ -43,12 +47,14 @@ struct TimedPose {
   SE3 T_v0;
 };
 
-/// Poses at given times (ground truth, another system's output): constant body-centric velocity between two
-/// of them, T(t) = exp(r ln(T_2 T_1^-1)) T_1, and beyond the ends by at most `max_extrapolation`.
+/// Poses at given times (ground truth, output of another system) with constant body-centric velocity between
+/// two of them: T(t) = exp(r ln(T_2 T_1^-1)) T_1, r = (t - t_1) / (t_2 - t_1). The first and the last
+/// velocity extrapolate by at most `max_extrapolation` beyond the ends.
 class SampledTrajectory final : public Trajectory {
  public:
-  /// `poses` by strictly increasing time, at least two, none farther than 1e8 m from the origin; throws
-  /// InputError naming `source` otherwise.
+  /// `poses`: at least two, by strictly increasing time, rotations orthonormal to 1e-3, positions within
+  /// 1e8 m of the origin. Throws InputError naming `source` (a file name, for messages) otherwise, and
+  /// ParameterError for a negative `max_extrapolation`.
   SampledTrajectory(std::vector<TimedPose> poses, Duration max_extrapolation, std::string source);
   [[nodiscard]] Time begin() const override;
   [[nodiscard]] Time end() const override;
@@ -60,7 +66,7 @@ class SampledTrajectory final : public Trajectory {
   [[nodiscard]] std::size_t segment(Time t) const;
 
   std::vector<TimedPose> poses_;
-  std::vector<Vector6d> velocities_;  // between pose i and i + 1
+  std::vector<Vector6d> velocities_;  // [i] from pose i to pose i + 1
   Duration max_extrapolation_;
   std::string source_;
 };
@@ -72,11 +78,12 @@ struct TrajectoryKnot {
   Vector6d varpi;
 };
 
-/// Gaussian process on SE(3) with white noise on acceleration: the posterior mean between knots (Anderson and
+/// Gaussian process on SE(3) with white noise on acceleration: its posterior mean between knots (Anderson and
 /// Barfoot, IROS 2015; method.md section 3).
 class GaussianProcessTrajectory final : public Trajectory {
  public:
-  /// `knots` by strictly increasing time, at least two; throws InputError naming `source` otherwise.
+  /// `knots`: at least two, by strictly increasing time, poses as SampledTrajectory requires them, velocities
+  /// finite. Throws InputError naming `source` otherwise.
   GaussianProcessTrajectory(std::vector<TrajectoryKnot> knots, std::string source);
   [[nodiscard]] Time begin() const override { return knots_.front().time; }
   [[nodiscard]] Time end() const override { return knots_.back().time; }
@@ -88,7 +95,7 @@ class GaussianProcessTrajectory final : public Trajectory {
   std::string source_;
 };
 
-/// Interpolation between two knots (method.md section 3).
+/// Interpolation between two knots (method.md section 3). Throws ParameterError unless k1.time < k2.time.
 class KnotSegment {
  public:
   KnotSegment(const TrajectoryKnot& k1, const TrajectoryKnot& k2);
@@ -98,7 +105,7 @@ class KnotSegment {
  private:
   TrajectoryKnot k1_;
   double dt_;
-  Vector6d xi_, velocity_2_;  // of knot 2 in the coordinates of knot 1
+  Vector6d xi_, velocity_2_;  // pose and velocity of knot 2 in the local coordinates ln(T T_1^-1) of knot 1
 };
 
 /// KnotSegment(k1, k2).at(t).

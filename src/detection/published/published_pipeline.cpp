@@ -9,7 +9,7 @@
 #include "detection/published/region_growth.hpp"
 #include "detection/published/stage_record.hpp"
 #include "geometry/nearest_neighbours.hpp"
-#include <mapless/core/timed.hpp>
+#include <mapless/core/time.hpp>
 
 namespace mapless::inline v1 {
 namespace {

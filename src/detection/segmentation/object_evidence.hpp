@@ -25,7 +25,8 @@ struct ObjectEvidence {
 /// Sums the evidence of the points of each object of one scan.
 ///
 /// - Votes of a point count half if some scan saw a surface there: a porous object was there, a moving one
-///   was not.
+///   was not. Measured with full votes on 18 recordings of `mapless benchmark`: IoU -.006 (HDL-64E-S2) and
+///   -.027 (VLP-16), false objects a scan +.4 and +.7.
 /// - The points of one row count at most `max_of_row` votes together: their errors are correlated, as one
 ///   laser's beam grazes an edge.
 /// - An object that moves on by a part of its length uncovers that part of its points. The displacement is

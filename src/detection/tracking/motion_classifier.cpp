@@ -27,6 +27,8 @@ constexpr double kSufficientRayEvidence = 2;
 
 // Evidence to begin, by body, relative to min_evidence. Part of a rigid body is never seen through, so a
 // quarter suffices; leaves, rails and edges gather votes while they are static, but hardly ever a velocity.
+// Measured: both factors at 1 cost .004 IoU (HDL-64E) and .008 (VLP-16) over 24 recordings of a second
+// simulator, and nothing (less than .001) over those of `mapless benchmark`.
 constexpr double kRigidFactor = 0.25;
 constexpr double kPorousFactor = 1.5;
 

@@ -5,7 +5,7 @@
 #include "detection/dynamic_returns.hpp"
 #include "detection/object_number.hpp"
 #include "detection/scan_trajectory.hpp"
-#include <mapless/core/timed.hpp>
+#include <mapless/core/time.hpp>
 
 namespace mapless::inline v1 {
 

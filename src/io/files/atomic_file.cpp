@@ -10,7 +10,7 @@
 #include <unistd.h>
 
 #include <mapless/core/errors.hpp>
-#include <mapless/io/atomic_file.hpp>
+#include <mapless/io/files.hpp>
 
 namespace mapless::inline v1 {
 namespace {
@@ -27,14 +27,15 @@ class FileDescriptor {
   FileDescriptor& operator=(const FileDescriptor&) = delete;
   [[nodiscard]] bool valid() const { return fd_ >= 0; }
   [[nodiscard]] int get() const { return fd_; }
-  // A full disk may only show when the file is closed.
+  // A full disk may be reported only when the file is closed.
   [[nodiscard]] bool close_checked() { return close(std::exchange(fd_, -1)) == 0; }
 
  private:
   int fd_;
 };
 
-// No file of a recording comes near, and what is piped in is smaller still; /dev/zero never ends.
+// Bounds of a file and of a pipe or device [bytes]: larger than any file of a recording and any trajectory;
+// /dev/zero is endless.
 constexpr std::size_t kLargestFile = std::size_t{1} << 30;
 constexpr std::size_t kLargestStream = std::size_t{1} << 26;
 
@@ -55,14 +56,15 @@ bool write_all(int fd, std::string_view bytes) {
   return true;
 }
 
-// Where the bytes go: a link stays, and what it leads to is replaced.
+// The file to replace: the target of a symbolic link, which itself is kept.
 fs::path followed(const fs::path& file) {
   std::error_code error;
   const fs::path target = fs::canonical(file, error);
   return error ? file : target;
 }
 
-// A rename may take a name that is free or a plain file's; it would remove a device. Empty where it may.
+// Why `file` cannot be replaced by a rename, which would remove a device; empty for regular files and free
+// names.
 std::string why_not_replaceable(const fs::path& file) {
   std::error_code error;
   const fs::file_type type = fs::status(file, error).type();
@@ -122,7 +124,7 @@ std::string read_whole_file(const fs::path& file) {
     if (size > largest) refuse(fmt::format("it has more than {} bytes", largest));
   };
   require_fitting(static_cast<std::size_t>(status.st_size));
-  // One byte more than the size, so that the end is seen without growing.
+  // One byte more than the size: the end is found without growing the buffer.
   std::string bytes(static_cast<std::size_t>(status.st_size) + 1, '\0');
   std::size_t size = 0;
   for (;;) {

@@ -9,8 +9,7 @@
 #include "io/files/yaml_reader.hpp"
 #include "lidar/vendor_models.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/io/atomic_file.hpp>
-#include <mapless/io/model_file.hpp>
+#include <mapless/io/files.hpp>
 
 namespace mapless::inline v1 {
 namespace {
@@ -48,7 +47,7 @@ std::string laser_text(const Laser& laser) {
   return text + "}\n";
 }
 
-// Laser ids say the order of firing; each must be there once.
+// Laser ids give the firing order; each occurs once.
 std::size_t read_laser_id(const YamlMap& yaml, std::size_t position, std::vector<bool>& seen) {
   const int id = yaml.has("laser_id") ? yaml.integer("laser_id") : static_cast<int>(position);
   if (id < 0 || static_cast<std::size_t>(id) >= seen.size()) {

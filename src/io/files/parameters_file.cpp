@@ -6,8 +6,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include <mapless/core/errors.hpp>
-#include <mapless/io/atomic_file.hpp>
-#include <mapless/io/parameters_file.hpp>
+#include <mapless/io/files.hpp>
 
 namespace mapless::inline v1 {
 namespace {

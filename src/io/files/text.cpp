@@ -1,24 +1,14 @@
 #include "io/files/text.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cstdint>
 
-#include <fmt/format.h>
+#include <mapless/io/files.hpp>
 
 namespace mapless::inline v1 {
 namespace {
 
 constexpr std::string_view kBlanks = " \t\r\v\f";
-
-template <class Number>
-std::optional<Number> parse_number(std::string_view text) {
-  if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.remove_prefix(1);
-  Number number{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return number;
-}
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
@@ -83,12 +73,6 @@ std::optional<Time> parse_decimal_seconds(std::string_view text) {
   return Time::from_nanoseconds(negative ? -*ns : *ns);
 }
 
-std::string decimal_seconds(Time time) {
-  const std::int64_t ns = time.nanoseconds();
-  const std::uint64_t magnitude = ns < 0 ? -static_cast<std::uint64_t>(ns) : static_cast<std::uint64_t>(ns);
-  return fmt::format("{}{}.{:09}", ns < 0 ? "-" : "", magnitude / 1'000'000'000, magnitude % 1'000'000'000);
-}
-
 std::optional<double> parse_double(std::string_view text) { return parse_number<double>(text); }
 std::optional<long long> parse_integer(std::string_view text) { return parse_number<long long>(text); }
 
@@ -113,6 +97,17 @@ std::vector<std::string_view> split_words(std::string_view line) {
     begin = line.find_first_not_of(kBlanks, end);
   }
   return words;
+}
+
+std::vector<std::string> read_lines(const std::filesystem::path& file) {
+  const std::string text = read_whole_file(file);
+  std::vector<std::string> lines;
+  for (std::string_view line : split_lines(text)) {
+    while (line.ends_with(' ')) line.remove_suffix(1);
+    lines.emplace_back(line);
+  }
+  while (!lines.empty() && lines.back().empty()) lines.pop_back();
+  return lines;
 }
 
 }  // namespace mapless

@@ -10,7 +10,7 @@
 
 #include "io/files/text.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/io/atomic_file.hpp>
+#include <mapless/io/files.hpp>
 
 namespace mapless::inline v1 {
 namespace {

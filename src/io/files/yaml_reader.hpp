@@ -9,25 +9,24 @@
 
 namespace mapless::inline v1 {
 
-/// One map of a YAML file, read key by key; whatever is wrong is an InputError naming file, line, key and
-/// value.
+/// One map of a YAML file, read key by key. Every error is an InputError naming file, line, key and value.
 class YamlMap {
  public:
-  /// The map a file consists of.
+  /// The top-level map of a file.
   explicit YamlMap(const std::filesystem::path& file);
-  /// A map inside it; `name` says which, in messages ("laser 3").
+  /// A map inside `file`; `name` is its name in messages ("laser 3").
   YamlMap(const YAML::Node& node, std::string file, std::string name);
 
   [[nodiscard]] bool has(const std::string& key) const;
-  /// Throws for a key that is not among these.
+  /// Throws for a key that is not in the list.
   void require_only(std::initializer_list<std::string_view> keys) const;
   [[nodiscard]] std::string text(const std::string& key) const;
   [[nodiscard]] double number(const std::string& key) const;
   [[nodiscard]] double number_or(const std::string& key, double absent) const;
   [[nodiscard]] int integer(const std::string& key) const;
-  /// Degrees as radians, without rounding twice, so that radians_text reads back to the same double.
+  /// The value, in degrees, converted to radians such that degrees_text gives the same double back.
   [[nodiscard]] double degrees_as_radians(const std::string& key) const;
-  /// `size` numbers in a row.
+  /// A list of `size` numbers.
   [[nodiscard]] std::vector<double> numbers(const std::string& key, std::size_t size) const;
   /// A list of maps.
   [[nodiscard]] std::vector<YamlMap> maps(const std::string& key, const std::string& element_name) const;
@@ -45,7 +44,7 @@ class YamlMap {
   std::string name_;
 };
 
-/// Radians as the shortest text in degrees that degrees_as_radians reads as the same double.
+/// Radians as the shortest text in degrees that degrees_as_radians converts to the same double.
 [[nodiscard]] std::string degrees_text(double radians);
 
 }  // namespace mapless

@@ -1,7 +1,9 @@
 #include <algorithm>
 
-#include <mapless/io/detection_labels.hpp>
+#include <mapless/detection/detection.hpp>
+#include <mapless/detection/tracked_object.hpp>
 #include <mapless/io/labels.hpp>
+#include <mapless/io/result_folder.hpp>
 
 namespace mapless::inline v1 {
 namespace {
@@ -14,7 +16,7 @@ std::uint8_t stage_mask(const StageTrace& trace) {
   return static_cast<std::uint8_t>(mask);
 }
 
-// `number_of`: what is written for each number of the detection.
+// `number_of` maps the object numbers of the detection to those in the labels.
 template <class NumberOf>
 std::vector<std::uint32_t> labels_with(const Detection& detection, const NumberOf& number_of) {
   const LidarScan& scan = *detection.scan;

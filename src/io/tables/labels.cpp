@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include <mapless/core/errors.hpp>
-#include <mapless/io/atomic_file.hpp>
+#include <mapless/io/files.hpp>
 #include <mapless/io/labels.hpp>
 
 namespace mapless::inline v1 {

@@ -7,8 +7,8 @@
 
 #include "io/files/text.hpp"
 #include "io/tables/csv.hpp"
-#include <mapless/io/atomic_file.hpp>
-#include <mapless/io/object_truth.hpp>
+#include <mapless/io/files.hpp>
+#include <mapless/io/object_tables.hpp>
 
 namespace mapless::inline v1 {
 namespace {

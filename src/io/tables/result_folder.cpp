@@ -10,7 +10,7 @@
 #include <unistd.h>
 
 #include <mapless/core/errors.hpp>
-#include <mapless/io/atomic_file.hpp>
+#include <mapless/io/files.hpp>
 #include <mapless/io/result_folder.hpp>
 
 namespace mapless::inline v1 {
@@ -100,8 +100,8 @@ void ResultFolder::create(bool overwrite, std::string_view summary_text) const {
   std::error_code error;
   fs::create_directories(path_, error);
   check(path_, error, "make it");
-  // The new summary replaces the old one before anything is removed: a run killed here leaves a folder that
-  // still says what it is, and that it is not complete.
+  // The new summary replaces the old one before files are removed: if the run is killed here, the folder is
+  // still recognised as a result, and as an incomplete one.
   for (const fs::path& folder : {path_, labels(), stages()}) require_writable(folder);
   write_file_atomically(summary(), summary_text);
   remove_scan_files(labels(), ".label");

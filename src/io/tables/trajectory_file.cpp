@@ -6,10 +6,10 @@
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
+#include "core/rotation_check.hpp"
 #include "io/files/text.hpp"
-#include "io/formats/rotation_check.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/io/atomic_file.hpp>
+#include <mapless/io/files.hpp>
 #include <mapless/io/trajectory_file.hpp>
 
 namespace mapless::inline v1 {
@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t kTumNumbers = 8;
 constexpr std::size_t kKittiNumbers = 12;
-// One row of the file, and where it stands, for messages.
+// One row of the file and its position, for messages.
 struct Row {
   std::string where;  // file:line
   std::string field;  // "pose row 17", from 0, as scans are counted
@@ -97,7 +97,7 @@ SE3 kitti_pose(const Row& row) {
     T(static_cast<Eigen::Index>(i / 4), static_cast<Eigen::Index>(i % 4)) = row.number(i);
   }
   const Eigen::Matrix3d R = T.leftCols<3>();
-  if (const auto problem = why_no_rotation(R)) {
+  if (const auto problem = rotation_problem(R)) {
     row.refuse(", matrix", row.text(0, kKittiNumbers), *problem, "write 3 x 4 matrices [R t], row after row");
   }
   return SE3(R, T.col(3)).normalized();

@@ -57,7 +57,7 @@ std::vector<std::int64_t> ring_numbers(const RawPoints& points, RingSource from)
   return numbers;
 }
 
-// Where numbers rise or fall with the elevation, those between two others are of lasers that saw nothing.
+// If the ring numbers increase or decrease with elevation, missing numbers belong to lasers without a return.
 void add_unseen_rings(std::vector<std::int64_t>& rings) {
   const bool rise = std::is_sorted(rings.begin(), rings.end());
   if (!rise && !std::is_sorted(rings.rbegin(), rings.rend())) return;
@@ -127,7 +127,7 @@ TimedCloud timed_cloud(const RawPoints& scan, const std::vector<std::int64_t>& r
   return cloud;
 }
 
-// Leaves out what a scan of more than one turn measured a second time.
+// Leaves out points that a scan of more than one turn measured twice.
 void keep_one_turn(TimedCloud& cloud, double rate_hz) {
   if (cloud.times_ns.empty()) return;
   const std::int64_t first_ns = *std::min_element(cloud.times_ns.begin(), cloud.times_ns.end());

@@ -13,11 +13,15 @@ namespace mapless::inline v1 {
 namespace {
 
 constexpr double kTurn_rad = 2 * std::numbers::pi;
-// Long enough that horizontal origins and an encoder's rounding count little.
+// Azimuth steps that measure the rate: long against the angle of a horizontal origin (0.03 m at 5 m: 6 mrad)
+// and the rounding of an encoder (1.6 mrad); short enough that their direction is unambiguous if most returns
+// are missing.
 constexpr double kShortestStep_rad = 0.1;
 constexpr double kLongestStep_rad = 0.5;
+// Chosen: a median of fewer steps can be moved by one outlier in ten.
 constexpr std::size_t kFewestSteps = 20;
-constexpr int kBins = 64;  // of a turn: the hub turns evenly within one
+// Bins of a turn (5.6 degrees each) within which the rotation rate is taken as constant.
+constexpr int kBins = 64;
 
 double azimuth_of(const Eigen::Vector3f& p) {
   return std::atan2(static_cast<double>(p.y()), static_cast<double>(p.x()));
@@ -28,7 +32,7 @@ void add_rates(const TimedCloud& cloud, std::vector<double>& rates) {
   std::iota(by_time.begin(), by_time.end(), std::size_t{0});
   std::stable_sort(by_time.begin(), by_time.end(),
                    [&](std::size_t a, std::size_t b) { return cloud.times_ns[a] < cloud.times_ns[b]; });
-  std::vector<std::optional<std::size_t>> from;  // of the step under way, per ring
+  std::vector<std::optional<std::size_t>> from;  // first point of the current step, per ring
   for (const std::size_t i : by_time) {
     if (cloud.rings[i] < 0) continue;
     const auto ring = static_cast<std::size_t>(cloud.rings[i]);
@@ -49,8 +53,8 @@ double across_of(const Laser& laser) {
          laser.origin_h_m.x() * std::sin(laser.azimuth_offset_rad);
 }
 
-// The azimuth of each point less the hub's turn since the scan began and its horizontal origin's part: what
-// is left is its laser's azimuth offset and what all lasers share.
+// Azimuth of each point minus the rotation of the hub since the start of the scan and the angle of the
+// horizontal origin: the azimuth offset of its laser plus a term common to all lasers.
 std::vector<double> offsets_of_points(const TimedCloud& cloud, const std::vector<int>& row_of_ring,
                                       const LidarModel& model, std::int64_t first_ns) {
   std::vector<double> offsets(cloud.points.size(), 0);
@@ -71,7 +75,8 @@ std::size_t bin_of(std::int64_t since_first_ns, const LidarModel& model) {
   return static_cast<std::size_t>(std::clamp(turns, 0.0, 1.0 - 0.5 / kBins) * kBins);
 }
 
-// Adds, ring by ring, how much further round its points are than those the reference ring has about then.
+// Appends, ring by ring, the offsets of its points minus that of the reference ring in the same bin of the
+// turn.
 void add_differences(const TimedCloud& cloud, const std::vector<int>& row_of_ring, const LidarModel& model,
                      std::int32_t reference, std::vector<std::vector<double>>& differences) {
   if (cloud.times_ns.empty()) return;

@@ -10,21 +10,21 @@
 
 namespace mapless::inline v1 {
 
-/// The usable points of a scan by rising atan2(y, x), with the ring of each and, where recorded, its time.
+/// The usable points of a scan by increasing atan2(y, x), with ring and, if recorded, time.
 struct TimedCloud {
   std::vector<Eigen::Vector3f> points;
-  std::vector<std::int32_t> rings;  ///< negative: not to be used
+  std::vector<std::int32_t> rings;  ///< negative: not used
   std::vector<std::int64_t> times_ns;
 };
 
-/// Turns a second, counter-clockwise positive, as the azimuths of each ring change with time: the median over
-/// steps of a tenth of a radian and more. nullopt where the times do not show it.
+/// Rate of rotation [Hz], counter-clockwise positive: median of azimuth step over time step of the points of
+/// each ring, over steps of at least 0.1 rad. nullopt without enough steps.
 [[nodiscard]] std::optional<double> spin_rate_hz(const std::vector<TimedCloud>& clouds);
 
-/// Where azimuth offsets are known but for whole columns, finds the whole ones: all lasers of one instant
-/// share the hub's angle. Each is then within half a column of the azimuth between its laser and the others
-/// at that instant, up to a turn common to all, which is taken to centre them on 0. Rings without a point
-/// about when the fullest ring has one keep theirs; false, and nothing changed, where there are no times.
+/// Completes azimuth offsets that are known modulo a column. Points measured at one instant share the hub
+/// angle, so the difference of their azimuths is the difference of their lasers' offsets, to within half a
+/// column. The rotation common to all lasers is chosen to centre the offsets on 0. A ring without points at
+/// the instants of the fullest ring keeps its offset. Returns false and changes nothing without times.
 [[nodiscard]] bool find_whole_offsets(const std::vector<TimedCloud>& clouds,
                                       const std::vector<int>& row_of_ring, LidarModel& model);
 

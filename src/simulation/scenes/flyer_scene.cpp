@@ -3,8 +3,13 @@
 
 #include <Eigen/Geometry>
 
+#include "simulation/scenes/named_scenes.hpp"
 #include "simulation/scenes/rings.hpp"
-#include "simulation/scenes/scenes.hpp"
+#include "simulation/scenes/scenery.hpp"
+#include "simulation/scenes/sensor_poses.hpp"
+#include "simulation/traffic/bodies.hpp"
+#include "simulation/traffic/living.hpp"
+#include "simulation/traffic/traffic.hpp"
 
 namespace mapless::inline v1 {
 namespace {

@@ -3,8 +3,13 @@
 
 #include <Eigen/Geometry>
 
+#include "simulation/scenes/named_scenes.hpp"
 #include "simulation/scenes/rings.hpp"
-#include "simulation/scenes/scenes.hpp"
+#include "simulation/scenes/scenery.hpp"
+#include "simulation/scenes/sensor_poses.hpp"
+#include "simulation/traffic/bodies.hpp"
+#include "simulation/traffic/living.hpp"
+#include "simulation/traffic/traffic.hpp"
 
 namespace mapless::inline v1 {
 namespace {
@@ -106,7 +111,7 @@ Scene forest(const SceneOptions& options) {
   const auto users = forest_walkers(options);
   build_forest(Scenery(builder, forest_ground(), options.seed), users, options.seed);
   const auto tracks = drive_all(users, {}, forest_ground(), options.duration_s + kMargin_s, options.seed);
-  add_users(builder, users, tracks, 1);
+  add_movers(builder, users, tracks, 1);
   Scene scene;
   scene.poses = sample_poses([&](double t) { return carried(*tracks.front(), 1.9, t); }, options.duration_s);
   scene.world = builder.take();

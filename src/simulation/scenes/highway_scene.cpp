@@ -3,8 +3,13 @@
 
 #include <Eigen/Geometry>
 
+#include "simulation/scenes/named_scenes.hpp"
 #include "simulation/scenes/rings.hpp"
-#include "simulation/scenes/scenes.hpp"
+#include "simulation/scenes/scenery.hpp"
+#include "simulation/scenes/sensor_poses.hpp"
+#include "simulation/traffic/bodies.hpp"
+#include "simulation/traffic/living.hpp"
+#include "simulation/traffic/traffic.hpp"
 
 namespace mapless::inline v1 {
 namespace {
@@ -175,7 +180,7 @@ Scene highway(const SceneOptions& options) {
   build_highway(Scenery(builder, terrain, options.seed), options.seed);
   const auto users = highway_users(options);
   const auto tracks = drive_all(users, {}, terrain, options.duration_s + kMargin_s, options.seed);
-  add_users(builder, users, tracks, 1);
+  add_movers(builder, users, tracks, 1);
   Scene scene;
   scene.poses = ride(*tracks.front(), SE3(Eigen::Matrix3d::Identity(), {0, 0, 1.95}), options.duration_s);
   scene.world = builder.take();

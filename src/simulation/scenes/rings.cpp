@@ -16,12 +16,4 @@ std::shared_ptr<const Path> wavy_ring(const Vector2d& centre, double radius, dou
   return std::make_shared<Path>(points);
 }
 
-SE3 carried(const Track& track, double height_m, double t_s) {
-  const double steps = kTurn * track.distance_m(t_s) / 0.7;
-  const SE3 sway(
-      so3_exp({0.04 * std::sin(steps / 2), 0.03 * std::sin(steps), 0.06 * std::sin(steps / 2 + 0.7)}),
-      {0, 0.03 * std::sin(steps / 2), height_m + 0.03 * std::sin(steps)});
-  return track.pose(t_s) * sway;
-}
-
 }  // namespace mapless

@@ -9,17 +9,16 @@
 
 namespace mapless::inline v1 {
 
+/// One turn [rad].
 inline constexpr double kTurn = 2 * std::numbers::pi;
 
+/// The point (x, y) at this radius [m] and angle [rad].
 [[nodiscard]] inline Eigen::Vector2d polar(double radius, double angle) {
   return {radius * std::cos(angle), radius * std::sin(angle)};
 }
 
-/// Round and round a wavy ring about `centre`, `length` long. All in metres and radians.
+/// A path of `length` along a wavy ring about `centre`, lap after lap. Lengths in metres, phase in radians.
 [[nodiscard]] std::shared_ptr<const Path> wavy_ring(const Eigen::Vector2d& centre, double radius, double wave,
                                                     double phase, double length, bool clockwise);
-
-/// A sensor `height_m` over the track on somebody's back: every step is felt.
-[[nodiscard]] SE3 carried(const Track& track, double height_m, double t_s);
 
 }  // namespace mapless

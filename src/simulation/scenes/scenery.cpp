@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "simulation/traffic/vehicles.hpp"
+
 namespace mapless::inline v1 {
 namespace {
 

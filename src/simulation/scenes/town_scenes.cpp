@@ -1,6 +1,10 @@
 #include <cmath>
 
+#include "simulation/scenes/named_scenes.hpp"
+#include "simulation/scenes/sensor_poses.hpp"
 #include "simulation/scenes/town.hpp"
+#include "simulation/traffic/bodies.hpp"
+#include "simulation/traffic/traffic.hpp"
 
 namespace mapless::inline v1 {
 namespace {
@@ -29,7 +33,7 @@ Scene town_scene(const TownPlan& plan, const SceneOptions& options, bool with_eg
   const auto users = town_people(plan, options, with_ego);
   const auto tracks =
       drive_all(users, plan.junctions(), plan.terrain(), options.duration_s + kMargin_s, options.seed);
-  add_users(builder, users, tracks, with_ego ? 1 : 0);
+  add_movers(builder, users, tracks, with_ego ? 1 : 0);
   Scene scene;
   scene.poses = poses(*tracks.front());
   scene.world = builder.take();

@@ -3,8 +3,13 @@
 
 #include <Eigen/Geometry>
 
+#include "simulation/scenes/named_scenes.hpp"
 #include "simulation/scenes/rings.hpp"
-#include "simulation/scenes/scenes.hpp"
+#include "simulation/scenes/scenery.hpp"
+#include "simulation/scenes/sensor_poses.hpp"
+#include "simulation/traffic/bodies.hpp"
+#include "simulation/traffic/living.hpp"
+#include "simulation/traffic/traffic.hpp"
 
 namespace mapless::inline v1 {
 namespace {
@@ -121,7 +126,7 @@ Scene tunnel(const SceneOptions& options) {
     users.push_back(std::move(user));
   }
   const auto tracks = drive_all(users, {}, floor_of_tunnel(), options.duration_s + kMargin_s, options.seed);
-  add_users(builder, users, tracks, 1);
+  add_movers(builder, users, tracks, 1);
   Scene scene;
   scene.poses = sample_poses([&](double t) { return hand_held(*tracks.front(), t); }, options.duration_s);
   scene.world = builder.take();

@@ -3,17 +3,17 @@
 #include <algorithm>
 #include <cmath>
 
-#include "simulation/traffic/bodies.hpp"
+#include "simulation/traffic/vehicles.hpp"
 
 namespace mapless::inline v1 {
 namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kLateral = 2.2;       // acceleration taken in bends [m/s^2]
-constexpr double kEarlyBraking = 1.5;  // for bends [m/s^2]
+constexpr double kLateralAcceleration_mps2 = 2.2;  // drivers accept in bends
+constexpr double kBendBraking_mps2 = 1.5;          // comfortable braking ahead of bends
 
-// Bends first, then backwards so that braking begins in time.
+// Limits in bends first; then from the end backwards, so that braking starts early enough.
 std::vector<double> speed_limits(const RoadUser& user) {
   const auto n = static_cast<std::size_t>(user.path->length_m()) + 1;
   std::vector<double> limit(n, user.desired_speed);
@@ -22,10 +22,10 @@ std::vector<double> speed_limits(const RoadUser& user) {
     const auto s = static_cast<double>(i);
     const double cosine = user.path->heading(s - 2, 2).dot(user.path->heading(s + 2, 2));
     const double curvature = std::acos(std::clamp(cosine, -1.0, 1.0)) / 4;
-    if (curvature > 1e-4) limit[i] = std::min(limit[i], std::sqrt(kLateral / curvature));
+    if (curvature > 1e-4) limit[i] = std::min(limit[i], std::sqrt(kLateralAcceleration_mps2 / curvature));
   }
   for (std::size_t i = n - 1; i-- > 0;)
-    limit[i] = std::min(limit[i], std::sqrt(limit[i + 1] * limit[i + 1] + 2 * kEarlyBraking));
+    limit[i] = std::min(limit[i], std::sqrt(limit[i + 1] * limit[i + 1] + 2 * kBendBraking_mps2));
   return limit;
 }
 

@@ -1,11 +1,11 @@
+#include "simulation/traffic/living.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
-
-#include "simulation/traffic/bodies.hpp"
 
 namespace mapless::inline v1 {
 namespace {
@@ -14,15 +14,16 @@ using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kLink = 0.46;  // of a person's leg [m]
-constexpr double kHip = 0.86;
-constexpr double kStride = 1.4;
+// Dimensions of a person of 1.75 m [m].
+constexpr double kLink = 0.46;   // thigh, shin
+constexpr double kHip = 0.86;    // height of the hip
+constexpr double kStride = 1.4;  // two steps
 
 Matrix3d about_y(double angle) { return so3_exp({0, angle, 0}); }
 
 SE3 shifted(const Vector3d& at) { return {Matrix3d::Identity(), at}; }
 
-// A link from its joint at the origin down along -z.
+// A limb from its joint at the origin along -z.
 Mesh limb(double length, double top_radius, double end_radius, Material m) {
   Mesh mesh;
   mesh.add_frustum({0, 0, 0.02}, top_radius, {0, 0, -length}, end_radius, 7, m);
@@ -46,7 +47,7 @@ Mesh foot() {
   return mesh;
 }
 
-// Adds thigh, shin and foot that reach from `hip` (x, y, z in the body) to where `foot_at` says (x, z).
+// Adds thigh, shin and foot from `hip` (x, y, z in the body) to the foot position `foot_at` (x, z).
 void add_leg(SceneBuilder& scene, Mover& mover, const Vector3d& hip,
              const std::function<Vector2d(Time)>& foot_at) {
   const auto pose = [hip, foot_at](Time t) { return bend_leg({hip.x(), hip.z()}, foot_at(t), kLink); };
@@ -64,10 +65,8 @@ void add_leg(SceneBuilder& scene, Mover& mover, const Vector3d& hip,
 }
 
 // A rigid limb that swings with the stride about its joint.
-void add_swinging(SceneBuilder& scene, Mover& mover, const std::shared_ptr<const Track>& track,
-                  std::size_t shape, const Vector3d& joint, double amplitude_rad, double stride_m,
-                  double phase) {
-  (void)scene;
+void add_swinging(Mover& mover, const std::shared_ptr<const Track>& track, std::size_t shape,
+                  const Vector3d& joint, double amplitude_rad, double stride_m, double phase) {
   mover.parts.push_back({shape, [=](Time t) {
                            const double turn =
                                2 * std::numbers::pi * track->distance_m(t.seconds()) / stride_m;
@@ -123,7 +122,7 @@ LegPose bend_leg(const Vector2d& hip, const Vector2d& foot, double link_m) {
   const double reach = std::clamp(down.norm(), 0.1, 2 * link_m * 0.9999);
   // Angle of -z towards down, about y (x ahead): a turn by phi about y takes (0, -1) to (-sin phi, -cos phi).
   const double straight = std::atan2(-down.x(), -down.y());
-  const double bend = std::acos(reach / (2 * link_m));  // the knee goes ahead
+  const double bend = std::acos(reach / (2 * link_m));  // the knee bends forward
   const double upper = straight - bend;
   const Vector2d knee = hip + link_m * Vector2d(-std::sin(upper), -std::cos(upper));
   return {upper, straight + bend, knee};
@@ -149,7 +148,7 @@ void add_person(SceneBuilder& scene, int variant, const std::shared_ptr<const Tr
     const double y = left ? 0.1 : -0.1;
     add_leg(scene, mover, {0, y, kHip},
             [track, left](Time t) { return foot_of_walker(track->distance_m(t.seconds()), kStride, left); });
-    add_swinging(scene, mover, track, arm, {0, 2.4 * y, 1.4}, 0.35, kStride, left ? 0 : std::numbers::pi);
+    add_swinging(mover, track, arm, {0, 2.4 * y, 1.4}, 0.35, kStride, left ? 0 : std::numbers::pi);
   }
   scene.add(std::move(mover));
 }
@@ -191,7 +190,7 @@ void add_dog(SceneBuilder& scene, const std::shared_ptr<const Track>& track) {
   const auto leg = scene.shape("dog leg", [] { return limb(0.42, 0.05, 0.03, Material::cloth); });
   for (int i = 0; i < 4; ++i) {
     const Vector3d joint(i < 2 ? 0.25 : -0.25, i % 2 == 0 ? 0.09 : -0.09, 0.44);
-    add_swinging(scene, mover, track, leg, joint, 0.45, 0.7, i == 0 || i == 3 ? 0 : std::numbers::pi);
+    add_swinging(mover, track, leg, joint, 0.45, 0.7, i == 0 || i == 3 ? 0 : std::numbers::pi);
   }
   scene.add(std::move(mover));
 }

@@ -12,16 +12,19 @@ namespace {
 
 using Eigen::Vector2d;
 
+// Parameters of the intelligent driver model, in the range of Treiber et al. (2000) for cities.
 constexpr double kComfortBraking = 2.0;  // [m/s^2]
-constexpr double kHardestBraking = 7.0;
-constexpr double kAcceleration = 1.8;
-constexpr double kMinimumGap = 2.0;
+constexpr double kHardestBraking = 7.0;  // [m/s^2], dry road
+constexpr double kAcceleration = 1.8;    // [m/s^2]
+constexpr double kMinimumGap = 2.0;      // to a stopped leader [m]
 constexpr double kHeadway_s = 1.3;
-constexpr double kStandStill = 0.1;  // [m/s]
-constexpr double kLongEnough_s = 2;  // to stand before a vehicle
-constexpr double kSideways = 0.45;   // how fast a walker steps aside [m/s]
-constexpr double kMostSideways_m = 0.6;
-constexpr double kShoulders_m = 0.7;  // between the middles of two walkers who pass
+// Pedestrians. Chosen: they pass each other without contact and never block a vehicle for long
+// (traffic_test).
+constexpr double kStandStill = 0.1;      // slower is standing [m/s]
+constexpr double kLongEnough_s = 2;      // a pedestrian waits for a stopped vehicle in the way
+constexpr double kSideways = 0.45;       // lateral speed of evading [m/s]
+constexpr double kMostSideways_m = 0.6;  // largest lateral offset
+constexpr double kShoulders_m = 0.7;     // between the centres of two pedestrians who pass
 
 // Intelligent driver model (Treiber et al. 2000).
 double free_acceleration(double v, double desired) {
@@ -80,7 +83,7 @@ class Traffic {
       if (&other == &agent) continue;
       const Vector2d apart = other.position - agent.position;
       if (!on_foot(other.user.object_class)) {
-        // Not for ever: it may wait for him.
+        // For a limited time: the vehicle may wait for the pedestrian.
         if (agent.is_on_road() && agent.waited_s < kLongEnough_s && stands_before(other, agent)) {
           wanted = 0;
           agent.waited_s += Track::kStep_s;
@@ -109,7 +112,8 @@ class Traffic {
     return agent.heading.x() * apart.y() - agent.heading.y() * apart.x();
   }
 
-  // Away from whoever is ahead and would be run into, to the right where he is straight ahead; back later.
+  // Lateral speed away from the nearest pedestrian ahead on a collision course (to the right if straight
+  // ahead), then back.
   double sidestep(std::size_t i) const {
     const Agent& me = agents_[i];
     double wanted = 0;
@@ -167,7 +171,8 @@ class Traffic {
     return a;
   }
 
-  // For whoever walks on the street, where he is now and will be. One who stands lets me pass.
+  // Braking for a pedestrian on the street, at the present and the predicted positions; one who stands lets
+  // vehicles pass.
   static double for_walker(const Agent& me, const Agent& walker, double desired, double look) {
     if (!walker.is_on_road()) return kHardestBraking;
     const double room = walker.v < kStandStill ? 0.35 : 1.0;
@@ -181,7 +186,7 @@ class Traffic {
     return a;
   }
 
-  // Those who go my way, or came into the junction before me. With all others the right of way is settled.
+  // Braking for vehicles in the same direction or from the same street; the right of way settles all others.
   static double for_vehicle(const Agent& me, const Agent& other, double desired, double look) {
     const double gap = gap_to(me, other, me.half_width_m + other.half_width_m + 0.3, look);
     if (gap < 0) return kHardestBraking;
@@ -190,7 +195,8 @@ class Traffic {
     return following(me.v, desired, gap, std::max(0.0, other.v * along));
   }
 
-  // Along my path, from my front to the other's nearest part; negative where he is not in my way.
+  // Distance along the path from the front of `me` to the nearest part of `other`; negative if it is not in
+  // the corridor.
   static double gap_to(const Agent& me, const Agent& other, double corridor, double look) {
     const double half = me.length_m / 2;
     for (double ahead = half; ahead < look + other.length_m / 2;) {

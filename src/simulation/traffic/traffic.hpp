@@ -4,40 +4,18 @@
 #include <memory>
 #include <vector>
 
-#include "simulation/traffic/path.hpp"
-#include <mapless/simulation/world.hpp>
+#include "simulation/traffic/road_user.hpp"
 
 namespace mapless::inline v1 {
 
-/// Where a path on foot crosses a street, from kerb to kerb, by distance along it.
-struct StreetCrossing {
-  double from_m = 0, to_m = 0;
-  std::size_t junction = 0;  ///< whose lights he obeys
-  bool along_x = true;       ///< the way he walks
-};
-
-/// One who moves along a path of his own and gives way to others.
-struct RoadUser {
-  ObjectClass object_class = ObjectClass::car;
-  std::shared_ptr<const Path> path;
-  double start_m = 0;         ///< where on the path at time 0
-  double desired_speed = 10;  ///< [m/s]
-  double wheelbase_m = 2.7;
-  double stop_every_s = 0;  ///< stops for a while now and then, on average once in so long; 0: never
-  std::vector<StreetCrossing> crossings = {};  ///< of one on foot
-};
-
-/// A junction with lights: traffic along x and along y goes in turns.
-struct Junction {
-  Eigen::Vector2d centre;
-  double half_size_m = 9;  ///< to the lines where vehicles wait
-  double offset_s = 0;     ///< of its phase
-};
-
-/// Moves the users from time 0 to `duration_s` in steps of Track::kStep_s: vehicles follow leaders
-/// (intelligent driver model), slow down for bends, obey lights, give way to oncoming traffic as they turn
-/// left and to people on the street, and keep junctions clear; people wait for their light, step aside for
-/// each other and stop now and then. A longer duration continues a shorter one. One track each.
+/// Folder traffic: how road users move. In go their paths and the junctions; out come one track per user and
+/// the movers that follow these tracks. The folder knows paths and bodies, not scenes.
+///
+/// Simulates the users from time 0 to `duration_s` in steps of Track::kStep_s and returns one track per user.
+/// Vehicles follow the vehicle ahead (intelligent driver model, Treiber et al., Phys. Rev. E 62, 2000), slow
+/// down in bends, obey traffic lights, yield to oncoming traffic when they turn left and to pedestrians on
+/// the street, and keep junctions clear. Pedestrians wait for green, evade each other, and pause at random. A
+/// longer duration continues a shorter one.
 [[nodiscard]] std::vector<std::shared_ptr<const Track>> drive_all(const std::vector<RoadUser>& users,
                                                                   const std::vector<Junction>& junctions,
                                                                   const Terrain& terrain, double duration_s,

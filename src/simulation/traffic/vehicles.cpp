@@ -1,10 +1,11 @@
+#include "simulation/traffic/vehicles.hpp"
+
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
-
-#include "simulation/traffic/bodies.hpp"
 
 namespace mapless::inline v1 {
 namespace {
@@ -32,7 +33,7 @@ VehicleSize size_of(ObjectClass c) {
 
 Material paint_of(int variant) { return variant % 4 == 3 ? Material::dark_paint : Material::paint; }
 
-// Windows stand out by a centimetre: panes on both sides between x0 and x1, z0 and z1.
+// Panes on both sides between x0 and x1, z0 and z1, 1 cm outside the body so that rays hit them first.
 void add_side_windows(Mesh& mesh, double x0, double x1, double z0, double z1, double half_width) {
   for (const double y : {-half_width - 0.01, half_width + 0.01}) {
     mesh.add_quad({x0, y, z0}, {x1, y, z0}, {x1, y, z1}, {x0, y, z1}, Material::glass);
@@ -150,7 +151,7 @@ void add_vehicle(SceneBuilder& scene, ObjectClass c, int variant, const std::sha
   for (const Vector3d& place : wheel_places(size)) {
     mover.parts.push_back({wheel_shape(scene, size.wheel_radius), [track, place](Time t) {
                              const double turned = track->distance_m(t.seconds()) / place.z();
-                             return SE3(so3_exp({0, std::remainder(turned, 6.283185307179586), 0}), place);
+                             return SE3(so3_exp({0, std::remainder(turned, 2 * std::numbers::pi), 0}), place);
                            }});
   }
   scene.add(std::move(mover));

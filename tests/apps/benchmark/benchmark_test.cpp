@@ -8,8 +8,8 @@
 
 #include "support/command.hpp"
 #include "support/temporary_folder.hpp"
-#include <mapless/io/atomic_file.hpp>
 #include <mapless/io/dataset.hpp>
+#include <mapless/io/files.hpp>
 
 namespace mapless {
 namespace MAPLESS_FILE {

@@ -12,7 +12,7 @@
 #include "support/command.hpp"
 #include "support/temporary_folder.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/io/atomic_file.hpp>
+#include <mapless/io/files.hpp>
 #include <mapless/lidar/lidar_model.hpp>
 
 namespace mapless {

@@ -10,7 +10,8 @@
 #include "support/temporary_folder.hpp"
 #include "support/toy_sequence.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/io/atomic_file.hpp>
+#include <mapless/io/dataset.hpp>
+#include <mapless/io/files.hpp>
 
 namespace mapless::app {
 namespace MAPLESS_FILE {

@@ -11,11 +11,10 @@
 #include "support/command.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/toy_sequence.hpp"
-#include <mapless/io/atomic_file.hpp>
 #include <mapless/io/dataset.hpp>
+#include <mapless/io/files.hpp>
 #include <mapless/io/labels.hpp>
-#include <mapless/io/object_table.hpp>
-#include <mapless/io/object_truth.hpp>
+#include <mapless/io/object_tables.hpp>
 #include <mapless/io/result_folder.hpp>
 
 namespace mapless {

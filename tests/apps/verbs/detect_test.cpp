@@ -12,8 +12,8 @@
 #include "support/command.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/toy_sequence.hpp"
-#include <mapless/io/atomic_file.hpp>
 #include <mapless/io/dataset.hpp>
+#include <mapless/io/files.hpp>
 #include <mapless/io/labels.hpp>
 #include <mapless/io/result_folder.hpp>
 #include <mapless/io/trajectory_file.hpp>

@@ -7,10 +7,10 @@
 
 #include "support/shared_data.hpp"
 #include <mapless/detection/detector.hpp>
-#include <mapless/evaluation/precision_recall.hpp>
+#include <mapless/evaluation/evaluation_report.hpp>
 #include <mapless/io/dataset.hpp>
 #include <mapless/io/labels.hpp>
-#include <mapless/io/trajectory_source.hpp>
+#include <mapless/io/trajectory_file.hpp>
 
 // The real drive: a van and a cyclist move through the whole of it, in front of the camera; what stands there
 // is parked cars, ground and house fronts. Truth is by hand-drawn boxes and covers the camera's view only.

@@ -9,7 +9,7 @@
 #include "support/command.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/toy_sequence.hpp"
-#include <mapless/io/atomic_file.hpp>
+#include <mapless/io/files.hpp>
 #include <mapless/io/trajectory_file.hpp>
 
 namespace mapless {

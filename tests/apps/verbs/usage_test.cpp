@@ -10,7 +10,7 @@
 #include "support/command.hpp"
 #include "support/temporary_folder.hpp"
 #include <mapless/detection/parameters.hpp>
-#include <mapless/io/atomic_file.hpp>
+#include <mapless/io/files.hpp>
 
 namespace mapless {
 namespace MAPLESS_FILE {

@@ -8,7 +8,7 @@
 
 #include "support/temporary_folder.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/io/atomic_file.hpp>
+#include <mapless/io/files.hpp>
 
 namespace mapless {
 namespace MAPLESS_FILE {
@@ -30,7 +30,7 @@ std::string message_of(Action action) {
   return "no error";
 }
 
-TEST(AtomicFile, WrittenBytesReadBackAndReplaceWhatWasThere) {
+TEST(AtomicFile, ReadsBackTheWrittenBytesAndReplacesAnEarlierFile) {
   const test::TemporaryFolder folder;
   const std::string bytes("a\0b\n\xff", 5);
   write_file_atomically(folder / "f", "an older and longer content");
@@ -41,13 +41,13 @@ TEST(AtomicFile, WrittenBytesReadBackAndReplaceWhatWasThere) {
   EXPECT_EQ(read_whole_file(folder / "empty"), "");
 }
 
-TEST(AtomicFile, LargeFilesAreWhole) {
+TEST(AtomicFile, WritesLargeFilesCompletely) {
   const test::TemporaryFolder folder;
   std::string bytes(3'000'001, 'x');
   bytes.back() = 'y';
   write_file_atomically(folder / "f", bytes);
   EXPECT_EQ(read_whole_file(folder / "f"), bytes);
-  EXPECT_FALSE(read_whole_file("/proc/self/status").empty());  // a file that says its size is 0
+  EXPECT_FALSE(read_whole_file("/proc/self/status").empty());  // a file whose reported size is 0
 }
 
 TEST(AtomicFile, FailureNamesTheFileAndLeavesNothing) {
@@ -62,7 +62,7 @@ TEST(AtomicFile, FailureNamesTheFileAndLeavesNothing) {
               HasSubstr("/dev/full/x"));
 }
 
-TEST(AtomicFile, AppendsToWhatIsThere) {
+TEST(AtomicFile, AppendsToAnExistingFile) {
   const test::TemporaryFolder folder;
   write_file_atomically(folder / "f", "a\n");
   append_to_file(folder / "f", "b\n");
@@ -83,7 +83,7 @@ TEST(AtomicFile, WritesThroughALink) {
   EXPECT_EQ(read_whole_file(folder / "target"), "new");
 }
 
-TEST(AtomicFile, RefusesToReplaceWhatIsNoPlainFile) {
+TEST(AtomicFile, RefusesToReplaceFoldersAndDevices) {
   const test::TemporaryFolder folder;
   ASSERT_EQ(mkfifo((folder / "pipe").c_str(), 0600), 0);
   EXPECT_THAT(message_of<OutputError>([&] { write_file_atomically(folder / "pipe", "x"); }),
@@ -91,14 +91,14 @@ TEST(AtomicFile, RefusesToReplaceWhatIsNoPlainFile) {
   EXPECT_TRUE(std::filesystem::is_fifo(folder / "pipe"));
 }
 
-TEST(AtomicFile, UnreadableFilesSayWhy) {
+TEST(AtomicFile, NamesTheReasonOfAFailedRead) {
   const test::TemporaryFolder folder;
   EXPECT_THAT(message_of<InputError>([&] { (void)read_whole_file(folder / "none"); }),
               AllOf(HasSubstr("none"), HasSubstr("No such file")));
   EXPECT_THAT(message_of<InputError>([&] { (void)read_whole_file(folder.path()); }), HasSubstr("a folder"));
 }
 
-TEST(AtomicFile, WhatNeverEndsOrDoesNotFitIsRefused) {
+TEST(AtomicFile, RefusesEndlessAndOversizedFiles) {
   const test::TemporaryFolder folder;
   write_file_atomically(folder / "huge", "");
   std::filesystem::resize_file(folder / "huge", std::uintmax_t{1} << 40);  // takes no room
@@ -108,7 +108,7 @@ TEST(AtomicFile, WhatNeverEndsOrDoesNotFitIsRefused) {
               AllOf(HasSubstr("/dev/zero"), HasSubstr("more than 67108864 bytes")));
 }
 
-TEST(AtomicFile, ManyWritersLeaveOneWholeFile) {
+TEST(AtomicFile, ManyWritersLeaveOneCompleteFile) {
   const test::TemporaryFolder folder;
   std::vector<std::thread> writers;
   for (char c = 'a'; c < 'e'; ++c) {

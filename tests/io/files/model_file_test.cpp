@@ -9,8 +9,7 @@
 #include "support/shared_data.hpp"
 #include "support/temporary_folder.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/io/atomic_file.hpp>
-#include <mapless/io/model_file.hpp>
+#include <mapless/io/files.hpp>
 
 namespace mapless {
 namespace MAPLESS_FILE {
@@ -108,7 +107,7 @@ TEST(SensorYaml, BadFilesNameFileLineKeyAndValue) {
   EXPECT_THAT(broken("direction: -1", "direction: 0"), HasSubstr("direction = 0"));
   EXPECT_THAT(broken("columns: 360", "columns: 36.5"), HasSubstr("columns = 36.5"));
   EXPECT_THAT(broken("columns: 360", "columns: 99999999999999999999"), HasSubstr("not an integer"));
-  // Memory for a thousand million columns, or a turn of no length, is not asked for.
+  // A thousand million columns, or a turn without duration, are refused before memory is allocated.
   EXPECT_THAT(broken("columns: 360", "columns: 1000000000"), HasSubstr("columns = 1000000000: more than"));
   EXPECT_THAT(broken("rate_hz: 10", "rate_hz: 1e-300"), HasSubstr("rate_hz = 1e-300: not from"));
   EXPECT_THAT(broken("rate_hz: 10", "rate_hz: 1e300"), HasSubstr("rate_hz = 1e+300: not from"));
@@ -162,7 +161,7 @@ void expect_rays_of_the_formula(const std::filesystem::path& file) {
   }
 }
 
-TEST(VelodyneCalibration, GivesTheRaysItsOwnFormulaGives) {
+TEST(VelodyneCalibration, AgreesWithTheFormulaOfTheCalibration) {
   const std::vector<std::string> files = {"velodyne_ros/64e_s2.1-sztaki.yaml",
                                           "velodyne_ros/64e_s3-xiesc.yaml",
                                           "velodyne_ros/64e_utexas.yaml",
@@ -185,7 +184,7 @@ TEST(VelodyneCalibration, GivesTheRaysItsOwnFormulaGives) {
   }
 }
 
-TEST(VelodyneCalibration, NamedModelsAreTheirCalibrationFiles) {
+TEST(VelodyneCalibration, NamedModelsAgreeWithTheirCalibrationFiles) {
   const std::vector<std::pair<std::string, std::string>> cases = {
       {"HDL-64E-S2", "velodyne_ros/64e_s2.1-sztaki.yaml"},
       {"HDL-64E-S3", "velodyne_ros/64e_s3-xiesc.yaml"},
@@ -233,7 +232,7 @@ TEST(VelodyneCalibration, BadFilesNameFileLineKeyAndValue) {
               HasSubstr("lasers = 1: no Velodyne sensor"));
 }
 
-TEST(ModelFromNameOrFile, TellsThemApart) {
+TEST(ModelFromNameOrFile, DistinguishesNamesAndFiles) {
   const test::TemporaryFolder folder;
   write_file_atomically(folder / "native.yaml", kSensor);
   write_file_atomically(folder / "velodyne.yaml", sixteen_lasers());
@@ -248,7 +247,7 @@ TEST(ModelFromNameOrFile, TellsThemApart) {
   }
 }
 
-TEST(ModelFromNameOrFile, SaysWhatItReadsWhereAFileIsNeither) {
+TEST(ModelFromNameOrFile, NamesTheKnownFormatsForAnotherFile) {
   const test::TemporaryFolder folder;
   for (const char* text : {"{\"beam_altitude_angles\": [1, 2]}", "Laser id,Elevation,Azimuth\n1,14.8,-1\n"}) {
     write_file_atomically(folder / "other", text);

@@ -8,8 +8,7 @@
 
 #include "support/temporary_folder.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/io/atomic_file.hpp>
-#include <mapless/io/parameters_file.hpp>
+#include <mapless/io/files.hpp>
 
 namespace mapless {
 namespace MAPLESS_FILE {
@@ -82,7 +81,7 @@ TEST_F(ParametersFileTest, AnEmptyFileChangesNothing) {
   EXPECT_EQ(parameters.floors, 8);
 }
 
-TEST_F(ParametersFileTest, ReadsBackWhatWasWritten) {
+TEST_F(ParametersFileTest, ReadsBackTheWrittenValues) {
   House written{.floors = 77, .room = {.width_m = 10.0 / 3, .lit = false, .colour = Colour::green}};
   House defaults;
   read(parameters_yaml(parameter_references(written), parameter_references(defaults)));
@@ -111,7 +110,7 @@ TEST_F(ParametersFileTest, WritesMeaningUnitBoundsDefaultAndSource) {
             "  colour: red\n");
 }
 
-TEST_F(ParametersFileTest, NamesFileLineAndKeyOfWhatItRefuses) {
+TEST_F(ParametersFileTest, NamesFileLineAndKeyOfAnError) {
   EXPECT_THAT(error_of<ParameterError>("floors: 3\nflors: 4\n"),
               AllOf(HasSubstr(file.string() + ":2"), HasSubstr("flors")));
   EXPECT_THAT(error_of<ParameterError>("room:\n  height_m: 1\n"),
@@ -122,7 +121,7 @@ TEST_F(ParametersFileTest, NamesFileLineAndKeyOfWhatItRefuses) {
   EXPECT_THAT(error_of<ParameterError>("floors: 3\nfloors: 4\n"), HasSubstr(":2"));
 }
 
-TEST_F(ParametersFileTest, RefusesValuesOfAnotherShape) {
+TEST_F(ParametersFileTest, RefusesListsAndMapsInPlaceOfValues) {
   for (const char* yaml : {"floors: [1, 2]\n", "floors:\n", "floors: {a: 1}\n", "room: 3\n", "room:\n",
                            "[1, 2]\n", "3\n", "? [1]\n: 2\n", "room: &a {room: *a}\n"}) {
     SCOPED_TRACE(yaml);
@@ -130,7 +129,7 @@ TEST_F(ParametersFileTest, RefusesValuesOfAnotherShape) {
   }
 }
 
-TEST_F(ParametersFileTest, RefusesWhatIsNotYaml) {
+TEST_F(ParametersFileTest, RefusesTextThatIsNotYaml) {
   EXPECT_THAT(error_of<InputError>("floors: 3\n  a: [\n"), HasSubstr(file.string() + ":"));
   EXPECT_THROW(read_parameters_file(folder / "absent.yaml", parameter_references(parameters)), InputError);
 }

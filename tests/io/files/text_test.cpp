@@ -4,15 +4,20 @@
 
 #include <gtest/gtest.h>
 
+#include "support/temporary_folder.hpp"
+
 namespace mapless {
 namespace MAPLESS_FILE {
+
+using test::TemporaryFolder;
+using test::write_text;
 
 std::int64_t ns(std::string_view text) {
   const auto time = parse_decimal_seconds(text);
   return time ? time->nanoseconds() : INT64_MIN;
 }
 
-TEST(DecimalSeconds, AreExact) {
+TEST(DecimalSeconds, AreParsedExactly) {
   EXPECT_EQ(ns("1317042272.283701593"), 1'317'042'272'283'701'593);
   EXPECT_EQ(ns("0"), 0);
   EXPECT_EQ(ns("-0.5"), -500'000'000);
@@ -66,6 +71,12 @@ TEST(Text, LinesAndWords) {
   EXPECT_EQ(split_lines(""), Parts{});
   EXPECT_EQ(split_words("  1\t2  3 "), (Parts{"1", "2", "3"}));
   EXPECT_EQ(split_words("   "), Parts{});
+}
+
+TEST(ReadLines, LeavesOutLineEndsAndEmptyLinesAtTheEnd) {
+  const TemporaryFolder folder;
+  write_text(folder / "t.txt", "a\r\n\nb\n\n\n");
+  EXPECT_EQ(read_lines(folder / "t.txt"), (std::vector<std::string>{"a", "", "b"}));
 }
 
 }  // namespace MAPLESS_FILE

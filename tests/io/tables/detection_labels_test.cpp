@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include <mapless/io/detection_labels.hpp>
 #include <mapless/io/labels.hpp>
+#include <mapless/io/result_folder.hpp>
 
 namespace mapless {
 namespace MAPLESS_FILE {

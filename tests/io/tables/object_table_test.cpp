@@ -5,8 +5,8 @@
 
 #include "support/temporary_folder.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/io/atomic_file.hpp>
-#include <mapless/io/object_table.hpp>
+#include <mapless/io/files.hpp>
+#include <mapless/io/object_tables.hpp>
 
 namespace mapless {
 namespace MAPLESS_FILE {
@@ -47,7 +47,7 @@ TEST(ObjectTable, ReadsBackWhatItWrites) {
   EXPECT_EQ(rows[2].scan, 5u);
 }
 
-TEST(ObjectTable, NamesTheLineThatIsNone) {
+TEST(ObjectTable, NamesTheInvalidLine) {
   const test::TemporaryFolder folder;
   const std::string file = folder / "objects.csv";
   ObjectTableWriter writer(file);
@@ -75,7 +75,7 @@ TEST(ObjectTable, NamesTheLineThatIsNone) {
   EXPECT_THROW((void)read_object_table(folder / "nowhere.csv"), InputError);
 }
 
-TEST(ObjectTable, SaysWhyItCannotWrite) {
+TEST(ObjectTable, NamesTheReasonOfAFailedWrite) {
   const test::TemporaryFolder folder;
   EXPECT_THROW(ObjectTableWriter(folder / "nowhere" / "objects.csv"), OutputError);
   ObjectTableWriter writer(folder / "objects.csv");

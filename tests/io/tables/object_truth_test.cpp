@@ -5,8 +5,8 @@
 
 #include "support/temporary_folder.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/io/atomic_file.hpp>
-#include <mapless/io/object_truth.hpp>
+#include <mapless/io/files.hpp>
+#include <mapless/io/object_tables.hpp>
 
 namespace mapless {
 namespace MAPLESS_FILE {
@@ -26,7 +26,7 @@ std::string message_of(const std::filesystem::path& folder) {
   return "";
 }
 
-TEST(ObjectTruth, IsEmptyWhereThereAreNoTables) {
+TEST(ObjectTruth, IsEmptyWithoutTables) {
   const test::TemporaryFolder folder;
   const ObjectTruth truth = read_object_truth(folder.path());
   EXPECT_FALSE(truth.has_descriptions || truth.has_states);
@@ -47,7 +47,7 @@ TEST(ObjectTruth, ReadsBothTables) {
   EXPECT_EQ(state.speed_mps, 5);
 }
 
-TEST(ObjectTruth, RefusesObjectsThatAreNone) {
+TEST(ObjectTruth, RefusesInvalidObjects) {
   const test::TemporaryFolder folder;
   const std::string head = "object_id,class,kind\n";
   for (const std::string& text : {std::string(), std::string("id,class,kind\n"), head + "0,car,mover\n",
@@ -60,7 +60,7 @@ TEST(ObjectTruth, RefusesObjectsThatAreNone) {
   EXPECT_THAT(message_of(folder.path()), HasSubstr("objects.csv:3"));
 }
 
-TEST(ObjectTruth, RefusesStatesThatAreNone) {
+TEST(ObjectTruth, RefusesInvalidStates) {
   const test::TemporaryFolder folder;
   for (const std::string row :
        {"-1,7,0,1,2,3,4,5,6,7", "1,7,soon,1,2,3,4,5,6,7", "1,7,0,nan,2,3,4,5,6,7", "1,7,0,1,2,3,4,5,6,-7",
@@ -71,7 +71,7 @@ TEST(ObjectTruth, RefusesStatesThatAreNone) {
   }
 }
 
-TEST(ObjectTruth, NamesTheColumnOfWhatIsNoNumber) {
+TEST(ObjectTruth, NamesTheColumnOfAnInvalidNumber) {
   const test::TemporaryFolder folder;
   write(folder / "object_states.csv", std::string(kHead) + "1,7,0,1,2,3,4,nan,6,7\n");
   EXPECT_THAT(message_of(folder.path()), HasSubstr("object_states.csv:2: vy_mps = nan: not a finite number"));
@@ -96,7 +96,7 @@ TEST(ObjectStatesWriter, IsReadableAfterEveryScan) {
   EXPECT_EQ(truth.states.at({2, 2}).time, state.time);
 }
 
-TEST(ObjectStatesWriter, SaysWhyItCannotWrite) {
+TEST(ObjectStatesWriter, NamesTheReasonOfAFailedWrite) {
   const test::TemporaryFolder folder;
   EXPECT_THROW(ObjectStatesWriter(folder / "nowhere" / "object_states.csv"), OutputError);
   ObjectStatesWriter writer(folder / "object_states.csv");

@@ -5,7 +5,7 @@
 
 #include "support/temporary_folder.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/io/atomic_file.hpp>
+#include <mapless/io/files.hpp>
 #include <mapless/io/labels.hpp>
 #include <mapless/io/result_folder.hpp>
 
@@ -22,7 +22,7 @@ class ResultFolderTest : public testing::Test {
   ResultFolder result{folder / "deep" / "out"};
 };
 
-TEST_F(ResultFolderTest, IsMadeWithItsSummary) {
+TEST_F(ResultFolderTest, IsCreatedWithItsSummary) {
   result.create(false, summary_text());
   EXPECT_EQ(read_whole_file(result.summary()), summary_text());
   EXPECT_TRUE(fs::is_directory(result.labels()));
@@ -31,7 +31,7 @@ TEST_F(ResultFolderTest, IsMadeWithItsSummary) {
   EXPECT_EQ(result.stage_file(1234567), result.path() / "stages" / "1234567.stages");
 }
 
-TEST_F(ResultFolderTest, ThatExistsIsRefusedWithoutOverwrite) {
+TEST_F(ResultFolderTest, ExistingFolderIsRefusedWithoutOverwrite) {
   result.create(false, summary_text());
   EXPECT_THROW(result.require_free(false), OutputError);
   EXPECT_NO_THROW(result.require_free(true));
@@ -55,7 +55,7 @@ TEST_F(ResultFolderTest, OverwritingRemovesTheEarlierResultAndNothingElse) {
 }
 
 // A SemanticKITTI sequence has a folder labels of its own.
-TEST_F(ResultFolderTest, NeverOverwritesAStrangersFolder) {
+TEST_F(ResultFolderTest, NeverOverwritesAnotherFolder) {
   fs::create_directories(result.labels());
   write_label_file(result.label_file(0), {9});
   EXPECT_THROW(result.create(true, summary_text()), OutputError);

@@ -1,4 +1,3 @@
-#include <fstream>
 #include <random>
 
 #include <gmock/gmock.h>
@@ -30,7 +29,7 @@ Vector6d random_vector(std::mt19937& random, double translation, double rotation
 class TrajectoryFile : public testing::Test {
  protected:
   std::filesystem::path write(const std::string& name, const std::string& text) {
-    std::ofstream(folder_ / name) << text;
+    test::write_text(folder_ / name, text);
     return folder_ / name;
   }
   SampledTrajectory read(const std::string& text) {
@@ -78,7 +77,7 @@ TEST_F(TrajectoryFile, ReadsKittiRowsAtTheTimesOfTheScans) {
   EXPECT_LT((T_0v * Eigen::Vector3d(10, 0, 0) - Eigen::Vector3d(1, 12, 3)).norm(), 1e-12);
 }
 
-TEST_F(TrajectoryFile, TheDirectionIsAsStated) {
+TEST_F(TrajectoryFile, UsesTheStatedDirection) {
   const std::string text = "0 1 2 3 0 0 0.70710678118654757 0.70710678118654757\n1 1 2 3 0 0 0 1\n";
   const SE3 T_0v = read(text).poses()[0].T_v0.inverse();
   options_.direction = PoseDirection::sensor_from_world;
@@ -87,7 +86,7 @@ TEST_F(TrajectoryFile, TheDirectionIsAsStated) {
 
 // A camera looks along z with x to the right. A car that drives 5 m ahead moves the camera by 5 m along z;
 // the sensor, x ahead, by 5 m along x; a turn to the left is about -y for the camera, about z for the sensor.
-TEST_F(TrajectoryFile, CameraPosesBecomeThoseOfTheSensor) {
+TEST_F(TrajectoryFile, ConvertsCameraPosesToSensorPoses) {
   scans_at({0, 1, 2});
   Eigen::Matrix3d C_cam_sensor;
   C_cam_sensor << 0, -1, 0, 0, 0, -1, 1, 0, 0;
@@ -125,7 +124,7 @@ TEST_F(TrajectoryFile, RefusesBadQuaternions) {
   EXPECT_THAT(refusal("0 0 0 0 0 0 0 1.1\n1 0 0 0 0 0 0 1\n"), HasSubstr("norm 1.1"));
 }
 
-TEST_F(TrajectoryFile, RefusesWhatIsNotAFiniteNumber) {
+TEST_F(TrajectoryFile, RefusesTextThatIsNotAFiniteNumber) {
   EXPECT_THAT(refusal("0 0 nan 0 0 0 0 1\n1 0 0 0 0 0 0 1\n"),
               AllOf(HasSubstr("pose row 0, number 3 = nan"), HasSubstr("finite")));
   EXPECT_THAT(refusal("0 0 0 0 0 0 0 1\ninf 0 0 0 0 0 0 1\n"), HasSubstr("number 1 = inf"));
@@ -149,7 +148,7 @@ TEST_F(TrajectoryFile, RefusesTimesThatDoNotIncrease) {
               AllOf(HasSubstr("poses.txt:3"), HasSubstr("pose row 1, time")));
 }
 
-TEST_F(TrajectoryFile, RefusesACountOfKittiRowsThatIsNotThatOfTheScans) {
+TEST_F(TrajectoryFile, RefusesANumberOfKittiRowsOtherThanThatOfTheScans) {
   scans_at({0, 0.1, 0.2});
   const std::string row = kIdentityRow;
   EXPECT_THAT(refusal(row + row),
@@ -159,7 +158,7 @@ TEST_F(TrajectoryFile, RefusesACountOfKittiRowsThatIsNotThatOfTheScans) {
   EXPECT_NO_THROW((void)read(row + row + row));
 }
 
-TEST_F(TrajectoryFile, RefusesMatricesThatAreNoRotation) {
+TEST_F(TrajectoryFile, RefusesMatricesThatAreNotRotations) {
   scans_at({0, 0.1});
   const std::string row = kIdentityRow;
   EXPECT_THAT(refusal(row + "1 0 0 0 0 1 0 0 0 0 1.01 0\n"),
@@ -176,7 +175,7 @@ TEST_F(TrajectoryFile, RefusesEmptyAndMissingFilesAndSinglePoses) {
   EXPECT_THROW((void)read_trajectory_file(folder_.path(), options_), InputError);
 }
 
-TEST_F(TrajectoryFile, WhatIsWrittenReadsBackTheSame) {
+TEST_F(TrajectoryFile, ReadsBackTheWrittenPoses) {
   for (unsigned seed = 0; seed < 5; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     std::mt19937 random(seed);
@@ -202,43 +201,9 @@ TEST_F(TrajectoryFile, WhatIsWrittenReadsBackTheSame) {
   }
 }
 
-TEST_F(TrajectoryFile, WritersSayWhenTheyCannot) {
+TEST_F(TrajectoryFile, WritersThrowIfTheyCannotWrite) {
   EXPECT_THROW(write_kitti_poses(folder_ / "no" / "poses.txt", {}), OutputError);
   EXPECT_THROW(write_tum_trajectory(folder_ / "no" / "poses.txt", {}), OutputError);
-}
-
-TEST_F(TrajectoryFile, ReadsTheCalibrationOfKittiOdometry) {
-  const auto file = write("calib.txt",
-                          "P0: 7.188560000000e+02 0 6.071928e+02 0 0 7.18856e+02 1.852157e+02 0 0 0 1 0\n"
-                          "Tr: 0 -1 0 -0.01 0 0 -1 -0.08 1 0 0 -0.27\n");
-  const SE3 T_cam_velo = read_kitti_calibration(file);
-  EXPECT_LT((T_cam_velo * Eigen::Vector3d(10, 1, 2) - Eigen::Vector3d(-1.01, -2.08, 9.73)).norm(), 1e-12);
-}
-
-TEST_F(TrajectoryFile, ReadsTheCalibrationOfKittiRawWithItsRectification) {
-  const auto file = write("calib_velo_to_cam.txt",
-                          "calib_time: 15-Mar-2012\nR: 0 -1 0 0 0 -1 1 0 0\nT: -0.01 -0.08 -0.27\n");
-  const Eigen::Vector3d p(10, 1, 2);
-  EXPECT_LT((read_kitti_calibration(file) * p - Eigen::Vector3d(-1.01, -2.08, 9.73)).norm(), 1e-12);
-  write("calib_cam_to_cam.txt", "S_rect_00: 1 2\nR_rect_00: 0 -1 0 1 0 0 0 0 1\n");
-  EXPECT_LT((read_kitti_calibration(file) * p - Eigen::Vector3d(2.08, -1.01, 9.73)).norm(), 1e-12);
-}
-
-TEST_F(TrajectoryFile, RefusesBadCalibrations) {
-  const auto refuses = [this](const std::string& text) -> std::string {
-    try {
-      (void)read_kitti_calibration(write("calib.txt", text));
-      return "";
-    } catch (const InputError& error) {
-      return error.what();
-    }
-  };
-  EXPECT_THAT(refuses(""), HasSubstr("not found"));
-  EXPECT_THAT(refuses("R: 1 0 0 0 1 0 0 0 1\n"), HasSubstr("T: not found"));
-  EXPECT_THAT(refuses("Tr: 1 0 0 0\n"), AllOf(HasSubstr("4 numbers"), HasSubstr("12")));
-  EXPECT_THAT(refuses("Tr: 2 0 0 0 0 1 0 0 0 0 1 0\n"), HasSubstr("not a rotation"));
-  EXPECT_THAT(refuses("Tr: 1 0 0 nan 0 1 0 0 0 0 1 0\n"), HasSubstr("nan"));
-  EXPECT_THROW((void)read_kitti_calibration(folder_ / "absent.txt"), InputError);
 }
 
 TEST_F(TrajectoryFile, ReadsARealDrive) {
@@ -248,16 +213,12 @@ TEST_F(TrajectoryFile, ReadsARealDrive) {
   for (int k = 0; k < 50; ++k) options_.row_times.push_back(Time::from_seconds(0.1 * k));
   const SampledTrajectory trajectory = read_trajectory_file(file, options_);
   ASSERT_EQ(trajectory.poses().size(), 50u);
-  // 3 to 7 m/s ahead, says the recording's own note.
+  // 3 to 7 m/s forward, by the note of the recording.
   for (int k = 0; k < 49; ++k) {
     const Vector6d varpi = trajectory.at(Time::from_seconds(0.1 * k + 0.05)).varpi;
     EXPECT_GT(-varpi[0], 2.5) << k;
     EXPECT_LT(-varpi[0], 7.5) << k;
   }
-  // The lidar stands 0.27 m behind the camera and 0.08 m above it; what is ahead of one is ahead of the
-  // other.
-  const SE3 T_cam_velo = read_kitti_calibration(date / "calib_velo_to_cam.txt");
-  EXPECT_LT((T_cam_velo * Eigen::Vector3d(10, 0, 0) - Eigen::Vector3d(0, -0.08, 9.73)).norm(), 0.3);
 }
 
 }  // namespace MAPLESS_FILE

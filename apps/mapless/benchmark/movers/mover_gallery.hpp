@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "benchmark/movers/mover_views.hpp"
-#include <mapless/io/object_truth.hpp>
+#include <mapless/io/object_tables.hpp>
 
 namespace mapless::app {
 

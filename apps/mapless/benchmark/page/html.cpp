@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include <mapless/io/atomic_file.hpp>
+#include <mapless/io/files.hpp>
 
 namespace mapless::app {
 

@@ -5,7 +5,7 @@
 #include "benchmark/page/html.hpp"
 #include "benchmark/page/page_parts.hpp"
 #include "benchmark/page/page_style.hpp"
-#include <mapless/io/atomic_file.hpp>
+#include <mapless/io/files.hpp>
 
 namespace mapless::app {
 namespace {

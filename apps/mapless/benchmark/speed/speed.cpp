@@ -16,7 +16,7 @@
 #include "terminal/progress.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/detection/detector.hpp>
-#include <mapless/evaluation/quantile.hpp>
+#include <mapless/evaluation/trajectory_evaluation.hpp>
 #include <mapless/geometry/compensated_scan.hpp>
 #include <mapless/odometry/lidar_odometry.hpp>
 

@@ -1,14 +1,15 @@
+#include "io/formats/kitti/kitti_calibration.hpp"
+
 #include <cmath>
 #include <optional>
 #include <string_view>
 
 #include <fmt/format.h>
 
+#include "core/rotation_check.hpp"
 #include "io/files/text.hpp"
-#include "io/formats/rotation_check.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/io/atomic_file.hpp>
-#include <mapless/io/trajectory_file.hpp>
+#include <mapless/io/files.hpp>
 
 namespace mapless::inline v1 {
 namespace {
@@ -46,7 +47,7 @@ class KittiCalibration {
   }
 
   [[nodiscard]] Eigen::Matrix3d checked(std::string_view key, const Eigen::Matrix3d& R) const {
-    if (const auto problem = why_no_rotation(R)) refuse(key, "", *problem);
+    if (const auto problem = rotation_problem(R)) refuse(key, "", *problem);
     return SE3(R, Eigen::Vector3d::Zero()).normalized().rotation();
   }
 

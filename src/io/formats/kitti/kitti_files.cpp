@@ -8,9 +8,8 @@
 
 #include <fmt/format.h>
 
-#include "io/files/text.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/io/atomic_file.hpp>
+#include <mapless/io/files.hpp>
 
 namespace mapless::inline v1 {
 namespace {
@@ -67,26 +66,6 @@ std::optional<Time> date_time(std::string_view text) {
 
 }  // namespace
 
-std::map<int, fs::path> numbered_files(const fs::path& folder, const std::string& extension) {
-  std::map<int, fs::path> files;
-  std::error_code error;
-  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
-    const fs::path& file = it->path();
-    if (file.extension() != extension) continue;
-    const std::string stem = file.stem().string();
-    std::string_view rest = stem;
-    if (rest.size() > 9) rest.remove_prefix(std::min(rest.find_first_not_of('0'), rest.size() - 1));
-    const auto number = take_digits(rest, 0);
-    if (!number || !rest.empty()) continue;
-    if (!files.emplace(static_cast<int>(*number), file).second) {
-      throw InputError({file.string(), "number", std::to_string(*number), "two files have this number",
-                        "keep one of them"});
-    }
-  }
-  if (error) throw InputError({folder.string(), "", "", error.message(), "give a folder that can be read"});
-  return files;
-}
-
 std::vector<Eigen::Vector3f> read_kitti_cloud(const fs::path& file) {
   constexpr std::size_t row = 4 * sizeof(float);
   const std::string bytes = read_whole_file(file);
@@ -104,17 +83,6 @@ std::vector<Eigen::Vector3f> read_kitti_cloud(const fs::path& file) {
   return points;
 }
 
-std::vector<std::string> read_lines(const fs::path& file) {
-  const std::string text = read_whole_file(file);
-  std::vector<std::string> lines;
-  for (std::string_view line : split_lines(text)) {
-    while (line.ends_with(' ')) line.remove_suffix(1);
-    lines.emplace_back(line);
-  }
-  while (!lines.empty() && lines.back().empty()) lines.pop_back();
-  return lines;
-}
-
 Time parse_date_time(const std::string& text, const std::string& where) {
   const std::optional<Time> time = date_time(text);
   if (!time) {
@@ -122,20 +90,6 @@ Time parse_date_time(const std::string& text, const std::string& where) {
                       "restore the line from the original recording"});
   }
   return *time;
-}
-
-std::string missing_numbers(const std::map<int, fs::path>& files) {
-  std::string text;
-  std::optional<int> before;
-  for (const auto& [number, file] : files) {
-    if (before && number > *before + 1) {
-      text += text.empty() ? "" : ", ";
-      text += std::to_string(*before + 1);
-      if (number > *before + 2) text += fmt::format(" to {}", number - 1);
-    }
-    before = number;
-  }
-  return text;
 }
 
 }  // namespace mapless

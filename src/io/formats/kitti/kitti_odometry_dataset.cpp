@@ -7,9 +7,10 @@
 
 #include <fmt/format.h>
 
+#include "io/files/numbered_files.hpp"
 #include "io/files/text.hpp"
 #include "io/formats/kitti/bare_cloud_dataset.hpp"
-#include "io/formats/kitti/kitti_files.hpp"
+#include "io/formats/kitti/kitti_calibration.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/io/trajectory_file.hpp>
 
@@ -18,7 +19,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kUsualTurn_s = 0.1;  // HDL-64E at 10 Hz, where a single scan does not tell
+// Duration of a turn of a recording of one scan: that of an HDL-64E at 10 Hz.
+constexpr double kUsualTurn_s = 0.1;
+// Longer periods between scans are gaps of the recording, not turns.
 constexpr double kLongestTurn_s = 1;
 
 std::vector<Time> read_times(const fs::path& file, const std::map<int, fs::path>& clouds) {

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "io/files/numbered_files.hpp"
+#include "io/files/text.hpp"
 #include "io/formats/kitti/bare_cloud_dataset.hpp"
 #include "io/formats/kitti/kitti_files.hpp"
 #include <mapless/core/errors.hpp>

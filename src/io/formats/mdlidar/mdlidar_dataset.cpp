@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
-#include "io/formats/kitti/kitti_files.hpp"
+#include "io/files/numbered_files.hpp"
 #include "io/formats/mdlidar/mdlidar_files.hpp"
 #include "mdlidar.pb.h"
 #include <mapless/core/errors.hpp>
@@ -121,16 +121,16 @@ class MdlidarDataset final : public Dataset {
   [[nodiscard]] std::string format() const override { return "mdlidar"; }
   [[nodiscard]] std::size_t size() const override { return files_.size(); }
   [[nodiscard]] std::shared_ptr<const LidarModel> model() const override { return model_; }
-  [[nodiscard]] Time scan_start(std::size_t k) const override { return frames_.at(k).start; }
+  [[nodiscard]] Time scan_start(std::size_t k) const override { return frames_[checked(k)].start; }
   [[nodiscard]] Time scan_end(std::size_t k) const override {
     return scan_start(k) + Duration::from_nanoseconds(column_period(k).nanoseconds() * columns_);
   }
-  [[nodiscard]] fs::path scan_file(std::size_t k) const override { return files_.at(k); }
+  [[nodiscard]] fs::path scan_file(std::size_t k) const override { return files_[checked(k)]; }
   [[nodiscard]] std::shared_ptr<const Trajectory> trajectory() const override { return trajectory_; }
   [[nodiscard]] std::vector<std::string> notes() const override { return notes_; }
 
   [[nodiscard]] LidarScan read(std::size_t k) const override {
-    const mdlidar::Frame frame = read_mdlidar_frame(files_.at(k), points_per_frame());
+    const mdlidar::Frame frame = read_mdlidar_frame(files_[checked(k)], points_per_frame());
     LidarScan scan;
     scan.model = model_;
     scan.start = scan_start(k);
@@ -156,10 +156,10 @@ class MdlidarDataset final : public Dataset {
 
   [[nodiscard]] std::optional<std::vector<std::uint32_t>> read_labels(std::size_t k) const override {
     if (!label_files_.empty()) {
-      if (label_files_.at(k).empty()) return std::nullopt;
+      if (label_files_[checked(k)].empty()) return std::nullopt;
       return read_label_file(label_files_[k], points_per_frame());
     }
-    const mdlidar::Frame frame = read_mdlidar_frame(files_.at(k), points_per_frame());
+    const mdlidar::Frame frame = read_mdlidar_frame(files_[checked(k)], points_per_frame());
     std::vector<std::uint32_t> labels;
     labels.reserve(points_per_frame());
     for (const mdlidar::Point& point : frame.points()) labels.push_back(label_of(point));
@@ -172,7 +172,7 @@ class MdlidarDataset final : public Dataset {
   }
 
   [[nodiscard]] Duration column_period(std::size_t k) const {
-    return Duration::from_nanoseconds((frames_.at(k).end - frames_.at(k).start).nanoseconds() /
+    return Duration::from_nanoseconds((frames_[checked(k)].end - frames_[checked(k)].start).nanoseconds() /
                                       (columns_ - 1));
   }
 

@@ -7,13 +7,16 @@
 
 namespace mapless::inline v1 {
 
-/// mdlidar, the dataset of the paper (arXiv 1809.06972): `town_N/` with the protobuf messages `header` and
-/// `frame/data_<i>` (mdlidar.proto), and `vel_64_calib.csv` there or one folder up (a row per laser:
-/// horizontal offset [m], vertical offset [m], rotational correction [rad], vertical correction [rad]).
-/// Points are laser after laser, each by column; range -1 is no return, and why is not known. Rotation is in
-/// degrees clockwise, times in nanoseconds, column c of n at start + c / (n - 1) (end - start). Poses are
-/// taken as: `_p` at the start of the frame, the other at its end; their direction is not documented
-/// (DatasetOptions::pose_direction).
+/// Folder mdlidar: recordings of the dataset of the paper. A path goes in, a Dataset comes out; MdlidarWriter
+/// writes them. Nothing outside includes its Protobuf messages.
+///
+/// True for a recording of mdlidar, the dataset of the paper (arXiv 1809.06972): `town_N/` with the protobuf
+/// messages `header` and `frame/data_<i>` (mdlidar.proto), and `vel_64_calib.csv` there or one folder up (a
+/// row per laser: horizontal offset [m], vertical offset [m], rotational correction [rad], vertical
+/// correction [rad]). Points are sorted by laser, then column; range -1 is a missing return of unknown
+/// reason. Rotation is in degrees clockwise, times in nanoseconds, column c of n at start + c / (n - 1) (end
+/// - start). Poses are taken as: `_p` at the start of the frame, the other at its end; their direction is not
+/// documented (DatasetOptions::pose_direction).
 [[nodiscard]] bool looks_mdlidar(const std::filesystem::path& path);
 [[nodiscard]] std::unique_ptr<Dataset> open_mdlidar(const std::filesystem::path& path,
                                                     const DatasetOptions& options);

@@ -9,10 +9,10 @@
 #include <google/protobuf/io/coded_stream.h>
 #include <google/protobuf/wire_format_lite.h>
 
-#include "io/formats/kitti/kitti_files.hpp"
+#include "io/files/text.hpp"
 #include "mdlidar.pb.h"
 #include <mapless/core/errors.hpp>
-#include <mapless/io/atomic_file.hpp>
+#include <mapless/io/files.hpp>
 
 namespace mapless::inline v1 {
 namespace {
@@ -100,7 +100,7 @@ std::array<double, 4> numbers_of_row(const std::string& line, const std::string&
     at = rest;
   }
   if (at != end)
-    throw InputError({where, "row", line, "more than four numbers", "remove what is not of the calibration"});
+    throw InputError({where, "row", line, "more than four numbers", "remove the surplus numbers"});
   return row;
 }
 
@@ -131,7 +131,7 @@ mdlidar::Frame read_mdlidar_frame(const fs::path& file, std::size_t points) {
   auto frame = parse<mdlidar::Frame>(file);
   if (static_cast<std::size_t>(frame.points_size()) != points) {
     throw InputError({file.string(), "points", std::to_string(frame.points_size()),
-                      fmt::format("the header says {}", points), "fetch the file again"});
+                      fmt::format("the header has {}", points), "fetch the file again"});
   }
   return frame;
 }

@@ -14,16 +14,17 @@ class Header;
 
 namespace mapless::inline v1 {
 
-/// Rows of vel_64_calib.csv. Throws InputError naming line and value.
+/// Reads the rows of vel_64_calib.csv. Throws InputError naming line and value.
 [[nodiscard]] std::vector<MdlidarLaser> read_mdlidar_calibration(const std::filesystem::path& file);
 
-/// The header. Throws InputError for one that is corrupt or has no channels or points.
+/// Reads the header. Throws InputError if it is corrupt or has no channels or points.
 [[nodiscard]] mdlidar::Header read_mdlidar_header(const std::filesystem::path& file);
 
-/// A frame, whole. Throws InputError where it is corrupt or has not `points` points.
+/// Reads a complete frame. Throws InputError if it is corrupt or its number of points is not `points`.
 [[nodiscard]] mdlidar::Frame read_mdlidar_frame(const std::filesystem::path& file, std::size_t points);
 
-/// What a frame has beside its points; poses as they stand, T_file_b or its inverse.
+/// Times and poses of a frame. The poses are those of the file, T_0v or T_v0
+/// (DatasetOptions::pose_direction).
 struct MdlidarFrameSummary {
   Time start;
   Time end;
@@ -31,8 +32,8 @@ struct MdlidarFrameSummary {
   SE3 pose_at_end;
 };
 
-/// Reads a frame without building its points. Throws InputError for a corrupt one, times that do not rise, or
-/// a pose that is absent or none.
+/// Reads times and poses of a frame, without its points. Throws InputError if it is corrupt, its times do not
+/// increase, or a pose is missing or invalid.
 [[nodiscard]] MdlidarFrameSummary read_mdlidar_summary(const std::filesystem::path& file);
 
 }  // namespace mapless

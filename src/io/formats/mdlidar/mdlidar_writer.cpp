@@ -4,9 +4,10 @@
 
 #include <fmt/format.h>
 
+#include "core/argument_checks.hpp"
 #include "mdlidar.pb.h"
 #include <mapless/core/errors.hpp>
-#include <mapless/io/atomic_file.hpp>
+#include <mapless/io/files.hpp>
 
 namespace mapless::inline v1 {
 namespace {
@@ -39,6 +40,10 @@ MdlidarWriter::MdlidarWriter(std::filesystem::path folder, const std::vector<Mdl
                              int points_per_laser, Duration frame_period)
     : folder_(std::move(folder)),
       points_per_frame_(lasers.size() * static_cast<std::size_t>(points_per_laser)) {
+  constexpr double kMost = 1e6;  // as of a LidarModel
+  require_between("MdlidarWriter", "lasers.size()", static_cast<double>(lasers.size()), 1, kMost);
+  require_between("MdlidarWriter", "points_per_laser", points_per_laser, 2, kMost);
+  require_between("MdlidarWriter", "frame_period [s]", frame_period.seconds(), 1e-9, Duration::kMaxSeconds);
   std::error_code error;
   std::filesystem::create_directories(folder_ / "frame", error);
   if (error)

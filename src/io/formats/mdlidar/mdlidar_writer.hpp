@@ -19,13 +19,13 @@ struct MdlidarLaser {
 };
 
 struct MdlidarPoint {
-  float range_m = -1;      ///< -1: no return
-  float rotation_deg = 0;  ///< of the hub, clockwise
+  float range_m = -1;      ///< from the laser; -1: no return
+  float rotation_deg = 0;  ///< hub angle, clockwise positive
   std::int32_t object_id = 0;
   bool dynamic = false;
 };
 
-/// One turn. `points` are laser after laser in the order of the calibration, each by column; column c of n is
+/// One turn. `points` are sorted by laser in the order of the calibration, then by column; column c of n is
 /// measured at start + c / (n - 1) (end - start).
 struct MdlidarFrame {
   Time start;
@@ -35,13 +35,14 @@ struct MdlidarFrame {
   SE3 T_0v_end;
 };
 
-/// Writes a recording of the mdlidar dataset's format: `header`, `frame/data_<i>`, `vel_64_calib.csv`.
+/// Writes a recording in the format of the mdlidar dataset: `header`, `frame/data_<i>`, `vel_64_calib.csv`.
 class MdlidarWriter {
  public:
-  /// Makes the folder. Throws OutputError where that fails.
+  /// Creates the folder. Throws OutputError if that fails, ParameterError unless there are lasers, at least
+  /// two points per laser and a positive frame period.
   MdlidarWriter(std::filesystem::path folder, const std::vector<MdlidarLaser>& lasers, int points_per_laser,
                 Duration frame_period);
-  /// Writes the next frame. Throws OutputError where it cannot, InputError for a wrong number of points.
+  /// Writes the next frame. Throws OutputError if that fails, InputError for a wrong number of points.
   void write(const MdlidarFrame& frame);
 
  private:

@@ -5,12 +5,12 @@
 
 #include <fmt/format.h>
 
-#include "io/formats/kitti/kitti_files.hpp"
+#include "io/files/numbered_files.hpp"
 #include "io/formats/pcd/pcd.hpp"
-#include "io/formats/scan_times.hpp"
+#include "io/tables/scan_times.hpp"
 #include <mapless/core/errors.hpp>
+#include <mapless/io/files.hpp>
 #include <mapless/io/labels.hpp>
-#include <mapless/io/model_file.hpp>
 #include <mapless/io/trajectory_file.hpp>
 
 namespace mapless::inline v1 {
@@ -109,15 +109,16 @@ class NativeDataset final : public Dataset {
   [[nodiscard]] std::string format() const override { return "native"; }
   [[nodiscard]] std::size_t size() const override { return scans_.size(); }
   [[nodiscard]] std::shared_ptr<const LidarModel> model() const override { return model_; }
-  [[nodiscard]] Time scan_start(std::size_t k) const override { return starts_.at(k); }
+  [[nodiscard]] Time scan_start(std::size_t k) const override { return starts_[checked(k)]; }
   [[nodiscard]] Time scan_end(std::size_t k) const override {
-    return starts_.at(k) + Duration::from_nanoseconds(model_->columns * column_period(*model_).nanoseconds());
+    return starts_[checked(k)] +
+           Duration::from_nanoseconds(model_->columns * column_period(*model_).nanoseconds());
   }
-  [[nodiscard]] fs::path scan_file(std::size_t k) const override { return scans_.at(k); }
+  [[nodiscard]] fs::path scan_file(std::size_t k) const override { return scans_[checked(k)]; }
   [[nodiscard]] std::vector<std::string> notes() const override { return notes_; }
 
   [[nodiscard]] LidarScan read(std::size_t k) const override {
-    const PcdCloud cloud = read_pcd(scans_.at(k));
+    const PcdCloud cloud = read_pcd(scans_[checked(k)]);
     require_size_of_model(cloud, *model_);
     LidarScan scan;
     scan.model = model_;
@@ -139,7 +140,7 @@ class NativeDataset final : public Dataset {
   }
 
   [[nodiscard]] std::optional<std::vector<std::uint32_t>> read_labels(std::size_t k) const override {
-    const fs::path file = labels_ / scans_.at(k).filename().replace_extension(".label");
+    const fs::path file = labels_ / scans_[checked(k)].filename().replace_extension(".label");
     if (labels_.empty() || !fs::exists(file)) return std::nullopt;
     return read_label_file(file, model_->lasers.size() * static_cast<std::size_t>(model_->columns));
   }

@@ -10,23 +10,23 @@
 
 namespace mapless::inline v1 {
 
-/// Writes a native sequence (method.md section 4). Every file is written beside and renamed; until finish()
-/// the folder has no times.txt and is not a recording.
+/// Writes a native recording (method.md section 4). Every file is written atomically. Until finish() the
+/// folder has no times.txt and is not a recording.
 class NativeWriter {
  public:
-  /// Makes `folder` and its sensor.yaml. Throws OutputError where the folder exists or cannot be made,
-  /// InputError for a model that is not one.
+  /// Creates `folder` and its sensor.yaml. Throws OutputError if the folder exists or cannot be created,
+  /// InputError for an invalid model (validate).
   NativeWriter(std::filesystem::path folder, LidarModel model);
 
-  /// Writes the next scan: a cell for every laser and column of the model, those no record names as faulty
-  /// (unknown). `labels` and `intensities` (0 to 1, rounded to 255ths) are none, or one for each record;
-  /// cells no record names get 0. Throws InputError where the start is not after that of the scan before, a
-  /// record names no cell of the image or one that is taken, or labels or intensities are not as many as the
-  /// records.
+  /// Writes the next scan, with a cell for every laser and column of the model; cells without a record are
+  /// faulty. `labels` and `intensities` (0 to 1, rounded to 1/255) are empty or have one entry per record;
+  /// cells without a record get 0. Throws InputError if the start is not after that of the previous scan, if
+  /// a record has no cell in the image or one that another record has, and if labels or intensities differ in
+  /// number from the records.
   void add_scan(Time start, const std::vector<LidarRecord>& records,
                 const std::vector<std::uint32_t>& labels = {}, const std::vector<float>& intensities = {});
 
-  /// Writes trajectory.txt (where there are poses) and then times.txt.
+  /// Writes trajectory.txt (if there are poses), then times.txt. Throws OutputError.
   void finish(const std::vector<TimedPose>& trajectory);
 
  private:

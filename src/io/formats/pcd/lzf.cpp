@@ -4,8 +4,8 @@
 
 namespace mapless::inline v1 {
 
-// A control byte below 32 starts a run of literal bytes; any other a copy of what was written `distance`
-// bytes ago.
+// A control byte below 32 starts a run of literal bytes; any other one a copy of bytes written `distance`
+// bytes before.
 bool lzf_decompress(std::string_view in, std::size_t size, std::string& out) {
   out.clear();
   constexpr std::size_t kMostPerByte = 88;  // three bytes make at most 264
@@ -28,7 +28,7 @@ bool lzf_decompress(std::string_view in, std::size_t size, std::string& out) {
     length += 2;
     const std::size_t distance = ((control & 31) << 8) + next() + 1;
     if (distance > out.size() || length > size - out.size()) return false;
-    // Byte by byte: a copy may overlap what it writes.
+    // Byte by byte: source and target may overlap.
     for (std::size_t i = 0; i < length; ++i) out.push_back(out[out.size() - distance]);
   }
   return out.size() == size;

@@ -19,7 +19,7 @@ struct PcdField {
   [[nodiscard]] bool is_floating() const { return type == 'F'; }
 };
 
-/// A point cloud file (PCD 0.7, pcl::io), whatever its fields: points one after the other, row by row.
+/// A point cloud file (PCD 0.7, pcl::io) with any fields. Points are stored one after the other, row by row.
 struct PcdCloud {
   std::filesystem::path file;  ///< for messages
   std::size_t width = 0;
@@ -29,26 +29,27 @@ struct PcdCloud {
   std::string bytes;  ///< size() x stride
 
   [[nodiscard]] std::size_t size() const { return width * height; }
-  /// Adds a field behind the others; only before there are bytes.
+  /// Appends a field; only while `bytes` is empty.
   void add_field(std::string name, char type, std::size_t size, std::size_t count = 1);
-  /// The first field of this name; null where there is none.
+  /// The first field of this name; null if there is none.
   [[nodiscard]] const PcdField* find(std::string_view name) const;
-  /// The same; throws InputError where there is none.
+  /// The first field of this name; throws InputError if there is none.
   [[nodiscard]] const PcdField& require(std::string_view name) const;
-  /// The first number of a field for every point.
+  /// The first number of a field, for every point.
   [[nodiscard]] std::vector<float> floats(const PcdField& field) const;
-  /// The same as integers, exactly. Throws InputError for a value that is not an integer of 64 bits.
+  /// The first number of a field as an integer, exactly. Throws InputError for a value that is no 64-bit
+  /// integer.
   [[nodiscard]] std::vector<std::int64_t> integers(const PcdField& field) const;
 };
 
-/// Reads DATA ascii, binary and binary_compressed. Throws InputError naming file, field and value for a
-/// header that is not one, and for a body that is shorter or longer than the header says.
+/// Reads DATA ascii, binary and binary_compressed. Throws InputError naming file, field and value for an
+/// invalid header, and for a body of another length than the header states.
 [[nodiscard]] PcdCloud read_pcd(const std::filesystem::path& file);
 
-/// Writes DATA binary, beside and renamed. Throws OutputError.
+/// Writes DATA binary, atomically. Throws OutputError.
 void write_pcd(const std::filesystem::path& file, const PcdCloud& cloud);
 
-/// Undoes LZF compression (liblzf); false where the input is not what gives `size` bytes.
+/// Decompresses LZF (liblzf); false if the input does not give `size` bytes.
 [[nodiscard]] bool lzf_decompress(std::string_view in, std::size_t size, std::string& out);
 
 }  // namespace mapless

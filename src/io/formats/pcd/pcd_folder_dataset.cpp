@@ -1,6 +1,7 @@
 #include "io/formats/pcd/pcd_folder_dataset.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <set>
 #include <utility>
@@ -9,10 +10,10 @@
 
 #include "io/files/text.hpp"
 #include "io/formats/pcd/pcd_fields.hpp"
-#include "io/formats/scan_times.hpp"
+#include "io/tables/scan_times.hpp"
 #include <mapless/core/errors.hpp>
+#include <mapless/io/files.hpp>
 #include <mapless/io/labels.hpp>
-#include <mapless/io/model_file.hpp>
 #include <mapless/lidar/scan_builder.hpp>
 
 namespace mapless::inline v1 {
@@ -22,6 +23,8 @@ namespace fs = std::filesystem;
 
 // Enough for the fit of a cone per laser, few enough to open a recording in a second or two.
 constexpr std::size_t kScansForSensor = 8;
+// The rate of a spinning lidar is within 10 % of its nominal one.
+constexpr double kPeriodTolerance = 0.1;
 
 std::vector<fs::path> pcd_files(const fs::path& folder) {
   std::vector<fs::path> files;
@@ -62,7 +65,7 @@ std::vector<Time> times_of_points(const std::vector<fs::path>& files) {
   for (const fs::path& file : files) {
     const std::optional<Time> first = first_time(read_pcd(file));
     if (!first) {
-      throw InputError({file.string(), "start", "", "nothing says when the scan was recorded",
+      throw InputError({file.string(), "start", "", "the scan has no time",
                         "put a times.txt beside the scans, with the start of one scan in seconds per line"});
     }
     times.push_back(*first);
@@ -115,7 +118,7 @@ class PcdFolderDataset final : public Dataset {
     builder_ = options.sensor.empty() ? recovered_builder(files_, starts_, folder.string())
                                       : ScanBuilder(model_from_name_or_file(options.sensor));
     for (std::string& note : builder_->notes()) notes_.push_back(std::move(note));
-    notes_.push_back("points are taken as measured, not motion-compensated: PCD files do not say");
+    notes_.push_back("points are taken as measured, not motion-compensated: PCD files do not define this");
     find_turn();
     labels_ = options.labels.empty() ? folder / "labels" : options.labels;
     if (!options.labels.empty() && !fs::is_directory(labels_)) {
@@ -128,18 +131,18 @@ class PcdFolderDataset final : public Dataset {
   [[nodiscard]] std::size_t size() const override { return files_.size(); }
   [[nodiscard]] std::shared_ptr<const LidarModel> model() const override { return builder_->model(); }
   [[nodiscard]] std::optional<ModelEstimate> model_estimate() const override { return builder_->estimate(); }
-  [[nodiscard]] Time scan_start(std::size_t k) const override { return starts_.at(k); }
-  [[nodiscard]] Time scan_end(std::size_t k) const override { return starts_.at(k) + turn_; }
-  [[nodiscard]] fs::path scan_file(std::size_t k) const override { return files_.at(k); }
+  [[nodiscard]] Time scan_start(std::size_t k) const override { return starts_[checked(k)]; }
+  [[nodiscard]] Time scan_end(std::size_t k) const override { return starts_[checked(k)] + turn_; }
+  [[nodiscard]] fs::path scan_file(std::size_t k) const override { return files_[checked(k)]; }
   [[nodiscard]] std::vector<std::string> notes() const override { return notes_; }
 
   [[nodiscard]] LidarScan read(std::size_t k) const override {
-    const PcdCloud cloud = read_pcd(files_.at(k));
+    const PcdCloud cloud = read_pcd(files_[checked(k)]);
     return builder_->build(fields_of(cloud), starts_[k], files_[k].string());
   }
 
   [[nodiscard]] std::optional<std::vector<std::uint32_t>> read_labels(std::size_t k) const override {
-    const fs::path file = labels_ / files_.at(k).filename().replace_extension(".label");
+    const fs::path file = labels_ / files_[checked(k)].filename().replace_extension(".label");
     if (!fs::exists(file)) return std::nullopt;
     return read_label_file(file, read_pcd(files_[k]).size());
   }
@@ -159,7 +162,7 @@ class PcdFolderDataset final : public Dataset {
     require_increasing(starts_, files_);
   }
 
-  // The median distance of two scans, where that is about the sensor's turn; scans may have been left out.
+  // The median period between scans, if it is that of the sensor to 10 %; scans may have been removed.
   void find_turn() {
     const double nominal_s = 1 / builder_->model()->rotation_rate_hz;
     turn_ = Duration::from_seconds(nominal_s);
@@ -169,7 +172,7 @@ class PcdFolderDataset final : public Dataset {
     const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
     std::nth_element(steps.begin(), middle, steps.end());
     const double ratio = middle->seconds() / nominal_s;
-    if (ratio > 0.9 && ratio < 1.1) turn_ = *middle;
+    if (std::abs(ratio - 1) < kPeriodTolerance) turn_ = *middle;
     builder_->set_turn_duration(turn_);
   }
 

@@ -9,7 +9,7 @@
 #include "io/files/text.hpp"
 #include "io/formats/pcd/pcd.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/io/atomic_file.hpp>
+#include <mapless/io/files.hpp>
 
 namespace mapless::inline v1 {
 namespace {
@@ -228,7 +228,7 @@ void read_ascii_point(PcdCloud& cloud, std::size_t point, const Words& words) {
   }
   if (word != words.size()) {
     refuse_body(cloud, fmt::format("point {}", point), fmt::format("{} values", words.size()),
-                fmt::format("not {}, as FIELDS and COUNT say", word));
+                fmt::format("not {}, as FIELDS and COUNT define", word));
   }
 }
 

@@ -12,19 +12,19 @@ namespace MAPLESS_FILE {
 using test::TemporaryFolder;
 using test::write_text;
 
-TEST(ParseDateTime, ToTheNanosecond) {
+TEST(ParseDateTime, IsExactToTheNanosecond) {
   // date -u -d '2011-09-26 13:04:32' +%s
   EXPECT_EQ(parse_date_time("2011-09-26 13:04:32.283701593", "f:1").nanoseconds(), 1317042272283701593);
   EXPECT_EQ(parse_date_time("1970-01-01 00:00:00.5", "f:1").nanoseconds(), 500000000);
   EXPECT_EQ(parse_date_time("1970-01-01 00:00:01", "f:1").nanoseconds(), 1000000000);
 }
 
-TEST(ParseDateTime, AcrossMidnightAndTheEndOfFebruary) {
+TEST(ParseDateTime, CrossesMidnightAndTheEndOfFebruary) {
   const Time before = parse_date_time("2012-02-29 23:59:59.999999999", "f:1");
   EXPECT_EQ((parse_date_time("2012-03-01 00:00:00.000000001", "f:2") - before).nanoseconds(), 2);
 }
 
-TEST(ParseDateTime, RefusesAnythingElse) {
+TEST(ParseDateTime, RefusesOtherText) {
   for (const char* text : {"", "2011-09-26", "2011-09-26 13:04", "2011-13-26 13:04:32", "2011-02-30 13:04:32",
                            "2011-09-26 24:04:32", "2011-09-26 13:04:32.", "2011-09-26 13:04:32.1x",
                            "1317042272.28", "2011-09-26 13:04:32.1234567890", "9999-01-01 00:00:00"}) {
@@ -36,27 +36,6 @@ TEST(ParseDateTime, RefusesAnythingElse) {
       EXPECT_EQ(error.detail().where, "times.txt:3");
     }
   }
-}
-
-TEST(NumberedFiles, ByNumberWithoutOthers) {
-  const TemporaryFolder folder;
-  for (const char* name :
-       {"0000000012.bin", "000002.bin", "a.bin", "3.txt", "-1.bin", "1x.bin", "000000.bin"}) {
-    write_text(folder / name, "");
-  }
-  const auto files = numbered_files(folder.path(), ".bin");
-  ASSERT_EQ(files.size(), 3U);
-  EXPECT_EQ(files.at(0), folder / "000000.bin");
-  EXPECT_EQ(files.at(12), folder / "0000000012.bin");
-  EXPECT_EQ(missing_numbers(files), "1, 3 to 11");
-}
-
-TEST(NumberedFiles, RefusesANumberTwiceAndAFolderThatIsNotThere) {
-  const TemporaryFolder folder;
-  write_text(folder / "1.bin", "");
-  write_text(folder / "01.bin", "");
-  EXPECT_THROW((void)numbered_files(folder.path(), ".bin"), InputError);
-  EXPECT_THROW((void)numbered_files(folder / "none", ".bin"), InputError);
 }
 
 TEST(ReadKittiCloud, RefusesTruncatedAndEmptyFiles) {
@@ -74,12 +53,6 @@ TEST(ReadKittiCloud, RefusesTruncatedAndEmptyFiles) {
       EXPECT_FALSE(error.detail().remedy.empty());
     }
   }
-}
-
-TEST(ReadLines, WithoutTheirEndsAndEmptyLinesAtTheEnd) {
-  const TemporaryFolder folder;
-  write_text(folder / "t.txt", "a\r\n\nb\n\n\n");
-  EXPECT_EQ(read_lines(folder / "t.txt"), (std::vector<std::string>{"a", "", "b"}));
 }
 
 }  // namespace MAPLESS_FILE

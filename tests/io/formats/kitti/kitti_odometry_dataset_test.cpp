@@ -92,7 +92,7 @@ class KittiOdometry : public ::testing::Test {
   LidarModel truth_;
 };
 
-TEST_F(KittiOdometry, ScansAreCenteredOnTheirTimesAndSayTheyAreCompensated) {
+TEST_F(KittiOdometry, ScansAreCentredOnTheirTimesAndMarkedAsCompensated) {
   const auto dataset = open_dataset(sequence());
   EXPECT_EQ(dataset->format(), "kitti");
   ASSERT_EQ(dataset->size(), 3U);
@@ -103,7 +103,7 @@ TEST_F(KittiOdometry, ScansAreCenteredOnTheirTimesAndSayTheyAreCompensated) {
   EXPECT_EQ(scan.returns.size(), measured_.size());
 }
 
-TEST_F(KittiOdometry, TrajectoryIsOfTheSensor) {
+TEST_F(KittiOdometry, TheTrajectoryIsThatOfTheSensor) {
   const auto dataset = open_dataset(sequence());
   ASSERT_NE(dataset->trajectory(), nullptr);
   for (const double t : {-0.04, 0.0, 0.13, 0.2, 0.24}) {
@@ -113,7 +113,7 @@ TEST_F(KittiOdometry, TrajectoryIsOfTheSensor) {
   }
 }
 
-TEST_F(KittiOdometry, PosesBesideTheSequences) {
+TEST_F(KittiOdometry, FindsPosesBesideTheSequences) {
   fs::create_directories(folder_ / "poses");
   fs::rename(sequence() / "poses.txt", folder_ / "poses" / "07.txt");
   EXPECT_NE(open_dataset(sequence())->trajectory(), nullptr);
@@ -122,7 +122,7 @@ TEST_F(KittiOdometry, PosesBesideTheSequences) {
   EXPECT_EQ(open_dataset(sequence())->trajectory(), nullptr);
 }
 
-TEST_F(KittiOdometry, CompensationIsTakenBackForTheEstimateAndByItsUser) {
+TEST_F(KittiOdometry, CompensationIsUndoneForTheEstimateAndByTheCaller) {
   const auto dataset = open_dataset(sequence());
   const LidarModel& model = *dataset->model();
   ASSERT_EQ(model.lasers.size(), 16U);
@@ -139,7 +139,7 @@ TEST_F(KittiOdometry, CompensationIsTakenBackForTheEstimateAndByItsUser) {
   }
 }
 
-TEST_F(KittiOdometry, FewerPosesThanScans) {
+TEST_F(KittiOdometry, RefusesFewerPosesThanScans) {
   write_text(sequence() / "poses.txt", poses(2));
   try {
     (void)open_dataset(sequence());
@@ -149,7 +149,7 @@ TEST_F(KittiOdometry, FewerPosesThanScans) {
   }
 }
 
-TEST_F(KittiOdometry, MissingTimesAndFewerTimes) {
+TEST_F(KittiOdometry, RefusesMissingTimes) {
   write_text(sequence() / "times.txt", "0\n0.1\n");
   try {
     (void)open_dataset(sequence());
@@ -164,7 +164,7 @@ TEST_F(KittiOdometry, MissingTimesAndFewerTimes) {
   EXPECT_THROW((void)open_dataset(sequence()), InputError);
 }
 
-TEST_F(KittiOdometry, TimesThatGoBackAreNotBlamedOnThePoses) {
+TEST_F(KittiOdometry, TimesThatDecreaseAreReportedAsSuch) {
   write_text(sequence() / "times.txt", "0\n0.2\n0.1\n");
   try {
     (void)open_dataset(sequence());
@@ -174,7 +174,7 @@ TEST_F(KittiOdometry, TimesThatGoBackAreNotBlamedOnThePoses) {
   }
 }
 
-TEST_F(KittiOdometry, PosesWithoutCalibration) {
+TEST_F(KittiOdometry, RefusesPosesWithoutCalibration) {
   fs::remove(sequence() / "calib.txt");
   try {
     (void)open_dataset(sequence());
@@ -184,7 +184,7 @@ TEST_F(KittiOdometry, PosesWithoutCalibration) {
   }
 }
 
-TEST_F(KittiOdometry, LabelsOfSemanticKitti) {
+TEST_F(KittiOdometry, ReadsLabelsOfSemanticKitti) {
   std::vector<std::uint32_t> labels(measured_.size(), 252U | (3U << 16));
   fs::create_directories(sequence() / "labels");
   write_label_file(sequence() / "labels" / "000001.label", labels);

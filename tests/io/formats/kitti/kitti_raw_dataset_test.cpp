@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "support/bare_cloud.hpp"
+#include "support/recording_error.hpp"
 #include "support/shared_data.hpp"
 #include "support/temporary_folder.hpp"
 #include <mapless/core/errors.hpp>
@@ -45,17 +46,7 @@ class KittiRaw : public ::testing::Test {
   [[nodiscard]] fs::path drive() const { return folder_ / "2011_09_26_drive_0001_sync"; }
   [[nodiscard]] fs::path points() const { return drive() / "velodyne_points"; }
 
-  // The error of opening the drive and reading all of it.
-  [[nodiscard]] ErrorDetail error() const {
-    try {
-      const auto dataset = open_dataset(drive());
-      for (std::size_t k = 0; k < dataset->size(); ++k) (void)dataset->read(k);
-    } catch (const InputError& e) {
-      return e.detail();
-    }
-    ADD_FAILURE() << "accepted";
-    return {};
-  }
+  [[nodiscard]] ErrorDetail error() const { return test::recording_error(drive()); }
 
   TemporaryFolder folder_;
   Cloud cloud_;
@@ -70,7 +61,7 @@ TEST_F(KittiRaw, OpensDrivePointsAndDateFolder) {
   }
 }
 
-TEST_F(KittiRaw, ScansGoByTheirNumberAcrossMidnight) {
+TEST_F(KittiRaw, ScansAreSortedByNumberAcrossMidnight) {
   const auto dataset = open_dataset(drive());
   EXPECT_EQ((dataset->scan_start(1) - dataset->scan_start(0)).nanoseconds(), 100000001);
   EXPECT_EQ((dataset->scan_start(2) - dataset->scan_start(0)).nanoseconds(), 300000003);
@@ -94,7 +85,7 @@ TEST_F(KittiRaw, EveryPointIsAReturnWithItsRow) {
   }
 }
 
-TEST_F(KittiRaw, LabelsOfTheDriveOrOfAnotherFolder) {
+TEST_F(KittiRaw, ReadsLabelsOfTheDriveOrOfAnotherFolder) {
   EXPECT_FALSE(open_dataset(drive())->read_labels(0).has_value());
   std::vector<std::uint32_t> labels(cloud_.size(), kLabelStatic);
   labels[7] = kLabelDynamic | (5U << 16);
@@ -122,7 +113,7 @@ TEST_F(KittiRaw, LabelsOfAnotherLengthAreRefused) {
   EXPECT_THROW((void)open_dataset(drive())->read_labels(0), InputError);
 }
 
-TEST_F(KittiRaw, NamedSensorInsteadOfAnEstimate) {
+TEST_F(KittiRaw, UsesANamedSensor) {
   DatasetOptions options;
   options.sensor = "VLP-16";
   const auto dataset = open_dataset(drive(), options);
@@ -133,24 +124,24 @@ TEST_F(KittiRaw, NamedSensorInsteadOfAnEstimate) {
   EXPECT_EQ(dataset->read(0).returns.front().laser, 0);
 }
 
-TEST_F(KittiRaw, TruncatedScan) {
+TEST_F(KittiRaw, RefusesATruncatedScan) {
   fs::resize_file(points() / "data" / "0000000001.bin", 16 * 100 + 5);
   const ErrorDetail detail = error();
   EXPECT_EQ(detail.where, (points() / "data" / "0000000001.bin").string());
   EXPECT_THAT(detail.value, HasSubstr("1605"));
 }
 
-TEST_F(KittiRaw, ZeroByteScan) {
+TEST_F(KittiRaw, RefusesAnEmptyScanFile) {
   fs::resize_file(points() / "data" / "0000000003.bin", 0);
   EXPECT_EQ(error().where, (points() / "data" / "0000000003.bin").string());
 }
 
-TEST_F(KittiRaw, MissingTimestamps) {
+TEST_F(KittiRaw, RefusesMissingTimestamps) {
   fs::remove(points() / "timestamps_end.txt");
   EXPECT_EQ(error().where, (points() / "timestamps_end.txt").string());
 }
 
-TEST_F(KittiRaw, FewerTimestampsThanScans) {
+TEST_F(KittiRaw, RefusesFewerTimestampsThanScans) {
   write_text(points() / "timestamps_start.txt", "2011-09-26 23:59:59.85\n2011-09-26 23:59:59.95\n");
   const ErrorDetail detail = error();
   EXPECT_EQ(detail.value, "2");
@@ -158,7 +149,7 @@ TEST_F(KittiRaw, FewerTimestampsThanScans) {
   EXPECT_THAT(detail.problem, HasSubstr("4 lines"));
 }
 
-TEST_F(KittiRaw, TimestampsThatAreNoneOrRunBackwards) {
+TEST_F(KittiRaw, RefusesInvalidAndDecreasingTimestamps) {
   write_text(points() / "timestamps_start.txt",
              "2011-09-26 23:59:59.85\nyesterday\n\n2011-09-27 00:00:00.15\n");
   EXPECT_EQ(error().where, (points() / "timestamps_start.txt:2").string());
@@ -176,7 +167,7 @@ TEST_F(KittiRaw, NotFinitePointsAreFaultyReturns) {
   EXPECT_EQ(scan.returns.size(), cloud_.size() - 2);
 }
 
-TEST_F(KittiRaw, TwoDrivesInTheDateFolder) {
+TEST_F(KittiRaw, RefusesADateFolderWithTwoDrives) {
   write_kitti_cloud(folder_ / "2011_09_26_drive_0002_sync" / "velodyne_points" / "data" / "0.bin", cloud_);
   try {
     (void)open_dataset(folder_.path());
@@ -188,7 +179,7 @@ TEST_F(KittiRaw, TwoDrivesInTheDateFolder) {
 }
 
 // The recording of 50 scans with the README's facts: 64 rings, times to the nanosecond.
-TEST(KittiRawShared, SensorIsFoundAgain) {
+TEST(KittiRawShared, EstimatesTheSensorOfARealDrive) {
   const fs::path date = test::shared_data("kitti_raw/2011_09_26");
   MAPLESS_SKIP_WITHOUT(date);
   DatasetOptions options;

@@ -8,6 +8,7 @@
 
 #include "io/formats/mdlidar/mdlidar_writer.hpp"
 #include "support/bare_cloud.hpp"
+#include "support/recording_error.hpp"
 #include "support/temporary_folder.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/io/dataset.hpp>
@@ -66,21 +67,12 @@ class Mdlidar : public ::testing::Test {
   }
   [[nodiscard]] fs::path town() const { return folder_ / "town_1"; }
 
-  [[nodiscard]] ErrorDetail error() const {
-    try {
-      const auto dataset = open_dataset(town());
-      for (std::size_t k = 0; k < dataset->size(); ++k) (void)dataset->read(k);
-    } catch (const InputError& e) {
-      return e.detail();
-    }
-    ADD_FAILURE() << "accepted";
-    return {};
-  }
+  [[nodiscard]] ErrorDetail error() const { return test::recording_error(town()); }
 
   TemporaryFolder folder_;
 };
 
-TEST_F(Mdlidar, WrittenRaysComeBack) {
+TEST_F(Mdlidar, ReadsBackTheWrittenRays) {
   const auto dataset = open_dataset(town());
   EXPECT_EQ(dataset->format(), "mdlidar");
   ASSERT_EQ(dataset->size(), 11U);
@@ -116,7 +108,7 @@ TEST_F(Mdlidar, WrittenRaysComeBack) {
   }
 }
 
-TEST_F(Mdlidar, NoReturnIsFaulty) {
+TEST_F(Mdlidar, AMissingReturnIsFaulty) {
   const LidarScan scan = open_dataset(town())->read(0);
   const std::vector<int> channel_of_row = {1, 3, 2, 0};
   const MdlidarFrame frame = make_frame(0);
@@ -129,7 +121,7 @@ TEST_F(Mdlidar, NoReturnIsFaulty) {
   }
 }
 
-TEST_F(Mdlidar, LabelsOfEveryPoint) {
+TEST_F(Mdlidar, ReadsALabelForEveryPoint) {
   const MdlidarFrame frame = make_frame(3);
   const auto labels = open_dataset(town())->read_labels(3).value();
   ASSERT_EQ(labels.size(), frame.points.size());
@@ -140,7 +132,7 @@ TEST_F(Mdlidar, LabelsOfEveryPoint) {
   }
 }
 
-TEST_F(Mdlidar, TrajectoryInEitherDirection) {
+TEST_F(Mdlidar, ReadsPosesOfEitherDirection) {
   const double times[] = {0.0, 0.03, 0.099, 0.5, 1.08};
   const auto forward = open_dataset(town());
   DatasetOptions options;
@@ -156,14 +148,14 @@ TEST_F(Mdlidar, TrajectoryInEitherDirection) {
       1e-4);
 }
 
-TEST_F(Mdlidar, CalibrationOneFolderUp) {
+TEST_F(Mdlidar, FindsTheCalibrationOneFolderUp) {
   fs::rename(town() / "vel_64_calib.csv", folder_ / "vel_64_calib.csv");
   EXPECT_EQ(open_dataset(town())->size(), 11U);
   fs::remove(folder_ / "vel_64_calib.csv");
   EXPECT_THAT(error().where, HasSubstr("vel_64_calib.csv"));
 }
 
-TEST_F(Mdlidar, CorruptFrames) {
+TEST_F(Mdlidar, RefusesCorruptFrames) {
   const fs::path file = town() / "frame" / "data_4";
   const auto size = fs::file_size(file);
   for (const std::uintmax_t cut : {std::uintmax_t{0}, size / 2, size - 1}) {
@@ -177,7 +169,7 @@ TEST_F(Mdlidar, CorruptFrames) {
   EXPECT_EQ(error().where, file.string());
 }
 
-TEST_F(Mdlidar, CorruptHeaderAndCalibration) {
+TEST_F(Mdlidar, RefusesACorruptHeaderOrCalibration) {
   const std::string calibration = "0,0,0,0\n";
   write_text(town() / "vel_64_calib.csv", calibration);
   EXPECT_EQ(error().field, "channels_count");
@@ -190,7 +182,7 @@ TEST_F(Mdlidar, CorruptHeaderAndCalibration) {
   EXPECT_EQ(error().where, (town() / "header").string());
 }
 
-TEST_F(Mdlidar, AnotherNumberOfPoints) {
+TEST_F(Mdlidar, RefusesFramesOfAnotherNumberOfPoints) {
   const MdlidarWriter other(town() / "other", {kCalibration[0]}, kColumns,
                             Duration::from_nanoseconds(kTurn_ns));
   MdlidarWriter writer(town(), kCalibration, kColumns, Duration::from_nanoseconds(kTurn_ns));
@@ -201,7 +193,7 @@ TEST_F(Mdlidar, AnotherNumberOfPoints) {
   EXPECT_EQ(error().field, "channels_count");
 }
 
-TEST_F(Mdlidar, PosesThatAreNotFiniteOrTimesThatDoNotRise) {
+TEST_F(Mdlidar, RefusesPosesThatAreNotFiniteAndTimesThatDoNotIncrease) {
   MdlidarWriter writer(town(), kCalibration, kColumns, Duration::from_nanoseconds(kTurn_ns));
   MdlidarFrame frame = make_frame(0);
   frame.T_0v_end = SE3(Eigen::Matrix3d::Identity(), {std::nan(""), 0, 0});
@@ -214,7 +206,7 @@ TEST_F(Mdlidar, PosesThatAreNotFiniteOrTimesThatDoNotRise) {
   EXPECT_EQ(error().field, "end_time");
 }
 
-TEST_F(Mdlidar, UnwritableFolder) {
+TEST_F(Mdlidar, RefusesAnUnwritableFolder) {
   write_text(folder_ / "file", "");
   EXPECT_THROW(MdlidarWriter(folder_ / "file", kCalibration, kColumns, Duration::from_nanoseconds(kTurn_ns)),
                OutputError);

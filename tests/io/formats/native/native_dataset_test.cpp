@@ -10,10 +10,10 @@
 
 #include "io/formats/native/native_writer.hpp"
 #include "io/formats/pcd/pcd.hpp"
-#include "io/formats/scan_times.hpp"
+#include "io/tables/scan_times.hpp"
 #include "support/temporary_folder.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/io/atomic_file.hpp>
+#include <mapless/io/files.hpp>
 #include <mapless/io/labels.hpp>
 
 namespace mapless {
@@ -75,7 +75,7 @@ void write_recording(const fs::path& folder, int scans = 2) {
   writer.finish({});
 }
 
-// What is said of a recording after `damage` was done to it.
+// The error of opening and reading a recording after `damage`.
 std::string refusal(const std::function<void(const fs::path&)>& damage, const DatasetOptions& options = {}) {
   const test::TemporaryFolder folder;
   write_recording(folder / "r");
@@ -98,7 +98,7 @@ void edit_scan(const fs::path& file, const std::function<void(PcdCloud&)>& edit)
   write_pcd(file, cloud);
 }
 
-TEST(NativeDataset, ScansComeBackAsTheyWereWritten) {
+TEST(NativeDataset, ReadsBackTheWrittenScans) {
   const test::TemporaryFolder folder;
   write_recording(folder / "r");
   ASSERT_TRUE(looks_native(folder / "r"));
@@ -133,7 +133,7 @@ TEST(NativeDataset, ScansComeBackAsTheyWereWritten) {
   EXPECT_EQ(dataset->read_labels(1), labels);
 }
 
-TEST(NativeDataset, TimesWithoutAFieldAreThoseOfTheColumns) {
+TEST(NativeDataset, WithoutATimeFieldTimesAreThoseOfTheColumns) {
   const test::TemporaryFolder folder;
   write_recording(folder / "r", 1);
   edit_scan(folder / "r/scans/000000.pcd", [](PcdCloud& cloud) { cloud.fields[3].name = "other"; });
@@ -143,7 +143,7 @@ TEST(NativeDataset, TimesWithoutAFieldAreThoseOfTheColumns) {
     EXPECT_EQ(r.time_ns, 2'000'000 * r.column + (r.laser == 2 ? 1500 : 0));
 }
 
-TEST(NativeDataset, WithoutACodeNotANumberIsFaultyAndOtherFieldsDoNoHarm) {
+TEST(NativeDataset, WithoutACodeFieldNanPointsAreFaultyAndOtherFieldsAreIgnored) {
   const test::TemporaryFolder folder;
   write_recording(folder / "r", 1);
   edit_scan(folder / "r/scans/000000.pcd", [](PcdCloud& cloud) { cloud.fields[4].name = "intensity"; });
@@ -167,7 +167,7 @@ TEST(NativeDataset, InfiniteAndNotFinitePointsOfHitsAreFaulty) {
   EXPECT_EQ(code_of_cell(scan.cell(0, 12)), ReturnCode::hit);
 }
 
-TEST(NativeDataset, ScansThatCannotBeUsedAreRefused) {
+TEST(NativeDataset, InvalidScansAreRefused) {
   EXPECT_EQ(refusal([](const fs::path&) {}), "accepted");
   EXPECT_THAT(refusal([](const fs::path& r) { fs::resize_file(r / "scans/000001.pcd", 900); }),
               AllOf(HasSubstr("000001.pcd"), HasSubstr("DATA")));
@@ -189,7 +189,7 @@ TEST(NativeDataset, ScansThatCannotBeUsedAreRefused) {
   EXPECT_THAT(with_edit([](PcdCloud& c) { c.bytes[15] = '\x7f'; }), HasSubstr("time [ns] = 21"));
 }
 
-TEST(NativeDataset, TimesThatCannotBeUsedAreRefused) {
+TEST(NativeDataset, InvalidTimesAreRefused) {
   const auto with_times = [](const std::string& text) {
     return refusal([&](const fs::path& r) { write_file_atomically(r / "times.txt", text); });
   };
@@ -206,7 +206,7 @@ TEST(NativeDataset, TimesThatCannotBeUsedAreRefused) {
   EXPECT_THAT(with_times("0.5 0.6\n"), HasSubstr("not one number"));
 }
 
-TEST(NativeDataset, FoldersThatCannotBeUsedAreRefused) {
+TEST(NativeDataset, InvalidFoldersAreRefused) {
   EXPECT_THAT(refusal([](const fs::path& r) { fs::remove(r / "sensor.yaml"); }), HasSubstr("sensor.yaml"));
   EXPECT_THAT(refusal([](const fs::path& r) {
                 fs::remove(r / "scans/000000.pcd");
@@ -238,7 +238,7 @@ TEST(NativeDataset, LabelsMayComeFromAnotherFolderOrBeMissing) {
   EXPECT_EQ(open_native(folder / "r", options)->read_labels(1), std::nullopt);
 }
 
-TEST(NativeWriter, RefusesWhatCannotBeRead) {
+TEST(NativeWriter, RefusesScansThatCouldNotBeReadBack) {
   const test::TemporaryFolder folder;
   fs::create_directory(folder / "there");
   EXPECT_THROW(NativeWriter(folder / "there", small_model()), OutputError);
@@ -260,7 +260,7 @@ TEST(NativeWriter, RefusesWhatCannotBeRead) {
   EXPECT_FALSE(fs::exists(folder / "r/times.txt"));
 }
 
-TEST(NativeWriter, LasersMayFireBeforeTheScansStart) {
+TEST(NativeWriter, AcceptsLasersThatFireBeforeTheStartOfTheScan) {
   const test::TemporaryFolder folder;
   NativeWriter writer(folder / "r", small_model());
   std::vector<LidarRecord> records = firings(0);
@@ -285,7 +285,7 @@ TEST(NativeWriter, TrajectoryIsThatOfTheRecording) {
 }
 
 // As where the disk is full then.
-TEST(NativeDataset, WithoutRoomForLabelsItEndsWithTheScanBefore) {
+TEST(NativeDataset, WithoutSpaceForLabelsItEndsWithTheScanBefore) {
   const test::TemporaryFolder parent;
   const fs::path folder = parent / "recording";
   NativeWriter writer(folder, small_model());

@@ -12,7 +12,7 @@
 #include "io/formats/pcd/pcd.hpp"
 #include "support/temporary_folder.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/io/atomic_file.hpp>
+#include <mapless/io/files.hpp>
 #include <mapless/io/labels.hpp>
 
 namespace mapless {
@@ -114,7 +114,7 @@ void expect_own_rays(const LidarScan& scan, const std::vector<Firing>& fired, do
   }
 }
 
-TEST(PcdFolder, RingsAndTimesOfTheFilesPutEveryPointOnItsRay) {
+TEST(PcdFolder, RingsAndTimesOfTheFilesGiveTheRayOfEveryPoint) {
   const auto fired = firings(0, 1808);
   const LidarScan scan = only_scan(fired, {kRing, kTimeNs});
   EXPECT_EQ(scan.ring_source, Provenance::sensor);
@@ -122,7 +122,7 @@ TEST(PcdFolder, RingsAndTimesOfTheFilesPutEveryPointOnItsRay) {
   expect_own_rays(scan, fired, 1);
 }
 
-TEST(PcdFolder, ScansMayBeginAnywhereAndBeMoreThanATurn) {
+TEST(PcdFolder, AcceptsScansThatBeginAnywhereAndExceedATurn) {
   const auto fired = firings(1200, 1850);
   const LidarScan scan = only_scan(fired, {kRing, kTimeNs});
   expect_own_rays(scan, fired, 1);
@@ -131,7 +131,7 @@ TEST(PcdFolder, ScansMayBeginAnywhereAndBeMoreThanATurn) {
   EXPECT_NEAR((scan.start - Time::from_seconds(100.5)).seconds(), 0.1 * 1200 / 1808, 1e-4);
 }
 
-TEST(PcdFolder, ScansOfMoreThanATurnTellTheirSensorToo) {
+TEST(PcdFolder, EstimatesTheSensorFromScansOfMoreThanATurn) {
   const auto fired = firings(1200, 1850);
   const test::TemporaryFolder folder;
   write_scan(folder / "0.pcd", fired, {kRing, kTimeNs});
@@ -164,13 +164,13 @@ TEST(PcdFolder, TimesAreFoundFromTheAzimuth) {
   expect_own_rays(scan, fired, 2000);  // the column period is whole nanoseconds
 }
 
-TEST(PcdFolder, RingsMayCountFromTheTop) {
+TEST(PcdFolder, AcceptsRingsCountedFromTheTop) {
   const auto fired = firings(0, 1808);
   const Column from_top{"ring", 'U', 2, [](const Firing& f) { return 15 - f.laser; }};
   expect_own_rays(only_scan(fired, {from_top, kTimeNs}), fired, 1);
 }
 
-TEST(PcdFolder, TimesMayBeSecondsOrAbsolute) {
+TEST(PcdFolder, AcceptsTimesInSecondsAndAbsoluteTimes) {
   const auto fired = firings(0, 1808);
   const auto seconds = [](const Firing& f) { return 1e-9 * static_cast<double>(f.time_ns); };
   expect_own_rays(only_scan(fired, {kRing, {"time", 'F', 4, seconds}}), fired, 20);
@@ -187,7 +187,7 @@ TEST(PcdFolder, TimesMayBeSecondsOrAbsolute) {
   EXPECT_EQ(nanoseconds.returns.size(), fired.size());
 }
 
-TEST(PcdFolder, StartsComeFromNamesOrPointsWhereThereIsNoTimesFile) {
+TEST(PcdFolder, TakesStartsFromNamesOrPointsWithoutATimesFile) {
   const auto fired = firings(0, 1808);
   const test::TemporaryFolder folder;
   write_scan(folder / "1700000000000000001.pcd", fired, {kRing});
@@ -203,7 +203,7 @@ TEST(PcdFolder, StartsComeFromNamesOrPointsWhereThereIsNoTimesFile) {
   EXPECT_NEAR(open_pcd_folder(points.path(), vlp16())->scan_start(0).seconds(), 1.7e9, 1e-6);
 }
 
-TEST(PcdFolder, PointsWithoutPositionKeepTheirPlaceInTheInput) {
+TEST(PcdFolder, PointsWithoutPositionKeepTheirInputIndex) {
   const test::TemporaryFolder folder;
   const auto fired = firings(0, 1808);
   write_scan(folder / "0.pcd", fired, {kRing, kTimeNs});
@@ -222,7 +222,7 @@ TEST(PcdFolder, PointsWithoutPositionKeepTheirPlaceInTheInput) {
   EXPECT_EQ(dataset->read_labels(0)->size(), fired.size());
 }
 
-TEST(PcdFolder, WhatCannotBeReadIsRefused) {
+TEST(PcdFolder, RefusesUnreadableFiles) {
   const auto refusal = [](const std::vector<Column>& columns,
                           const std::function<void(const fs::path&)>& damage,
                           const DatasetOptions& options = vlp16()) -> std::string {
@@ -265,7 +265,7 @@ TEST(PcdFolder, WhatCannotBeReadIsRefused) {
   EXPECT_THAT(refusal({}, nothing, other), HasSubstr("/no/such/folder"));
 }
 
-TEST(PcdFolder, IsNoNativeSequence) {
+TEST(PcdFolder, IsDistinguishedFromANativeRecording) {
   const test::TemporaryFolder folder;
   EXPECT_FALSE(looks_pcd_folder(folder.path()));
   EXPECT_FALSE(looks_pcd_folder(folder / "none"));

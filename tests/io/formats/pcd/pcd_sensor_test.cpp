@@ -12,7 +12,7 @@
 #include "support/temporary_folder.hpp"
 #include "support/toy_scene.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/io/atomic_file.hpp>
+#include <mapless/io/files.hpp>
 
 namespace mapless {
 namespace MAPLESS_FILE {
@@ -118,7 +118,7 @@ using SensorAndSpin = std::tuple<const char*, SpinDirection>;
 
 class PcdSensorOf : public ::testing::TestWithParam<SensorAndSpin> {};
 
-TEST_P(PcdSensorOf, RingsAndTimesOfTheFilesGiveLasersAndSpin) {
+TEST_P(PcdSensorOf, RingsAndTimesOfTheFilesGiveLasersAndRotation) {
   const auto [name, direction] = GetParam();
   const auto truth = sensor(name, direction);
   Recording recording;
@@ -166,7 +166,7 @@ INSTANTIATE_TEST_SUITE_P(Sensors, PcdSensorOf,
                                             ::testing::Values(SpinDirection::clockwise,
                                                               SpinDirection::counter_clockwise)));
 
-TEST(PcdSensor, ALaserThatSawNothingLiesBetweenItsNeighbours) {
+TEST(PcdSensor, ALaserWithoutReturnsIsPlacedBetweenItsNeighbours) {
   const auto truth = sensor("VLP-16", SpinDirection::clockwise);
   Recording recording;
   record(truth, Stored::with_rings, true, recording);
@@ -186,7 +186,7 @@ TEST(PcdSensor, ALaserThatSawNothingLiesBetweenItsNeighbours) {
   expect_own_rays(dataset->read(0), recording.scans[0], 1e-8);
 }
 
-TEST(PcdSensor, WithoutTimesTheSpinIsClockwiseAndTheNotesSaySo) {
+TEST(PcdSensor, WithoutTimesTheRotationIsClockwiseAndTheNotesSaySo) {
   LidarModel model = named_model("VLP-16");
   model.start_azimuth_rad = kPi;
   Recording recording;
@@ -203,7 +203,7 @@ TEST(PcdSensor, WithoutTimesTheSpinIsClockwiseAndTheNotesSaySo) {
                          1e-9 * recording.scans[1].records[r.input_index].time_ns;
     late += std::abs(off_s) > 2 * scan.column_period.seconds() ? 1 : 0;
   }
-  // A scan's first and last column touch: which of them a point at the seam is of cannot be told.
+  // The first and the last column of a scan are adjacent: a point at the seam may belong to either.
   EXPECT_LE(late, 2 * model.lasers.size());
 }
 
@@ -234,7 +234,7 @@ std::string refusal(const fs::path& folder) {
   return "accepted";
 }
 
-TEST(PcdSensor, AsksForTheSensorWhereNoRingsAreFound) {
+TEST(PcdSensor, SuggestsToNameTheSensorIfNoRingsAreFound) {
   const auto truth = sensor("VLP-16", SpinDirection::clockwise);
   Recording recording;
   record(truth, Stored::in_firing_order, true, recording);

@@ -10,7 +10,7 @@
 
 #include "support/temporary_folder.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/io/atomic_file.hpp>
+#include <mapless/io/files.hpp>
 
 namespace mapless {
 namespace MAPLESS_FILE {
@@ -110,7 +110,7 @@ TEST(Pcd, ReadsCompressed) {
               HasSubstr("44 bytes uncompressed"));
 }
 
-TEST(Pcd, LzfCopiesMayOverlapAndNeverLeaveTheirBounds) {
+TEST(Pcd, LzfHandlesOverlappingCopiesAndStaysWithinBounds) {
   std::string out;
   // "ab", then 6 bytes from 2 back, then 7 + 3 + 2 = 12 bytes from 1 back.
   const std::string in(
@@ -125,7 +125,7 @@ TEST(Pcd, LzfCopiesMayOverlapAndNeverLeaveTheirBounds) {
   EXPECT_FALSE(lzf_decompress(in, 21, out));
   EXPECT_FALSE(lzf_decompress(std::string_view(in).substr(0, 7), 20, out));
   EXPECT_FALSE(lzf_decompress(std::string("\x20\x05", 2), 3, out));
-  // A size no input can make is refused before memory is asked for: this much there is not.
+  // A size that no input can give is refused before memory is allocated.
   EXPECT_FALSE(lzf_decompress(in, std::size_t{1} << 60, out));
   std::mt19937 rng(3);
   for (int i = 0; i < 2000; ++i) {
@@ -195,7 +195,7 @@ TEST(Pcd, BadHeadersNameFileKeyAndValue) {
   EXPECT_THAT(broken("DATA ascii", "DATA hex"), HasSubstr("DATA = hex"));
 }
 
-TEST(Pcd, CutOffBodiesAreRefused) {
+TEST(Pcd, TruncatedBodiesAreRefused) {
   const std::string ascii = std::string(kHeader) + kAsciiBody, binary = kHeader + binary_body();
   EXPECT_EQ(refusal(binary), "accepted");
   EXPECT_THAT(refusal(binary.substr(0, binary.size() - 1)),

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <mapless/core/parameters.hpp>
+#include <mapless/lidar/lidar_model.hpp>
+
+namespace mapless::inline v1 {
+
+/// Folder files of room io: whole files in and out, for what is not a recording (formats) and not a table
+/// (tables). Paths go in, bytes, parameters and sensor models come out, or a typed error that names file,
+/// line, key and value.
+
+/// Writes `bytes` to a temporary file in the same folder and renames it to `file`: a reader sees the old file
+/// or the complete new one. A symbolic link is kept and its target replaced. Throws OutputError with the
+/// reason of the system, and leaves nothing behind, if that fails or if `file` is not a regular file (a
+/// folder, a device).
+void write_file_atomically(const std::filesystem::path& file, std::string_view bytes);
+
+/// Appends `bytes` to an existing file. Throws OutputError with the reason of the system, and leaves the file
+/// as it was, if that fails.
+void append_to_file(const std::filesystem::path& file, std::string_view bytes);
+
+/// Content of a file of at most 1 GiB, or of a pipe or device of at most 64 MiB. Throws InputError with the
+/// reason.
+[[nodiscard]] std::string read_whole_file(const std::filesystem::path& file);
+
+/// Sets parameters from a YAML file. A group of parameters is a map: "freespace.backward_threshold_m" is the
+/// key backward_threshold_m in the map freespace. A parameter whose key is missing keeps its value. Throws
+/// InputError for a file that cannot be read or is not YAML, ParameterError naming file, line and key for an
+/// unknown or repeated key and a value of the wrong type or out of bounds.
+void read_parameters_file(const std::filesystem::path& file,
+                          const std::vector<ParameterReference>& parameters);
+
+/// The content of such a file, with meaning, unit, bounds, default and source of each parameter as comments.
+/// Reading it gives the same values. `defaults` has the same keys in the same order.
+[[nodiscard]] std::string parameters_yaml(const std::vector<ParameterReference>& parameters,
+                                          const std::vector<ParameterReference>& defaults);
+
+/// Reads the sensor.yaml of a native recording (method.md section 4). Throws InputError naming file, key and
+/// value for a file that cannot be read, an unknown key, and an invalid model (validate).
+[[nodiscard]] LidarModel read_sensor_yaml(const std::filesystem::path& file);
+/// Writes such a file; reading it gives the same model to the last digit of a double. Throws OutputError.
+void write_sensor_yaml(const std::filesystem::path& file, const LidarModel& model);
+
+/// Reads a Velodyne calibration file (YAML of velodyne_driver, velodyne_decoder or nebula): one entry per
+/// laser with vert_correction, rot_correction, vert_offset_correction, horiz_offset_correction. Timing,
+/// columns and ranges are those of the named model with the same number of lasers. Throws InputError.
+[[nodiscard]] LidarModel read_velodyne_calibration(const std::filesystem::path& file);
+
+/// The named model (named_model), or the model in a file of either format above. Throws InputError or
+/// ParameterError.
+[[nodiscard]] LidarModel model_from_name_or_file(const std::string& name_or_file);
+
+}  // namespace mapless

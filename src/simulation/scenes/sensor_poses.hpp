@@ -1,0 +1,26 @@
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "simulation/traffic/path.hpp"
+#include <mapless/trajectory/trajectory.hpp>
+
+namespace mapless::inline v1 {
+
+/// Tracks are simulated this much beyond the duration of a scene: ride() looks 0.4 s ahead, poses reach 0.1 s
+/// beyond.
+inline constexpr double kMargin_s = 2;
+
+/// Samples T_0v(t) at 200 Hz from 0.1 s before time 0 to 0.1 s after `duration_s`.
+[[nodiscard]] std::vector<TimedPose> sample_poses(const std::function<SE3(double t_s)>& T_0v,
+                                                  double duration_s);
+/// Poses of a sensor mounted at `T_bv` on a vehicle that follows the track; the vehicle pitches when it
+/// brakes and rolls in bends.
+[[nodiscard]] std::vector<TimedPose> ride(const Track& track, const SE3& T_bv, double duration_s);
+
+/// Pose T_0v at time t_s of a sensor carried on a walker's back, `height_m` above the track; it sways with
+/// every step.
+[[nodiscard]] SE3 carried(const Track& track, double height_m, double t_s);
+
+}  // namespace mapless
