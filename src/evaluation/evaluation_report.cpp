@@ -1,4 +1,4 @@
-#include <mapless/evaluation/evaluation_report.hpp>
+#include <mapless/evaluation/evaluator.hpp>
 
 namespace mapless::inline v1 {
 

@@ -1,7 +1,7 @@
 #include <string>
 
 #include <mapless/core/errors.hpp>
-#include <mapless/evaluation/evaluation_report.hpp>
+#include <mapless/evaluation/evaluator.hpp>
 #include <mapless/io/labels.hpp>
 
 namespace mapless::inline v1 {

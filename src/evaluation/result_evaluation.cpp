@@ -9,7 +9,6 @@
 #include <mapless/core/errors.hpp>
 #include <mapless/evaluation/evaluator.hpp>
 #include <mapless/io/labels.hpp>
-#include <mapless/io/object_tables.hpp>
 #include <mapless/io/trajectory_file.hpp>
 
 namespace mapless::inline v1 {

@@ -5,6 +5,7 @@
 #include <limits>
 #include <nanoflann.hpp>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 namespace mapless::inline v1 {
@@ -134,7 +135,7 @@ struct NearestNeighbours::Tree {
   explicit Tree(std::vector<Eigen::Vector3d> all) : points{std::move(all)}, original(points.values.size()) {
     std::iota(original.begin(), original.end(), 0);
     drop_what_is_not_finite();
-    index.buildIndex();
+    index.emplace(3, points, nanoflann::KDTreeSingleIndexAdaptorParams(kLeafSize));
   }
 
   // A NaN would break the splitting of the tree.
@@ -146,7 +147,7 @@ struct NearestNeighbours::Tree {
 
   Points points;
   std::vector<std::int32_t> original;  // index, in the points given, of point i of the tree
-  Index index{3, points, {kLeafSize, nanoflann::KDTreeSingleIndexAdaptorFlags::SkipInitialBuildIndex}};
+  std::optional<Index> index;          // whose constructor builds it: nanoflann 1.4.2 cannot do that later
 };
 
 NearestNeighbours::NearestNeighbours(std::vector<Eigen::Vector3d> points)
@@ -157,7 +158,7 @@ NearestNeighbours& NearestNeighbours::operator=(NearestNeighbours&&) noexcept = 
 
 NearestNeighbours::Neighbour NearestNeighbours::nearest(const Eigen::Vector3d& q) const {
   NearestOne result(tree_->original);
-  tree_->index.findNeighbors(result, q.data(), {});
+  tree_->index->findNeighbors(result, q.data(), {});
   if (!result.full()) return {};
   return {result.best().index, std::sqrt(result.best().squared_distance)};
 }
@@ -166,7 +167,7 @@ std::vector<NearestNeighbours::Neighbour> NearestNeighbours::nearest(const Eigen
   std::vector<Neighbour> neighbours;
   if (k <= 0) return neighbours;
   NearestSeveral result(tree_->original, std::min(static_cast<std::size_t>(k), tree_->original.size()));
-  tree_->index.findNeighbors(result, q.data(), {});
+  tree_->index->findNeighbors(result, q.data(), {});
   neighbours.reserve(result.best().size());
   for (const Candidate& c : result.best()) neighbours.push_back({c.index, std::sqrt(c.squared_distance)});
   return neighbours;
@@ -177,7 +178,7 @@ void NearestNeighbours::within(const Eigen::Vector3d& q, double radius_m,
   out.clear();
   if (!(radius_m >= 0)) return;
   AllWithin result(tree_->original, radius_m * radius_m, out);
-  tree_->index.findNeighbors(result, q.data(), {});
+  tree_->index->findNeighbors(result, q.data(), {});
   std::sort(out.begin(), out.end());
 }
 

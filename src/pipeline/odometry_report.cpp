@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <mapless/pipeline/odometry_report.hpp>
+#include <mapless/pipeline/online_detector.hpp>
 
 namespace mapless::inline v1 {
 namespace {

@@ -6,7 +6,7 @@
 #include <Eigen/Geometry>
 
 #include "core/argument_checks.hpp"
-#include <mapless/simulation/world.hpp>
+#include <mapless/simulation/scene.hpp>
 
 namespace mapless::inline v1 {
 namespace {

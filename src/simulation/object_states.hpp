@@ -6,7 +6,7 @@
 
 #include <Eigen/Geometry>
 
-#include <mapless/io/object_tables.hpp>
+#include <mapless/io/labels.hpp>
 #include <mapless/simulation/scene.hpp>
 #include <mapless/simulation/simulated_sensor.hpp>
 

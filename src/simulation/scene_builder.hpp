@@ -5,7 +5,7 @@
 #include <map>
 #include <string>
 
-#include <mapless/simulation/world.hpp>
+#include <mapless/simulation/scene.hpp>
 
 namespace mapless::inline v1 {
 

@@ -15,9 +15,8 @@
 #include <mapless/core/errors.hpp>
 #include <mapless/io/files.hpp>
 #include <mapless/io/labels.hpp>
-#include <mapless/io/object_tables.hpp>
 #include <mapless/io/trajectory_file.hpp>
-#include <mapless/simulation/sequence_writer.hpp>
+#include <mapless/simulation/simulated_sensor.hpp>
 
 namespace mapless::inline v1 {
 namespace {

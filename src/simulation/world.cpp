@@ -13,7 +13,7 @@
 
 #include "core/argument_checks.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/simulation/world.hpp>
+#include <mapless/simulation/scene.hpp>
 
 namespace mapless::inline v1 {
 namespace {

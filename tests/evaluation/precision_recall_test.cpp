@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <mapless/core/errors.hpp>
-#include <mapless/evaluation/evaluation_report.hpp>
+#include <mapless/evaluation/evaluator.hpp>
 
 namespace mapless {
 namespace MAPLESS_FILE {

@@ -11,7 +11,6 @@
 #include <mapless/evaluation/evaluator.hpp>
 #include <mapless/io/files.hpp>
 #include <mapless/io/labels.hpp>
-#include <mapless/io/object_tables.hpp>
 #include <mapless/io/trajectory_file.hpp>
 
 namespace mapless {

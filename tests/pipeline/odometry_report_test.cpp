@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <mapless/pipeline/odometry_report.hpp>
+#include <mapless/pipeline/online_detector.hpp>
 
 namespace mapless {
 namespace MAPLESS_FILE {

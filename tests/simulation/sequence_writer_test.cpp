@@ -12,8 +12,7 @@
 #include <mapless/io/dataset.hpp>
 #include <mapless/io/files.hpp>
 #include <mapless/io/labels.hpp>
-#include <mapless/io/object_tables.hpp>
-#include <mapless/simulation/sequence_writer.hpp>
+#include <mapless/simulation/simulated_sensor.hpp>
 
 namespace mapless {
 namespace MAPLESS_FILE {

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <mapless/core/errors.hpp>
-#include <mapless/simulation/world.hpp>
+#include <mapless/simulation/scene.hpp>
 
 namespace mapless {
 namespace MAPLESS_FILE {

@@ -68,7 +68,7 @@ std::optional<Json> BenchmarkFolder::finished(const Job& job) const {
   for (const Json& picture : row["result"].value("pictures", Json::array())) {
     if (!fs::is_regular_file(pictures() / picture.value("file", "?"))) return std::nullopt;
   }
-  return row["result"];
+  return std::make_optional<Json>(row["result"]);  // nlohmann-json 3.10 takes a conversion for ambiguous
 }
 
 void BenchmarkFolder::finish(const Job& job, const Json& result) const {

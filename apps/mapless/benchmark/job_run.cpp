@@ -18,7 +18,7 @@
 #include "terminal/interrupt.hpp"
 #include <mapless/evaluation/evaluator.hpp>
 #include <mapless/io/dataset.hpp>
-#include <mapless/io/object_tables.hpp>
+#include <mapless/io/labels.hpp>
 #include <mapless/io/result_folder.hpp>
 #include <mapless/pipeline/online_detector.hpp>
 
@@ -137,7 +137,7 @@ std::optional<Json> run_job(const Job& job, const std::filesystem::path& recordi
   JobRun run(job, *dataset, objects, scan_done);
   if (!run.run()) return std::nullopt;
   Json result = run.result();
-  if (!job.pictures) return result;
+  if (!job.pictures) return std::make_optional(std::move(result));
   result["pictures"] = draw_album(run.views(), objects, pictures, job.recording.name());
   if (run.scan_picture()) {
     const std::string file = job.recording.name() + ".scan.png";
@@ -149,7 +149,7 @@ std::optional<Json> run_job(const Job& job, const std::filesystem::path& recordi
                                    "from above: moving points found green, missed blue, still ones "
                                    "called dynamic red"}});
   }
-  return result;
+  return std::make_optional(std::move(result));
 }
 
 }  // namespace mapless::app

@@ -2,7 +2,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include <mapless/evaluation/evaluation_report.hpp>
 #include <mapless/evaluation/evaluator.hpp>
 
 namespace mapless::app {

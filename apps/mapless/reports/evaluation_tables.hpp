@@ -3,7 +3,6 @@
 #include <optional>
 #include <string>
 
-#include <mapless/evaluation/evaluation_report.hpp>
 #include <mapless/evaluation/evaluator.hpp>
 
 namespace mapless::app {

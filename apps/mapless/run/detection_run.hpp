@@ -14,7 +14,7 @@
 #include "run/worker_thread.hpp"
 #include "terminal/progress.hpp"
 #include <mapless/io/dataset.hpp>
-#include <mapless/io/object_tables.hpp>
+#include <mapless/io/labels.hpp>
 #include <mapless/io/result_folder.hpp>
 #include <mapless/pipeline/online_detector.hpp>
 

@@ -15,7 +15,7 @@
 #include <mapless/detection/detector.hpp>
 #include <mapless/io/dataset.hpp>
 #include <mapless/io/trajectory_file.hpp>
-#include <mapless/pipeline/odometry_report.hpp>
+#include <mapless/pipeline/online_detector.hpp>
 
 namespace mapless::app {
 

@@ -29,7 +29,7 @@
 #include <mapless/io/result_folder.hpp>
 #include <mapless/io/trajectory_file.hpp>
 #include <mapless/odometry/lidar_odometry.hpp>
-#include <mapless/pipeline/odometry_report.hpp>
+#include <mapless/pipeline/online_detector.hpp>
 
 namespace mapless::app {
 namespace {

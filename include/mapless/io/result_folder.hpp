@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include <mapless/io/object_tables.hpp>
+#include <mapless/io/labels.hpp>
 
 namespace mapless::inline v1 {
 
@@ -21,7 +21,7 @@ struct TrackedObject;
 ///                           dynamic point, with the label_number of its object in the high 16 bits;
 ///                           9 for a static point; 0 for a record without a return
 ///     objects.csv           one row per tracked object and scan: id, position, size, velocity
-///                           (io/object_tables.hpp)
+///                           (io/labels.hpp)
 ///     stages/NNNNNN.stages  one uint8 per input record: bit s is 1 if the point is dynamic after
 ///                           stage s (detection/stages.hpp); 0 for a record without a return
 ///     poses_kitti.txt       T_0v (world from sensor) at the start of each labelled scan, 12 numbers per row

@@ -1,14 +1,178 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include <mapless/simulation/world.hpp>
+#include <Eigen/Core>
+
+#include <mapless/core/se3.hpp>
+#include <mapless/core/time.hpp>
 #include <mapless/trajectory/trajectory.hpp>
 
 namespace mapless::inline v1 {
+
+/// Material of a surface; determines its diffuse reflectivity and the chance of a faulty return.
+enum class Material : std::uint8_t {
+  asphalt,
+  earth,
+  concrete,
+  brick,
+  foliage,
+  wood,
+  metal,
+  paint,
+  dark_paint,
+  glass,
+  cloth
+};
+
+/// Diffuse reflectivity at a lidar's wavelength, 0 to 1.
+[[nodiscard]] float reflectivity(Material material);
+
+/// A triangle mesh; every triangle has one material and reflects on both sides. Coordinates in metres, in the
+/// frame s of the shape. The functions that add to it throw ParameterError for an argument out of bounds.
+struct Mesh {
+  std::vector<Eigen::Vector3f> vertices;
+  std::vector<Eigen::Matrix<std::uint32_t, 3, 1>> triangles;
+  std::vector<Material> materials;  ///< of each triangle
+
+  void add_triangle(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c, Material m);
+  /// A quadrilateral; its corners in order along its outline.
+  void add_quad(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c,
+                const Eigen::Vector3d& d, Material m);
+  /// A box with edges parallel to the axes.
+  void add_box(const Eigen::Vector3d& lowest, const Eigen::Vector3d& highest, Material m);
+  /// A frustum from `base` to `tip` whose cross-section is a regular polygon of `sides` >= 3, closed at both
+  /// ends. Radii at least 0; base and tip differ.
+  void add_frustum(const Eigen::Vector3d& base, double base_radius_m, const Eigen::Vector3d& tip,
+                   double tip_radius_m, int sides, Material m);
+  /// A convex polygon in the x-z plane (at least three points (x, z) in order), extruded from y =
+  /// -half_width_m to +half_width_m.
+  void add_extrusion(const std::vector<Eigen::Vector2d>& outline_xz, double half_width_m, Material m);
+  /// An ellipsoid of `rings` x 2 `rings` facets, rings >= 2.
+  void add_ellipsoid(const Eigen::Vector3d& centre, const Eigen::Vector3d& radii_m, int rings, Material m);
+  /// Every triangle of `other`, transformed to the frame of this mesh.
+  void append(const Mesh& other, const SE3& T_here_other);
+};
+
+/// Room simulation: recordings with exact truth. In go the name of a scene, a seed and a lidar model; out
+/// come scans with a label per point, poses, and a recording in one of the formats that io reads. It knows
+/// nothing of odometry and detection. The same seed gives the same bytes, for any number of threads.
+
+enum class ObjectClass : std::uint8_t {
+  ground,
+  building,
+  vegetation,
+  furniture,
+  car,
+  van,
+  truck,
+  bus,
+  motorcycle,
+  cyclist,
+  person,
+  dog,
+  bird,
+  drone,
+  ball
+};
+[[nodiscard]] std::string_view to_string(ObjectClass c);
+
+/// A pose as a function of time. It must be a pure function: the same result for the same time, from any
+/// thread.
+using Motion = std::function<SE3(Time)>;
+
+/// A shape that does not move. Frame s is that of the shape.
+struct StaticObject {
+  std::size_t shape = 0;
+  SE3 T_0s;
+  ObjectClass object_class = ObjectClass::building;
+  int object_id = 0;  ///< number in the labels, at most 65535; 0: none (ground, buildings)
+};
+
+/// An object that can move, made of one or more rigid parts. Frame b is that of its body, s that of a part's
+/// shape.
+struct Mover {
+  struct Part {
+    std::size_t shape = 0;
+    Motion T_bs;  ///< empty: identity
+  };
+  int object_id = 0;  ///< number in the labels, 1 to 65535
+  ObjectClass object_class = ObjectClass::car;
+  Motion T_0b;
+  double radius_m = 3;  ///< of a sphere about the body's origin that contains all parts at all times
+  std::vector<Part> parts;
+
+  [[nodiscard]] SE3 T_0s(std::size_t part, Time t) const {
+    return parts[part].T_bs ? T_0b(t) * parts[part].T_bs(t) : T_0b(t);
+  }
+};
+
+/// Everything rays can hit. Frame 0: level, z up.
+struct WorldDescription {
+  std::vector<Mesh> shapes;
+  std::vector<StaticObject> statics;
+  std::vector<Mover> movers;
+};
+
+/// One ray at its own instant. Origin in metres, direction of unit length, both in frame 0.
+struct TimedRay {
+  Eigen::Vector3d origin_0;
+  Eigen::Vector3d direction_0;
+  Time time;
+};
+
+/// The first surface on a ray.
+struct RayHit {
+  double range_m = 0;
+  Eigen::Vector3d velocity_0 =
+      Eigen::Vector3d::Zero();  ///< of the surface at the hit point and instant [m/s]
+  double cos_incidence = 1;     ///< cosine of the angle between ray and surface normal, 0 to 1
+  int object_id = 0;
+  ObjectClass object_class = ObjectClass::ground;
+  Material material = Material::asphalt;
+};
+
+/// A world to cast rays into, with Embree. Every shape is an instance; the parts of movers are motion-blurred
+/// instances over the prepared time interval, so that one acceleration structure serves the rays of every
+/// instant in it.
+class SimulatedWorld {
+ public:
+  /// Throws InputError for a shape number out of range, a triangle of an absent vertex, and a mover without
+  /// motion, with an object_id not in [1, 65535] or a radius that is not positive.
+  explicit SimulatedWorld(WorldDescription description);
+  ~SimulatedWorld();
+  SimulatedWorld(const SimulatedWorld&) = delete;
+  SimulatedWorld& operator=(const SimulatedWorld&) = delete;
+
+  /// Prepares the world for rays at instants in [begin, end] within the sphere of radius `reach_m` about
+  /// `centre_0`; movers outside the sphere at both ends are left out. The search interpolates vertices
+  /// linearly between nine poses of every part; the hit is then computed with the exact pose. Throws
+  /// ParameterError for end < begin or a reach that is not in [0, 1e6] m. Not thread-safe.
+  void prepare(Time begin, Time end, const Eigen::Vector3d& centre_0, double reach_m);
+
+  /// First surface on each ray within `max_range_m`; hits[i] belongs to rays[i]. Throws ParameterError for
+  /// spans of different length, a range not in (0, 1e6] m, and a time outside the prepared interval.
+  /// Thread-safe after prepare().
+  void cast(std::span<const TimedRay> rays, double max_range_m, std::span<std::optional<RayHit>> hits) const;
+
+  [[nodiscard]] const WorldDescription& description() const { return description_; }
+
+ private:
+  class Scenes;
+  [[nodiscard]] RayHit exact_hit(const TimedRay& ray, double range_m, unsigned instance,
+                                 unsigned triangle) const;
+
+  WorldDescription description_;
+  std::unique_ptr<Scenes> scenes_;
+};
 
 /// Options of make_scene. The same seed with a longer duration gives the same motion, continued.
 struct SceneOptions {

@@ -10,7 +10,6 @@
 #include "io/tables/csv.hpp"
 #include <mapless/io/files.hpp>
 #include <mapless/io/labels.hpp>
-#include <mapless/io/object_tables.hpp>
 
 namespace mapless::inline v1 {
 namespace {

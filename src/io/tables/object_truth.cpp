@@ -8,7 +8,7 @@
 #include "io/files/text.hpp"
 #include "io/tables/csv.hpp"
 #include <mapless/io/files.hpp>
-#include <mapless/io/object_tables.hpp>
+#include <mapless/io/labels.hpp>
 
 namespace mapless::inline v1 {
 namespace {

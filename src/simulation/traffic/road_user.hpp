@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "simulation/traffic/path.hpp"
-#include <mapless/simulation/world.hpp>
+#include <mapless/simulation/scene.hpp>
 
 namespace mapless::inline v1 {
 

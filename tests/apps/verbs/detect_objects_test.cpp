@@ -14,7 +14,6 @@
 #include <mapless/io/dataset.hpp>
 #include <mapless/io/files.hpp>
 #include <mapless/io/labels.hpp>
-#include <mapless/io/object_tables.hpp>
 #include <mapless/io/result_folder.hpp>
 
 namespace mapless {

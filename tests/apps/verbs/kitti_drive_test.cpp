@@ -7,7 +7,7 @@
 
 #include "support/shared_data.hpp"
 #include <mapless/detection/detector.hpp>
-#include <mapless/evaluation/evaluation_report.hpp>
+#include <mapless/evaluation/evaluator.hpp>
 #include <mapless/io/dataset.hpp>
 #include <mapless/io/labels.hpp>
 #include <mapless/io/trajectory_file.hpp>

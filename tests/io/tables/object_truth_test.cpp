@@ -6,7 +6,7 @@
 #include "support/temporary_folder.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/io/files.hpp>
-#include <mapless/io/object_tables.hpp>
+#include <mapless/io/labels.hpp>
 
 namespace mapless {
 namespace MAPLESS_FILE {

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "benchmark/movers/mover_views.hpp"
-#include <mapless/io/object_tables.hpp>
+#include <mapless/io/labels.hpp>
 
 namespace mapless::app {
 
