@@ -8,15 +8,18 @@
 #include <numeric>
 #include <utility>
 
+#include "core/argument_checks.hpp"
+
 namespace mapless::inline v1 {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// nanoflann prunes with lower bounds that carry rounding, and skips leaf points at exactly the distance of
-// the result set's worst. Telling it a bound this much wider keeps every tie; the result sets then compare
-// exactly.
+// nanoflann prunes with lower bounds that carry rounding errors, and skips leaf points at exactly the
+// distance of the worst result. A bound wider by this factor, far above rounding (1e-16 per operation), keeps
+// every tie; the result sets then compare exactly.
 constexpr double kPruningSlack = 1 + 1e-9;
+// Points of a leaf. Chosen: nanoflann's documentation recommends 10 to 50.
 constexpr std::size_t kLeafSize = 16;
 
 struct Points {
@@ -32,7 +35,7 @@ struct Points {
   }
 };
 
-// Squared distances are Eigen's, to the last bit, so that ties here are ties everywhere else.
+// Squared distances as Eigen computes them, to the last bit, so that ties here are ties everywhere else.
 struct Metric {
   using ElementType = double;
   using DistanceType = double;
@@ -134,12 +137,12 @@ class AllWithin {
 struct NearestNeighbours::Tree {
   explicit Tree(std::vector<Eigen::Vector3d> all) : points{std::move(all)}, original(points.values.size()) {
     std::iota(original.begin(), original.end(), 0);
-    drop_what_is_not_finite();
+    drop_non_finite_points();
     index = std::make_unique<Index>(3, points, nanoflann::KDTreeSingleIndexAdaptorParams(kLeafSize));
   }
 
   // A NaN would break the splitting of the tree.
-  void drop_what_is_not_finite() {
+  void drop_non_finite_points() {
     std::erase_if(original,
                   [this](std::int32_t i) { return !points.values[static_cast<std::size_t>(i)].allFinite(); });
     std::erase_if(points.values, [](const Eigen::Vector3d& p) { return !p.allFinite(); });
@@ -164,8 +167,9 @@ NearestNeighbours::Neighbour NearestNeighbours::nearest(const Eigen::Vector3d& q
 }
 
 std::vector<NearestNeighbours::Neighbour> NearestNeighbours::nearest(const Eigen::Vector3d& q, int k) const {
+  require_between("NearestNeighbours::nearest", "k", k, 0, std::numeric_limits<int>::max());
   std::vector<Neighbour> neighbours;
-  if (k <= 0) return neighbours;
+  if (k == 0) return neighbours;
   NearestSeveral result(tree_->original, std::min(static_cast<std::size_t>(k), tree_->original.size()));
   tree_->index->findNeighbors(result, q.data(), {});
   neighbours.reserve(result.best().size());
@@ -175,8 +179,8 @@ std::vector<NearestNeighbours::Neighbour> NearestNeighbours::nearest(const Eigen
 
 void NearestNeighbours::within(const Eigen::Vector3d& q, double radius_m,
                                std::vector<std::int32_t>& out) const {
+  require_between("NearestNeighbours::within", "radius_m", radius_m, 0, kInfinity);
   out.clear();
-  if (!(radius_m >= 0)) return;
   AllWithin result(tree_->original, radius_m * radius_m, out);
   tree_->index->findNeighbors(result, q.data(), {});
   std::sort(out.begin(), out.end());

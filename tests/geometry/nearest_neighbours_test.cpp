@@ -8,6 +8,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <mapless/core/errors.hpp>
+
 namespace mapless {
 namespace MAPLESS_FILE {
 
@@ -120,8 +122,6 @@ TEST(NearestNeighbours, RadiusIsInclusive) {
   EXPECT_THAT(near, ElementsAre(1, 2));
   tree.within({3, 0, 0}, 0, near);
   EXPECT_THAT(near, ElementsAre(0));
-  tree.within({0, 0, 0}, -1, near);
-  EXPECT_THAT(near, IsEmpty());
 }
 
 TEST(NearestNeighbours, EmptySetHasNoNeighbours) {
@@ -151,6 +151,15 @@ TEST(NearestNeighbours, NonFinitePointsAndQueriesHaveNoNeighbours) {
   }
   EXPECT_EQ(tree.nearest(points[100]).index, 100);
   EXPECT_EQ(tree.nearest(points[100], 1000).size(), 200u);
+}
+
+TEST(NearestNeighbours, RefusesNegativeNumbersAndRadii) {
+  const NearestNeighbours neighbours({{0, 0, 0}});
+  std::vector<std::int32_t> out;
+  EXPECT_TRUE(neighbours.nearest({0, 0, 0}, 0).empty());
+  EXPECT_THROW((void)neighbours.nearest({0, 0, 0}, -1), ParameterError);
+  EXPECT_THROW(neighbours.within({0, 0, 0}, -1, out), ParameterError);
+  EXPECT_THROW(neighbours.within({0, 0, 0}, std::nan(""), out), ParameterError);
 }
 
 }  // namespace MAPLESS_FILE

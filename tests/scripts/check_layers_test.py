@@ -39,8 +39,8 @@ class Layers(Tree):
         self.assertEqual(len(self.faults()), 1)
 
     def test_evaluation_and_simulation_never_include_detection(self):
-        self.write("src/evaluation/a.cpp", "#include <mapless/detection/stages.hpp>\n")
-        self.write("src/simulation/a.cpp", "#include <mapless/detection/stages.hpp>\n")
+        self.write("src/evaluation/a.cpp", "#include <mapless/detection/detection.hpp>\n")
+        self.write("src/simulation/a.cpp", "#include <mapless/detection/detection.hpp>\n")
         self.assertEqual(len(self.faults()), 2)
 
     def test_unknown_room_fails(self):

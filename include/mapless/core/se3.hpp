@@ -1,11 +1,12 @@
 #pragma once
 
+/// @file
+/// Room core: time, rigid transforms, errors and parameter declarations, on which every other room builds. It
+/// depends on no other room and holds no state.
+
 #include <Eigen/Core>
 
 namespace mapless::inline v1 {
-
-/// Room core: time, rigid transforms, errors and parameter declarations, on which every other room builds. It
-/// depends on no other room and holds no state.
 
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;

@@ -1,5 +1,10 @@
 #pragma once
 
+/// @file
+/// Room evaluation: how well a result agrees with the truth. In go true and estimated labels, objects and
+/// poses; out come reports. It knows files and recordings, and nothing of how labels are made. A rate whose
+/// denominator is 0 is absent, never 0 or 1.
+
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -20,10 +25,6 @@
 #include <mapless/lidar/lidar_scan.hpp>
 
 namespace mapless::inline v1 {
-
-/// Room evaluation: how well a result agrees with the truth. In go true and estimated labels, objects and
-/// poses; out come reports. It knows files and recordings, and nothing of how labels are made. A rate whose
-/// denominator is 0 is absent, never 0 or 1.
 
 /// Confusion matrix of points; "positive" means dynamic.
 struct Counts {

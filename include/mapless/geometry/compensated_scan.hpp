@@ -1,5 +1,10 @@
 #pragma once
 
+/// @file
+/// Room geometry: points in space. In go a LidarScan and a Trajectory; out come points and rays in the world
+/// frame with the motion of the sensor during the scan accounted for, normals, and nearest neighbours. Every
+/// result is computed once per scan and not changed afterwards.
+
 #include <memory>
 #include <utility>
 #include <vector>
@@ -11,10 +16,6 @@
 #include <mapless/trajectory/trajectory.hpp>
 
 namespace mapless::inline v1 {
-
-/// Room geometry: points in space. In go a LidarScan and a Trajectory; out come points and rays in the world
-/// frame with the motion of the sensor during the scan accounted for, normals, and nearest neighbours. Every
-/// result is computed once per scan and not changed afterwards.
 
 /// A motion-compensated scan (paper, section III-A, step 1): every return in the world frame 0, and the pose
 /// of the sensor at the instant of every column, from which the origin and direction of every ray follow.

@@ -1,5 +1,12 @@
 #pragma once
 
+/// @file
+/// Room io: recordings, results and their files. In go paths; out come a Dataset, labels, tables and
+/// trajectories, or typed errors that name file, field, value and bound. The root of the room serves
+/// recordings of any format; formats/ has one folder per format, which nothing but open_dataset includes;
+/// tables/ has labels, objects and trajectories; files/ has whole files (bytes, text, YAML). Includes point
+/// from the root to formats to tables to files.
+
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -14,12 +21,6 @@
 #include <mapless/trajectory/trajectory.hpp>
 
 namespace mapless::inline v1 {
-
-/// Room io: recordings, results and their files. In go paths; out come a Dataset, labels, tables and
-/// trajectories, or typed errors that name file, field, value and bound. The root of the room serves
-/// recordings of any format; formats/ has one folder per format, which nothing but open_dataset includes;
-/// tables/ has labels, objects and trajectories; files/ has whole files (bytes, text, YAML). Includes point
-/// from the root to formats to tables to files.
 
 /// A recording: the scans of one sensor in order of time. Every function with a scan number k throws
 /// ParameterError for k >= size().

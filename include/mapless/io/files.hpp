@@ -1,5 +1,10 @@
 #pragma once
 
+/// @file
+/// Folder files of room io: whole files in and out, for what is not a recording (formats) and not a table
+/// (tables). Paths go in, bytes, parameters and sensor models come out, or a typed error that names file,
+/// line, key and value.
+
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -9,10 +14,6 @@
 #include <mapless/lidar/lidar_model.hpp>
 
 namespace mapless::inline v1 {
-
-/// Folder files of room io: whole files in and out, for what is not a recording (formats) and not a table
-/// (tables). Paths go in, bytes, parameters and sensor models come out, or a typed error that names file,
-/// line, key and value.
 
 /// Writes `bytes` to a temporary file in the same folder and renames it to `file`: a reader sees the old file
 /// or the complete new one. A symbolic link is kept and its target replaced. Throws OutputError with the

@@ -23,7 +23,7 @@ struct TrackedObject;
 ///     objects.csv           one row per tracked object and scan: id, position, size, velocity
 ///                           (io/labels.hpp)
 ///     stages/NNNNNN.stages  one uint8 per input record: bit s is 1 if the point is dynamic after
-///                           stage s (detection/stages.hpp); 0 for a record without a return
+///                           stage s (detection/detection.hpp); 0 for a record without a return
 ///     poses_kitti.txt       T_0v (world from sensor) at the start of each labelled scan, 12 numbers per row
 ///     trajectory.txt        TUM rows at the same instants, at nine more within each of these scans, and
 ///                           at the end of the last one

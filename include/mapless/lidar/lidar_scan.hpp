@@ -1,5 +1,11 @@
 #pragma once
 
+/// @file
+/// Room lidar: the sensor (LidarModel) and what it measured in one turn (LidarScan). In go records of points
+/// with laser, column and time, or bare points whose rings and times are recovered; out comes a LidarScan. A
+/// LidarScan is made by organise() or build_scan() and not changed afterwards: the other rooms rely on its
+/// sorted returns and its cells.
+
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -11,11 +17,6 @@
 #include <mapless/lidar/lidar_model.hpp>
 
 namespace mapless::inline v1 {
-
-/// Room lidar: the sensor (LidarModel) and what it measured in one turn (LidarScan). In go records of points
-/// with laser, column and time, or bare points whose rings and times are recovered; out comes a LidarScan. A
-/// LidarScan is made by organise() or build_scan() and not changed afterwards: the other rooms rely on its
-/// sorted returns and its cells.
 
 /// Outcome of one firing of one laser. The first three values are the codes of the native format.
 enum class ReturnCode : std::uint8_t {

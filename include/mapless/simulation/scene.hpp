@@ -1,5 +1,10 @@
 #pragma once
 
+/// @file
+/// Room simulation: recordings with exact truth. In go the name of a scene, a seed and a lidar model; out
+/// come scans with a label per point, poses, and a recording in one of the formats that io reads. It knows
+/// nothing of odometry and detection. The same seed gives the same bytes, for any number of threads.
+
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -61,10 +66,6 @@ struct Mesh {
   /// Every triangle of `other`, transformed to the frame of this mesh.
   void append(const Mesh& other, const SE3& T_here_other);
 };
-
-/// Room simulation: recordings with exact truth. In go the name of a scene, a seed and a lidar model; out
-/// come scans with a label per point, poses, and a recording in one of the formats that io reads. It knows
-/// nothing of odometry and detection. The same seed gives the same bytes, for any number of threads.
 
 enum class ObjectClass : std::uint8_t {
   ground,

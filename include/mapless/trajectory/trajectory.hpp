@@ -1,5 +1,10 @@
 #pragma once
 
+/// @file
+/// Room trajectory: where the sensor was, as a continuous function of time. In go timed poses (from a file,
+/// from the odometry); out come pose and velocity at any instant within the time domain. A trajectory does
+/// not change once it is made, and every member function is thread-safe.
+
 #include <memory>
 #include <span>
 #include <string>
@@ -9,10 +14,6 @@
 #include <mapless/core/time.hpp>
 
 namespace mapless::inline v1 {
-
-/// Room trajectory: where the sensor was, as a continuous function of time. In go timed poses (from a file,
-/// from the odometry); out come pose and velocity at any instant within the time domain. A trajectory does
-/// not change once it is made, and every member function is thread-safe.
 
 /// Pose and velocity of the sensor at one instant.
 struct TrajectoryState {

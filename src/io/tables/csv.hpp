@@ -1,5 +1,9 @@
 #pragma once
 
+/// @file
+/// Folder tables: label files, tables of objects, times and trajectories, and the folder of a result. Rows go
+/// in, files come out, and back; every reader throws InputError naming file, line and value.
+
 #include <cstddef>
 #include <filesystem>
 #include <limits>
@@ -11,9 +15,6 @@
 
 namespace mapless::inline v1 {
 
-/// Folder tables: label files, tables of objects, times and trajectories, and the folder of a result. Rows go
-/// in, files come out, and back; every reader throws InputError naming file, line and value.
-///
 /// One line of a table. Refers to the text of the table.
 struct CsvLine {
   std::string where;

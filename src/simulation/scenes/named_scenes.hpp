@@ -1,11 +1,13 @@
 #pragma once
 
+/// @file
+/// Folder scenes: the named scenes. In go seed and duration; out come the world and the poses of the sensor.
+/// Each function fills `world` and `poses` of a Scene; make_scene adds name and world frame.
+
 #include <mapless/simulation/scene.hpp>
 
 namespace mapless::inline v1 {
 
-/// Folder scenes: the named scenes. In go seed and duration; out come the world and the poses of the sensor.
-/// Each function fills `world` and `poses` of a Scene; make_scene adds name and world frame.
 [[nodiscard]] Scene town1(const SceneOptions& options);
 [[nodiscard]] Scene town2(const SceneOptions& options);
 [[nodiscard]] Scene tilted(const SceneOptions& options);

@@ -1,5 +1,9 @@
 #pragma once
 
+/// @file
+/// Folder traffic: how road users move. In go their paths and the junctions; out come one track per user and
+/// the movers that follow these tracks. The folder knows paths and bodies, not scenes.
+
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -8,9 +12,6 @@
 
 namespace mapless::inline v1 {
 
-/// Folder traffic: how road users move. In go their paths and the junctions; out come one track per user and
-/// the movers that follow these tracks. The folder knows paths and bodies, not scenes.
-///
 /// Simulates the users from time 0 to `duration_s` in steps of Track::kStep_s and returns one track per user.
 /// Vehicles follow the vehicle ahead (intelligent driver model, Treiber et al., Phys. Rev. E 62, 2000), slow
 /// down in bends, obey traffic lights, yield to oncoming traffic when they turn left and to pedestrians on

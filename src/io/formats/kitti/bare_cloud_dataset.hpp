@@ -1,5 +1,9 @@
 #pragma once
 
+/// @file
+/// Folder kitti: KITTI raw, KITTI odometry and SemanticKITTI, whose clouds have neither rings nor times. A
+/// path goes in, a Dataset comes out.
+
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -10,9 +14,6 @@
 
 namespace mapless::inline v1 {
 
-/// Folder kitti: KITTI raw, KITTI odometry and SemanticKITTI, whose clouds have neither rings nor times. A
-/// path goes in, a Dataset comes out.
-///
 /// One scan of such a recording.
 struct BareCloudScan {
   std::filesystem::path file;

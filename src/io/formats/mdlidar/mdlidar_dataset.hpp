@@ -1,5 +1,9 @@
 #pragma once
 
+/// @file
+/// Folder mdlidar: recordings of the dataset of the paper. A path goes in, a Dataset comes out; MdlidarWriter
+/// writes them. Nothing outside includes its Protobuf messages.
+
 #include <filesystem>
 #include <memory>
 
@@ -7,9 +11,6 @@
 
 namespace mapless::inline v1 {
 
-/// Folder mdlidar: recordings of the dataset of the paper. A path goes in, a Dataset comes out; MdlidarWriter
-/// writes them. Nothing outside includes its Protobuf messages.
-///
 /// True for a recording of mdlidar, the dataset of the paper (arXiv 1809.06972): `town_N/` with the protobuf
 /// messages `header` and `frame/data_<i>` (mdlidar.proto), and `vel_64_calib.csv` there or one folder up (a
 /// row per laser: horizontal offset [m], vertical offset [m], rotational correction [rad], vertical

@@ -1,5 +1,9 @@
 #pragma once
 
+/// @file
+/// Folder native: this project's own recordings (method.md section 4), which keep everything a LidarScan
+/// holds. A path goes in, a Dataset comes out; NativeWriter writes them.
+
 #include <filesystem>
 #include <memory>
 
@@ -7,9 +11,6 @@
 
 namespace mapless::inline v1 {
 
-/// Folder native: this project's own recordings (method.md section 4), which keep everything a LidarScan
-/// holds. A path goes in, a Dataset comes out; NativeWriter writes them.
-///
 /// True for a folder with sensor.yaml and scans/.
 [[nodiscard]] bool looks_native(const std::filesystem::path& path);
 [[nodiscard]] std::unique_ptr<Dataset> open_native(const std::filesystem::path& path,

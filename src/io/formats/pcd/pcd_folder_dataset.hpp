@@ -1,5 +1,9 @@
 #pragma once
 
+/// @file
+/// Folder pcd: recordings as folders of PCD files, with or without rings, times and sensor model. A path goes
+/// in, a Dataset comes out; native recordings use read_pcd and write_pcd too.
+
 #include <filesystem>
 #include <memory>
 
@@ -7,9 +11,6 @@
 
 namespace mapless::inline v1 {
 
-/// Folder pcd: recordings as folders of PCD files, with or without rings, times and sensor model. A path goes
-/// in, a Dataset comes out; native recordings use read_pcd and write_pcd too.
-///
 /// True for a folder of *.pcd that is no native recording.
 [[nodiscard]] bool looks_pcd_folder(const std::filesystem::path& path);
 
