@@ -14,7 +14,7 @@ using Eigen::Vector3d;
 
 // How far beyond a place a ray must end: more than the shape of an object and its turn between two scans
 // explain. Chosen.
-constexpr double kBeyond_m = 0.5, kBeyondPerMetre = 0.01;
+constexpr double kMinBeyond_m = 0.5, kMinBeyondPerMetre = 0.01;
 constexpr int kMinRays = 3;  // of the four around the place; one may be faulty
 
 double azimuth_of(const Vector3d& p_v) { return std::atan2(p_v.y(), p_v.x()); }
@@ -64,7 +64,7 @@ bool SightLines::through(const Vector3d& p_0) const {
       ++rays;
       if (cell < 0) continue;
       const double measured = static_cast<double>(scan_->returns[static_cast<std::size_t>(cell)].range_m);
-      if (measured < range + kBeyond_m + kBeyondPerMetre * range) return false;
+      if (measured < range + kMinBeyond_m + kMinBeyondPerMetre * range) return false;
     }
   }
   return rays >= kMinRays;
