@@ -18,6 +18,7 @@ struct MotionState {
   int static_scans = 0;         ///< since it last moved, in which its velocity was known and slow
   double evidence = 0;          ///< votes of the last scan, plus those of earlier ones halved per scan
   int age = 0;                  ///< TrackedObject::age
+  double unconfirmed_m = 0;     ///< path by its velocity since the rays last showed a displacement
   Time seen;                    ///< start of its last scan
 };
 
@@ -38,6 +39,7 @@ struct MotionState {
 /// A moving track stops if any of these holds:
 /// - it is slow in two consecutive scans, where in the second a velocity within 2 sigma of zero suffices;
 /// - it is slow in one scan, its velocity is known, and the rays show no displacement;
+/// - its path by its velocity since the rays last showed a displacement reaches 1 m;
 /// - its velocity is known worse than to 0.5 m/s and its evidence falls below half of what it takes to begin.
 ///
 /// Where the velocity is not known (a wall, which slides along itself at any speed), `slow` is the absence of
