@@ -4,7 +4,7 @@
 #include <benchmark/benchmark.h>
 #include <tbb/global_control.h>
 
-#include "detection/evidence/point_evidence.hpp"
+#include "detection/evidence/collect_evidence.hpp"
 #include "detection/published/box_filter.hpp"
 #include "detection/published/freespace_check.hpp"
 #include "detection/published/pointcloud_comparison.hpp"
@@ -142,9 +142,9 @@ struct VotingStreet {
   LocalPoints points = test::local_points(Street::instance().query.compensated);
   std::vector<RayImage> images = cast_images();  // the earlier scans, then the later one
   RayImage own = RayImage(Street::instance().query.compensated);
-  std::vector<AskedScan> asked = asked_scans();
-  std::vector<PointVotes> votes =
-      collect_votes(Street::instance().query.scan(), points, asked, own, parameters);
+  std::vector<ReferenceScan> references = reference_scans();
+  std::vector<PointEvidence> votes =
+      collect_evidence(Street::instance().query.scan(), points, references, own, parameters);
   std::vector<FilterVerdict> seeds =
       filter_evidence(Street::instance().query.scan(), points, votes, parameters);
 
@@ -161,8 +161,8 @@ struct VotingStreet {
       images.emplace_back(compensate(test::cast_scan(scene, kQuery - gap).scan, *scene.trajectory));
     return images;
   }
-  [[nodiscard]] std::vector<AskedScan> asked_scans() const {
-    std::vector<AskedScan> all;
+  [[nodiscard]] std::vector<ReferenceScan> reference_scans() const {
+    std::vector<ReferenceScan> all;
     for (std::size_t k = 0; k < images.size(); ++k) all.push_back({&images[k], kGaps[k]});
     return all;
   }
@@ -183,7 +183,7 @@ void probe(benchmark::State& state) {
     float column = 0;
     for (std::size_t i = 0; i < all.size(); ++i) {
       if (i > 0) column += static_cast<float>(all[i].column - all[i - 1].column);
-      inside += probe.ask(s.points.points[i], column) == FreespaceVerdict::inside ? 1 : 0;
+      inside += probe.verdict(s.points.points[i], column) == FreespaceVerdict::inside ? 1 : 0;
     }
     return inside;
   });
@@ -191,8 +191,9 @@ void probe(benchmark::State& state) {
 
 void votes(benchmark::State& state) {
   const VotingStreet& s = VotingStreet::instance();
-  run(state, returns(),
-      [&] { return collect_votes(Street::instance().query.scan(), s.points, s.asked, s.own, s.parameters); });
+  run(state, returns(), [&] {
+    return collect_evidence(Street::instance().query.scan(), s.points, s.references, s.own, s.parameters);
+  });
 }
 
 void vote_filter(benchmark::State& state) {

@@ -14,7 +14,7 @@ asan) # All but whole scenes, most drives, statistics of many trials and what a 
   GTEST_FILTER="$GTEST_FILTER:LidarOdometry.RandomReturns*:LidarOdometry.Begins*:LidarOdometry.AScanDelivered*:LidarOdometry.StandsStill"
   GTEST_FILTER="$GTEST_FILTER:LidarOdometry.ADropped*:OdometryCovariance*:HardPlaces.ASudden*:HardPlaces.AScanOfFew*"
   GTEST_FILTER="$GTEST_FILTER:Detector.FindsAWall*:Detector.DetectionsCome*:Detector.FindsABox*:Detector.AStanding*"
-  GTEST_FILTER="$GTEST_FILTER:Detector.WhatStops*:VoteSampling.Of*:RaySearch.AgreesAt*:ObjectTracker.EstimatesVelocity*"
+  GTEST_FILTER="$GTEST_FILTER:Detector.WhatStops*:ScanlineSampler.Loses*:RaySearch.AgreesAt*:ObjectTracker.EstimatesVelocity*"
   GTEST_FILTER="$GTEST_FILTER:ObjectTracker.FollowsABraking*:Scene.ALonger*:Scene.AnotherSeed*"
   GTEST_FILTER="$GTEST_FILTER:*EverySceneIsTheSame*:Traffic.StopsAndStarts*:DetectionRunThreads.OdometryBeside*"
   GTEST_FILTER="$GTEST_FILTER:BenchmarkTest.Same*:BenchmarkTest.ARecording*:BenchmarkTest.Own*:BenchmarkTest.ARunIs*"

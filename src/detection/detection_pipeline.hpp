@@ -1,31 +1,40 @@
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include "detection/segmentation/object_evidence.hpp"
 #include <mapless/detection/detection.hpp>
 #include <mapless/detection/parameters.hpp>
+#include <mapless/trajectory/trajectory.hpp>
 
 namespace mapless::inline v1 {
 
-/// What a pipeline finds in a scan: every object it proposes has a number.
-struct ProposedObjects {
-  Detection detection;
+/// The objects of one scan before they are tracked: method "voting" still has to classify which of them move.
+/// Vectors have one element per return of `scan`, unless stated otherwise.
+struct ObjectProposals {
+  std::shared_ptr<const LidarScan> scan;
+  std::vector<StageTrace> trace;
+  std::vector<std::uint16_t> object;  ///< 0 for static, else 1, 2, ...: one number per proposed object
+  int objects = 0;
   std::vector<TrajectoryState> column_states;  ///< of the sensor, CompensatedScan::column_states
-  std::vector<ObjectEvidence> evidence;        ///< EvidenceGrowthResult::evidence
+  std::vector<ObjectEvidence> evidence;        ///< by object number - 1; empty for method "published"
+  StageSeconds seconds;
 };
 
-/// How scans are remembered and judged; Detector says when. Scans are numbered from 0 in the order they come.
+/// A detection method without its tracker: it keeps what it needs of each scan, and proposes the objects of a
+/// scan once the later ones are there. Detector decides when. Scans are numbered from 0 in the order of
+/// `add`.
 class DetectionPipeline {
  public:
   virtual ~DetectionPipeline() = default;
   /// Takes the next scan. Throws TrajectoryDomainError, and has then not taken it.
   virtual void add(std::shared_ptr<const LidarScan> scan, const Trajectory& trajectory) = 0;
-  /// The objects of scan `number`, with the help of those after it up to the newest there is. Scans come by
-  /// increasing number, each once.
-  virtual ProposedObjects detect(std::size_t number) = 0;
+  /// The objects of scan `number`, using the scans after it up to the newest. Called by increasing number,
+  /// once for each scan.
+  virtual ObjectProposals propose(std::size_t number) = 0;
 };
 
 /// Freespace voting, and the five steps as published.

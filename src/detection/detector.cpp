@@ -54,9 +54,9 @@ std::size_t Detector::first_detections_at() const {
 }
 
 Detection Detector::next() {
-  ProposedObjects proposed = pipeline_->detect(next_detection_);
-  proposed.detection.sequence_number = next_detection_++;
-  return moving_->classify(std::move(proposed));
+  Detection detection = moving_->classify(pipeline_->propose(next_detection_));
+  detection.sequence_number = next_detection_++;
+  return detection;
 }
 
 }  // namespace mapless

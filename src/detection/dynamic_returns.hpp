@@ -7,8 +7,8 @@
 
 namespace mapless::inline v1 {
 
-/// Calls `visit(i)` for every return i that is of an object, by increasing index; it may change object[i].
-/// Hardly any are, so that four at a time are looked at.
+/// Calls `visit(i)` for every return i that belongs to an object, by increasing index; it may change
+/// object[i]. Hardly any do, so four are tested at a time.
 template <class Visit>
 void for_each_dynamic(const std::vector<std::uint16_t>& object, Visit&& visit) {
   std::size_t i = 0;

@@ -5,7 +5,7 @@
 
 namespace mapless::inline v1 {
 
-/// A label has 16 bits for its object; objects beyond share the last number rather than turn static.
+/// Largest number of an object in one scan: a label has 16 bits for it. Objects beyond share the last number.
 inline constexpr int kMaxObjectNumber = std::numeric_limits<std::uint16_t>::max();
 
 }  // namespace mapless

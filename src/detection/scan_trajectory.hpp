@@ -8,8 +8,8 @@
 namespace mapless::inline v1 {
 
 /// The motion of the sensor during one scan, as it was known when the scan was compensated: its states at the
-/// columns, and from the nearest of them at constant body-centric velocity; beyond the ends too, where few
-/// ask.
+/// columns, and from the nearest of these at constant body-centric velocity. The domain reaches one scan
+/// period beyond either end.
 class ScanTrajectory final : public Trajectory {
  public:
   /// `column_states` as in CompensatedScan, of `scan`; at least one.

@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "detection/detection_pipeline.hpp"
-#include "detection/evidence/point_evidence.hpp"
+#include "detection/evidence/collect_evidence.hpp"
 #include "detection/evidence/reference_gaps.hpp"
 #include "detection/freespace/range_noise.hpp"
 #include "detection/segmentation/evidence_growth.hpp"
@@ -12,23 +12,23 @@
 namespace mapless::inline v1 {
 namespace {
 
-CandidateVerdict compared(const PointVotes& v) {
-  if (v.seen_through || v.vacated) return CandidateVerdict::dynamic;
-  return v.surface_seen ? CandidateVerdict::matched : CandidateVerdict::not_compared;
+CandidateVerdict candidate(const PointEvidence& e) {
+  if (e.seen_through || e.occluder_left) return CandidateVerdict::dynamic;
+  return e.surface_seen ? CandidateVerdict::matched : CandidateVerdict::not_compared;
 }
 
-FreespaceVerdict freespace(int votes) {
+FreespaceVerdict sign_of(int votes) {
   if (votes == 0) return FreespaceVerdict::unobserved;
   return votes > 0 ? FreespaceVerdict::inside : FreespaceVerdict::border;
 }
 
-std::vector<StageTrace> recorded(const std::vector<PointVotes>& votes,
+std::vector<StageTrace> trace_of(const std::vector<PointEvidence>& evidence,
                                  const std::vector<FilterVerdict>& seeds,
                                  const std::vector<GrowthVerdict>& growth) {
-  std::vector<StageTrace> trace(votes.size());
+  std::vector<StageTrace> trace(evidence.size());
   for (std::size_t i = 0; i < trace.size(); ++i) {
-    const PointVotes& v = votes[i];
-    trace[i] = {compared(v), freespace(v.earlier), freespace(v.total()), seeds[i], growth[i]};
+    const PointEvidence& e = evidence[i];
+    trace[i] = {candidate(e), sign_of(e.past), sign_of(e.total()), seeds[i], growth[i]};
   }
   return trace;
 }
@@ -41,7 +41,7 @@ class VotingPipeline final : public DetectionPipeline {
         forward_gap_(static_cast<std::size_t>(parameters.forward_gap)) {}
 
   void add(std::shared_ptr<const LidarScan> scan, const Trajectory& trajectory) override;
-  ProposedObjects detect(std::size_t number) override;
+  ObjectProposals propose(std::size_t number) override;
 
  private:
   struct PendingScan {
@@ -51,19 +51,19 @@ class VotingPipeline final : public DetectionPipeline {
     StageSeconds seconds;  // of its preparation
   };
   [[nodiscard]] const RayImage& image(std::size_t number) const { return images_.at(number - first_image_); }
-  [[nodiscard]] std::vector<AskedScan> scans_to_ask(std::size_t number) const;
-  [[nodiscard]] ProposedObjects judge(PendingScan query, const std::vector<AskedScan>& asked,
-                                      const RayImage& own) const;
+  [[nodiscard]] std::vector<ReferenceScan> references_of(std::size_t number) const;
+  [[nodiscard]] ObjectProposals run_stages(PendingScan query, const std::vector<ReferenceScan>& references,
+                                           const RayImage& own) const;
 
   VotingParameters parameters_;
   std::vector<std::size_t> gaps_;    // of the earlier scans, increasing
   std::size_t forward_gap_;          // of the first later one
   std::deque<RayImage> images_;      // consecutive scans, oldest first
   std::size_t first_image_ = 0;      // number of the oldest
-  std::deque<PendingScan> pending_;  // scans not judged yet, oldest first
+  std::deque<PendingScan> pending_;  // scans without proposals yet, oldest first
 };
 
-// Step 1 gives the poses; here every return and ray gets its own.
+// Step 1 gives the trajectory; here every return and ray gets its own pose.
 void VotingPipeline::add(std::shared_ptr<const LidarScan> scan, const Trajectory& trajectory) {
   PendingScan pending;
   auto [compensated, points] =
@@ -75,53 +75,56 @@ void VotingPipeline::add(std::shared_ptr<const LidarScan> scan, const Trajectory
   pending_.push_back(std::move(pending));
 }
 
-// Later scans are several for the first scans alone, which have few earlier ones.
-std::vector<AskedScan> VotingPipeline::scans_to_ask(std::size_t number) const {
+// Only the first scans, which have few earlier ones, have several later reference scans.
+std::vector<ReferenceScan> VotingPipeline::references_of(std::size_t number) const {
   const std::size_t newest = first_image_ + images_.size() - 1;
-  std::vector<AskedScan> asked;
-  asked.reserve(gaps_.size() + (newest - number));
+  std::vector<ReferenceScan> references;
+  references.reserve(gaps_.size() + (newest - number));
   for (const std::size_t gap : gaps_) {
-    if (gap <= number) asked.push_back({&image(number - gap), static_cast<int>(gap)});
+    if (gap <= number) references.push_back({&image(number - gap), static_cast<int>(gap)});
   }
-  if (asked.empty() && number > 0) asked.push_back({&image(0), static_cast<int>(number)});
+  if (references.empty() && number > 0) references.push_back({&image(0), static_cast<int>(number)});
   for (std::size_t later = std::min(number + forward_gap_, newest); later > number && later <= newest;
        ++later)
-    asked.push_back({&image(later), -static_cast<int>(later - number)});
-  return asked;
+    references.push_back({&image(later), -static_cast<int>(later - number)});
+  return references;
 }
 
-ProposedObjects VotingPipeline::detect(std::size_t number) {
+ObjectProposals VotingPipeline::propose(std::size_t number) {
   PendingScan query = std::move(pending_.front());
   pending_.pop_front();
-  ProposedObjects proposed = judge(std::move(query), scans_to_ask(number), image(number));
-  images_.at(number - first_image_).mark_dynamic(*proposed.detection.scan, proposed.detection.object);
-  while (first_image_ + gaps_.back() < number + 1) {  // the oldest the next detection can ask for
+  ObjectProposals proposed = run_stages(std::move(query), references_of(number), image(number));
+  images_.at(number - first_image_).mark_dynamic(*proposed.scan, proposed.object);
+  while (first_image_ + gaps_.back() < number + 1) {  // the oldest reference scan of the next query scan
     images_.pop_front();
     ++first_image_;
   }
   return proposed;
 }
 
-ProposedObjects VotingPipeline::judge(PendingScan query, const std::vector<AskedScan>& asked,
-                                      const RayImage& own) const {
-  Detection out;
+ObjectProposals VotingPipeline::run_stages(PendingScan query, const std::vector<ReferenceScan>& references,
+                                           const RayImage& own) const {
+  ObjectProposals out;
   out.seconds = query.seconds;
   out.scan = std::move(query.scan);
+  out.column_states = std::move(query.column_states);
 
-  // 2., 3. Comparison and freespace check, of every point, against several earlier scans and a later one.
-  const auto votes = timed(out.seconds.backward, [&] {
-    return collect_votes(*out.scan, query.points, asked, own, for_noise_of(*out.scan, parameters_));
+  // 2., 3. Comparison and freespace check of every point, against several earlier scans and a later one.
+  const auto evidence = timed(out.seconds.evidence, [&] {
+    return collect_evidence(*out.scan, query.points, references, own,
+                            with_tolerance_for_noise(parameters_, *out.scan));
   });
-  // 4. Border effects have no neighbours that say the same.
-  const auto seeds = timed(out.seconds.box_filter,
-                           [&] { return filter_evidence(*out.scan, query.points, votes, parameters_); });
+  // 4. Border effects: points whose linked neighbours do not have evidence too.
+  const auto seeds = timed(out.seconds.filter,
+                           [&] { return filter_evidence(*out.scan, query.points, evidence, parameters_); });
   // 5. Clustering and region growth: whole objects.
   auto regions = timed(out.seconds.region_growth,
-                       [&] { return grow_evidence(*out.scan, query.points, votes, seeds, parameters_); });
-  out.trace = recorded(votes, seeds, regions.verdict);
+                       [&] { return grow_evidence(*out.scan, query.points, evidence, seeds, parameters_); });
+  out.trace = trace_of(evidence, seeds, regions.verdict);
   out.object = std::move(regions.object);
   out.objects = regions.objects;
-  return {std::move(out), std::move(query.column_states), std::move(regions.evidence)};
+  out.evidence = std::move(regions.evidence);
+  return out;
 }
 
 }  // namespace

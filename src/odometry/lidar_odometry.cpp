@@ -138,8 +138,8 @@ UsableScan LidarOdometry::State::select_points(const LidarScan& scan) const {
   const std::size_t interval = current().knots.size() - 2;
   std::vector<ScanPoint> points = thin(scan, denser);
   TimeBins bins(select_keypoints(points, denser, max_halvings), scan.start, current().knots[interval].time);
-  return {std::move(points), std::move(bins), start_up ? std::make_shared<const SeenThrough>(scan) : nullptr,
-          scan.start, interval};
+  return {std::move(points), std::move(bins),
+          start_up ? std::make_shared<const CoarseFreespace>(scan) : nullptr, scan.start, interval};
 }
 
 ScanOutcome LidarOdometry::State::register_in_start_up(UsableScan scan, OdometryUpdate& update) {

@@ -238,7 +238,7 @@ TEST(Detector, ForgetsScansNobodyWillAsk) {
 }
 
 // An object slides within itself for the scans of a moment ago, not for those of seconds ago. The wall it
-// uncovers is more than vacated_m behind its face.
+// uncovers is more than max_occluder_distance_m behind its face.
 TEST(Detector, FindsAWallThatSlidesOnceItHasLeftItsOwnLength) {
   test::ToyScene scene = test::toy_room("HDL-64E-S3", test::drive(0, 0));
   test::ToyBody lorry = test::toy_box({-5, 3.6, 0.1}, {1.5, 0.3, 0.6});

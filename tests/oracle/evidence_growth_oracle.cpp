@@ -37,7 +37,7 @@ bool EvidenceGrowthOracle::linked(std::size_t i, std::size_t j, int rows, int co
   return distance <= std::min(link_m(a), link_m(b));
 }
 
-std::vector<FilterVerdict> EvidenceGrowthOracle::filter(const std::vector<PointVotes>& votes) const {
+std::vector<FilterVerdict> EvidenceGrowthOracle::filter(const std::vector<PointEvidence>& votes) const {
   std::vector<FilterVerdict> verdicts;
   for (std::size_t i = 0; i < votes.size(); ++i) {
     int score = votes[i].total();
@@ -67,7 +67,7 @@ std::vector<std::size_t> EvidenceGrowthOracle::sets(const std::vector<char>& cho
   return lowest;
 }
 
-void EvidenceGrowthOracle::fill(const std::vector<PointVotes>& votes, int min_votes,
+void EvidenceGrowthOracle::fill(const std::vector<PointEvidence>& votes, int min_votes,
                                 std::vector<char>& dynamic, EvidenceGrowthResult& result) const {
   const std::vector<char> before = dynamic;
   for (std::size_t i = 0; i < votes.size(); ++i) {
@@ -80,7 +80,7 @@ void EvidenceGrowthOracle::fill(const std::vector<PointVotes>& votes, int min_vo
   }
 }
 
-void EvidenceGrowthOracle::add_surfaces(const std::vector<PointVotes>& votes, std::vector<char>& dynamic,
+void EvidenceGrowthOracle::add_surfaces(const std::vector<PointEvidence>& votes, std::vector<char>& dynamic,
                                         EvidenceGrowthResult& result) const {
   const std::vector<char> found = dynamic;
   const std::vector<std::size_t> objects = sets(found);
@@ -102,15 +102,15 @@ void EvidenceGrowthOracle::add_surfaces(const std::vector<PointVotes>& votes, st
 }
 
 std::vector<char> EvidenceGrowthOracle::surfaces_of(const std::vector<std::size_t>& object,
-                                                    const std::vector<PointVotes>& votes,
+                                                    const std::vector<PointEvidence>& votes,
                                                     const std::vector<char>& dynamic) const {
   std::vector<char> whole(votes.size(), 0), surface(votes.size(), 0);
   for (const std::size_t i : object) whole[i] = 1;
   for (bool changed = true; changed;) {
     changed = false;
     for (std::size_t i = 0; i < votes.size(); ++i) {
-      const PointVotes& v = votes[i];
-      if (whole[i] || dynamic[i] || v.total() < -4 || (v.earlier == 0 && !v.moving_seen)) continue;
+      const PointEvidence& v = votes[i];
+      if (whole[i] || dynamic[i] || v.total() < -4 || (v.past == 0 && !v.seen_dynamic)) continue;
       for (std::size_t j = 0; j < votes.size() && !whole[i]; ++j) {
         if (!whole[j] || !linked(i, j, 1, 2)) continue;
         whole[i] = surface[i] = 1;
@@ -122,7 +122,7 @@ std::vector<char> EvidenceGrowthOracle::surfaces_of(const std::vector<std::size_
 }
 
 EvidenceGrowthOracle::Ends EvidenceGrowthOracle::ends_of(const std::vector<char>& surface,
-                                                         const std::vector<PointVotes>& votes) const {
+                                                         const std::vector<PointEvidence>& votes) const {
   Ends ends;
   for (std::size_t i = 0; i < votes.size(); ++i) {
     for (std::size_t j = 0; j < votes.size(); ++j) {
@@ -137,7 +137,7 @@ EvidenceGrowthOracle::Ends EvidenceGrowthOracle::ends_of(const std::vector<char>
   return ends;
 }
 
-EvidenceGrowthResult EvidenceGrowthOracle::grow(const std::vector<PointVotes>& votes,
+EvidenceGrowthResult EvidenceGrowthOracle::grow(const std::vector<PointEvidence>& votes,
                                                 const std::vector<FilterVerdict>& seeds) const {
   const std::size_t size = votes.size();
   EvidenceGrowthResult result;
@@ -174,13 +174,13 @@ EvidenceGrowthResult EvidenceGrowthOracle::grow(const std::vector<PointVotes>& v
   return result;
 }
 
-double EvidenceGrowthOracle::displacement_m(const std::vector<PointVotes>& votes,
+double EvidenceGrowthOracle::displacement_m(const std::vector<PointEvidence>& votes,
                                             const std::vector<std::size_t>& object) const {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   double recent = 0, radius = 0;
   for (const std::size_t i : object) {
     sum += points_[i].cast<double>();
-    recent += votes[i].recently ? 1 : 0;
+    recent += votes[i].recently_free ? 1 : 0;
   }
   const auto count = static_cast<double>(object.size());
   for (const std::size_t i : object) {
@@ -190,7 +190,7 @@ double EvidenceGrowthOracle::displacement_m(const std::vector<PointVotes>& votes
 }
 
 // Votes count half where a scan saw a surface; each row is scaled down to the most it may count.
-int EvidenceGrowthOracle::weighted_votes(const std::vector<PointVotes>& votes,
+int EvidenceGrowthOracle::weighted_votes(const std::vector<PointEvidence>& votes,
                                          const std::vector<std::size_t>& object) const {
   std::map<int, std::pair<double, double>> rows;  // votes of each, as they are and weighted
   for (const std::size_t i : object) {
@@ -206,7 +206,7 @@ int EvidenceGrowthOracle::weighted_votes(const std::vector<PointVotes>& votes,
   return static_cast<int>(std::lround(sum));
 }
 
-Body EvidenceGrowthOracle::body(const std::vector<PointVotes>& votes,
+Body EvidenceGrowthOracle::body(const std::vector<PointEvidence>& votes,
                                 const std::vector<std::size_t>& object) const {
   std::set<int> rows;
   std::size_t whole = 0, both = 0;
@@ -222,7 +222,7 @@ Body EvidenceGrowthOracle::body(const std::vector<PointVotes>& votes,
   return 10 * both > 7 * object.size() ? Body::porous : Body::unclear;
 }
 
-void EvidenceGrowthOracle::number(const std::vector<PointVotes>& votes, const std::vector<char>& dynamic,
+void EvidenceGrowthOracle::number(const std::vector<PointEvidence>& votes, const std::vector<char>& dynamic,
                                   EvidenceGrowthResult& result) const {
   const std::vector<std::size_t> objects = sets(dynamic);
   std::map<std::size_t, std::vector<std::size_t>> members;  // by an object's lowest point

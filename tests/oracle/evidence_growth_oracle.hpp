@@ -15,33 +15,34 @@ class EvidenceGrowthOracle {
   EvidenceGrowthOracle(const LidarScan& scan, const LocalPoints& points, const VotingParameters& parameters)
       : scan_(scan), points_(points.points), parameters_(parameters) {}
 
-  [[nodiscard]] std::vector<FilterVerdict> filter(const std::vector<PointVotes>& votes) const;
-  [[nodiscard]] EvidenceGrowthResult grow(const std::vector<PointVotes>& votes,
+  [[nodiscard]] std::vector<FilterVerdict> filter(const std::vector<PointEvidence>& votes) const;
+  [[nodiscard]] EvidenceGrowthResult grow(const std::vector<PointEvidence>& votes,
                                           const std::vector<FilterVerdict>& seeds) const;
 
  private:
-  void fill(const std::vector<PointVotes>& votes, int min_votes, std::vector<char>& dynamic,
+  void fill(const std::vector<PointEvidence>& votes, int min_votes, std::vector<char>& dynamic,
             EvidenceGrowthResult& result) const;
   /// Adds the surfaces that slide along themselves to every set of `dynamic` points.
-  void add_surfaces(const std::vector<PointVotes>& votes, std::vector<char>& dynamic,
+  void add_surfaces(const std::vector<PointEvidence>& votes, std::vector<char>& dynamic,
                     EvidenceGrowthResult& result) const;
   [[nodiscard]] std::vector<char> surfaces_of(const std::vector<std::size_t>& object,
-                                              const std::vector<PointVotes>& votes,
+                                              const std::vector<PointEvidence>& votes,
                                               const std::vector<char>& dynamic) const;
   struct Ends {
     int free = 0;           // in front of something farther
     int static_points = 0;  // continuing into static points
   };
-  [[nodiscard]] Ends ends_of(const std::vector<char>& surface, const std::vector<PointVotes>& votes) const;
+  [[nodiscard]] Ends ends_of(const std::vector<char>& surface, const std::vector<PointEvidence>& votes) const;
   /// Numbers the sets of `dynamic` points and collects the evidence of each.
-  void number(const std::vector<PointVotes>& votes, const std::vector<char>& dynamic,
+  void number(const std::vector<PointEvidence>& votes, const std::vector<char>& dynamic,
               EvidenceGrowthResult& result) const;
   /// Diameter about the centroid times the share of points seen through recently [m].
-  [[nodiscard]] double displacement_m(const std::vector<PointVotes>& votes,
+  [[nodiscard]] double displacement_m(const std::vector<PointEvidence>& votes,
                                       const std::vector<std::size_t>& object) const;
-  [[nodiscard]] int weighted_votes(const std::vector<PointVotes>& votes,
+  [[nodiscard]] int weighted_votes(const std::vector<PointEvidence>& votes,
                                    const std::vector<std::size_t>& object) const;
-  [[nodiscard]] Body body(const std::vector<PointVotes>& votes, const std::vector<std::size_t>& object) const;
+  [[nodiscard]] Body body(const std::vector<PointEvidence>& votes,
+                          const std::vector<std::size_t>& object) const;
   [[nodiscard]] bool linked(std::size_t i, std::size_t j, int rows, int columns) const;
   [[nodiscard]] double link_m(const LidarReturn& r) const;
   [[nodiscard]] int image_column(const LidarReturn& r) const;

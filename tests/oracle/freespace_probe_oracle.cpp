@@ -61,8 +61,8 @@ double FreespaceProbeOracle::spacing_rad(int laser) const {
   return spacing;
 }
 
-FreespaceVerdict FreespaceProbeOracle::judge(const std::vector<Sighting>& around,
-                                             const Sighting& nearest) const {
+FreespaceVerdict FreespaceProbeOracle::classify(const std::vector<Sighting>& around,
+                                                const Sighting& nearest) const {
   bool ends_here = false, ends_short = false;
   for (const Sighting& s : around) {
     const double tolerance_m =
@@ -87,7 +87,7 @@ FreespaceVerdict FreespaceProbeOracle::judge(const std::vector<Sighting>& around
   return at_edge ? FreespaceVerdict::unobserved : FreespaceVerdict::inside;
 }
 
-FreespaceVerdict FreespaceProbeOracle::ask(const Vector3d& q_0, int first, int end) const {
+FreespaceVerdict FreespaceProbeOracle::verdict(const Vector3d& q_0, int first, int end) const {
   Sighting above, below;
   for (int l = 0; l < reference_.rows(); ++l) {
     const Sighting s = sight(q_0, l, first, end);
@@ -106,16 +106,16 @@ FreespaceVerdict FreespaceProbeOracle::ask(const Vector3d& q_0, int first, int e
   const double reach = parameters_.max_ray_distance_m +
                        parameters_.max_ray_distance_spacings * spacing_rad(nearest.laser) * nearest.range_m;
   if (std::abs(nearest.height_m) > reach) return FreespaceVerdict::unobserved;
-  return judge(around, nearest);
+  return classify(around, nearest);
 }
 
-double FreespaceProbeOracle::margin_m(const Vector3d& q_0, FreespaceVerdict verdict) const {
+double FreespaceProbeOracle::margin_m(const Vector3d& q_0, FreespaceVerdict other) const {
   for (double step = 0.0005; step < 0.3; step *= 2) {
     for (int direction = 0; direction < 27; ++direction) {
       const int x = direction % 3 - 1, y = direction / 3 % 3 - 1, z = direction / 9 - 1;
       const Vector3d d(x, y, z);
       if (d.isZero(0)) continue;
-      if (ask(q_0 + step * d.normalized()) == verdict) return step;
+      if (verdict(q_0 + step * d.normalized()) == other) return step;
     }
   }
   return std::numeric_limits<double>::infinity();

@@ -12,22 +12,22 @@
 
 namespace mapless::test {
 
-/// What ray_image.hpp says FreespaceProbe answers, by brute force over all lasers and firings, each ray from
-/// the pose of the sensor at the instant that laser fired, in double precision.
+/// The answers of FreespaceProbe by the rules of freespace_probe.hpp, by brute force over all lasers and
+/// firings, each ray from the pose of the sensor at the instant that laser fired, in double precision.
 class FreespaceProbeOracle {
  public:
   FreespaceProbeOracle(const LidarScan& reference, const Trajectory& trajectory,
                        const VotingParameters& parameters);
 
-  [[nodiscard]] FreespaceVerdict ask(const Eigen::Vector3d& q_0) const {
-    return ask(q_0, 0, reference_.columns);
+  [[nodiscard]] FreespaceVerdict verdict(const Eigen::Vector3d& q_0) const {
+    return verdict(q_0, 0, reference_.columns);
   }
-  /// The same with the firings of columns [first, end) alone to choose from. Where a turning sensor saw a
-  /// direction twice, at its start and its end, both answers are right.
-  [[nodiscard]] FreespaceVerdict ask(const Eigen::Vector3d& q_0, int first, int end) const;
-  /// How near q is to a point of which `verdict` is the answer [m], tried in 26 directions and steps of a
+  /// The same with the firings of columns [first, end) alone to choose from. Where a turning sensor
+  /// observed a direction twice, at its start and its end, both answers are right.
+  [[nodiscard]] FreespaceVerdict verdict(const Eigen::Vector3d& q_0, int first, int end) const;
+  /// How near q is to a point of which `other` is the answer [m], tried in 26 directions and steps of a
   /// factor of two from 0.5 mm to 0.25 m; infinite where none is.
-  [[nodiscard]] double margin_m(const Eigen::Vector3d& q_0, FreespaceVerdict verdict) const;
+  [[nodiscard]] double margin_m(const Eigen::Vector3d& q_0, FreespaceVerdict other) const;
   /// Least angle between the direction of q and the hub's x axis at the scan's start and its end [rad].
   [[nodiscard]] double angle_from_seam(const Eigen::Vector3d& q_0) const;
   /// Where a ray starts and points, in the world.
@@ -57,7 +57,7 @@ class FreespaceProbeOracle {
   }
   [[nodiscard]] Sighting sight(const Eigen::Vector3d& q_0, int laser, int first, int end) const;
   [[nodiscard]] double spacing_rad(int laser) const;
-  [[nodiscard]] FreespaceVerdict judge(const std::vector<Sighting>& around, const Sighting& nearest) const;
+  [[nodiscard]] FreespaceVerdict classify(const std::vector<Sighting>& around, const Sighting& nearest) const;
   [[nodiscard]] double hub_angle_to(const Eigen::Vector3d& q_0, int column) const;
 
   const LidarScan& reference_;

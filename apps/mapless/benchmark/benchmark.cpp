@@ -27,6 +27,7 @@
 #include "verbs/verbs.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/io/files.hpp>
+#include <mapless/lidar/lidar_model.hpp>
 #include <mapless/simulation/scene.hpp>
 
 namespace mapless::app {

@@ -16,13 +16,13 @@ namespace mapless::app {
 ///     benchmark.json   all figures; begins as kBenchmarkBegin
 ///     plots/*.png      the page's plots
 ///     pictures/*.png   views of movers
-///     rows/*.json      one finished run each: what it was, and its result
+///     rows/*.json      one finished run each: its job and its result
 ///     recordings/      RecordingStore, unless elsewhere
 ///
-/// A finished run is used again where the same program made it of the same job.
+/// A finished run is reused if the same program made it for the same job.
 class BenchmarkFolder {
  public:
-  /// `build` tells programs apart (build_digest).
+  /// `build` identifies the program (build_digest).
   BenchmarkFolder(std::filesystem::path path, std::string build)
       : path_(std::move(path)), build_(std::move(build)) {}
 
@@ -49,11 +49,11 @@ class BenchmarkFolder {
   std::string build_;
 };
 
-/// benchmark.json begins with this, which is how a benchmark is told from anybody else's folder.
+/// benchmark.json begins with this, which identifies the folder as one of a benchmark.
 inline constexpr std::string_view kBenchmarkName = "mapless benchmark";
 inline constexpr std::string_view kBenchmarkBegin = "{\n  \"program\": \"mapless benchmark\"";
 
-/// A digest of the running program's own file: figures of one build are not taken for those of another.
+/// A digest of the file of the running program: figures of another build are not reused.
 [[nodiscard]] std::string build_digest();
 
 }  // namespace mapless::app

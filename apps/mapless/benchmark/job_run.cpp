@@ -52,7 +52,7 @@ class JobRun {
   [[nodiscard]] Json result() const {
     Json stages = Json::array();
     for (std::size_t s = 0; s < kStageCount; ++s) {
-      stages.push_back({{"after", kStageNames.at(s)}});
+      stages.push_back({{"after", stage_names(job_.parameters.method).at(s)}});
       stages.back().update(to_json(after_stage_.at(s)));
     }
     const EvaluationReport report = evaluator_.report();
@@ -138,7 +138,8 @@ std::optional<Json> run_job(const Job& job, const std::filesystem::path& recordi
   if (!run.run()) return std::nullopt;
   Json result = run.result();
   if (!job.pictures) return std::make_optional(std::move(result));
-  result["pictures"] = draw_album(run.views(), objects, pictures, job.recording.name());
+  result["pictures"] =
+      draw_album(run.views(), stage_names(job.parameters.method), objects, pictures, job.recording.name());
   if (run.scan_picture()) {
     const std::string file = job.recording.name() + ".scan.png";
     run.scan_picture()->write_png(pictures / file);

@@ -10,11 +10,11 @@
 
 namespace mapless::app {
 
-/// Detects and evaluates one run, scan by scan, in memory that does not grow with its length but for the
-/// milliseconds of its scans. `scan_done` after every scan. Pictures, if the job asks for them, go to
+/// Detects and evaluates one run, scan by scan. Memory does not grow with the number of scans, except for
+/// their times. Calls `scan_done` after every scan. Pictures, if the job asks for them, go to
 /// `pictures`. Empty where interrupted. Throws InputError for a recording that cannot be used.
 ///
-/// The result has: scans; final and stages (rates); timing (timing_json) on so many threads;
+/// The result has: scans; final and stages (rates); timing (timing_json) and threads, their number;
 /// odometry_trouble; for a job of the table also measures (EvaluationReport), and with pictures a list of
 /// them (draw_album, and one of kind "scan").
 [[nodiscard]] std::optional<nlohmann::ordered_json> run_job(const Job& job,

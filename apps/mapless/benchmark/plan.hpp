@@ -11,7 +11,7 @@
 
 namespace mapless::app {
 
-/// What decides a simulated recording.
+/// The settings that determine a simulated recording.
 struct RecordingKey {
   std::string scene;
   std::string sensor;  ///< a named model
@@ -21,32 +21,32 @@ struct RecordingKey {
 
   auto operator<=>(const RecordingKey&) const = default;
 
-  /// A folder's name, the same for equal keys alone.
+  /// Name of its folder; different keys have different names.
   [[nodiscard]] std::string name() const;
   [[nodiscard]] nlohmann::ordered_json json() const;
 };
 
-/// Which motion of the sensor within a scan the detector is not told of (ablations).
+/// Where the motion of the sensor within a scan is accounted for (ablations; ablated_motion.hpp).
 enum class Compensation { full, not_of_clouds, not_of_rays, none };
 
-/// What a run is for.
+/// The part of the page that a run belongs to.
 enum class Part { table, sweep, ablation };
 
 /// One run of the detector over a recording, or over the first scans of it.
 struct Job {
   Part part = Part::table;
   RecordingKey recording;
-  std::string name;  ///< tells the runs of one part and recording apart; "" for the plain one
+  std::string name;  ///< distinguishes the runs of one part and recording; "" for the default method
   DetectorParameters parameters;
   Compensation compensation = Compensation::full;
-  bool odometry = false;                   ///< own odometry in place of the true poses
-  std::optional<std::size_t> first_scans;  ///< how many; all where not given
+  bool odometry = false;                   ///< lidar odometry in place of the true poses
+  std::optional<std::size_t> first_scans;  ///< number of scans; all if not given
   std::optional<double> threshold_m;       ///< of a sweep
   bool pictures = false;                   ///< draw its movers
 
-  /// Its file's name, unique in a plan.
+  /// Name of its file without extension, unique in a plan.
   [[nodiscard]] std::string stem() const;
-  /// All that decides its figures.
+  /// All settings that determine its figures.
   [[nodiscard]] nlohmann::ordered_json json() const;
 };
 

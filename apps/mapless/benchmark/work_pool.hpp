@@ -7,12 +7,12 @@
 
 namespace mapless::app {
 
-/// A long piece of work. Calls its argument after every step, and returns false where it was interrupted.
+/// A long task. Calls its argument after every step; returns false where it was interrupted.
 using LongTask = std::function<bool(const std::function<void()>& step_done)>;
 
-/// Does the tasks side by side, in order, each with an equal part of the threads, and shows the progress of
-/// all their steps. False where any was interrupted. Throws what the first of the tasks that failed threw;
-/// the others are given up at their next step.
+/// Runs the tasks concurrently, started in order, each with an equal share of the threads, and shows the
+/// progress of all their steps. False where any was interrupted. Throws the exception of the first task that
+/// failed; the others stop at their next step.
 bool work_side_by_side(const std::vector<LongTask>& tasks, std::size_t threads, std::size_t steps,
                        const std::string& unit);
 

@@ -20,14 +20,15 @@ struct TimingRow {
   double (*seconds)(const StageSeconds&);
 };
 
-constexpr std::array<TimingRow, 10> kTimingRows = {{
+constexpr std::array<TimingRow, 11> kTimingRows = {{
     {"compensation", [](const StageSeconds& s) { return s.compensation; }},
     {"neighbours", [](const StageSeconds& s) { return s.neighbours; }},
     {"normals", [](const StageSeconds& s) { return s.normals; }},
     {"comparison", [](const StageSeconds& s) { return s.comparison; }},
     {"backward", [](const StageSeconds& s) { return s.backward; }},
     {"forward", [](const StageSeconds& s) { return s.forward; }},
-    {"box_filter", [](const StageSeconds& s) { return s.box_filter; }},
+    {"evidence", [](const StageSeconds& s) { return s.evidence; }},
+    {"filter", [](const StageSeconds& s) { return s.filter; }},
     {"region_growth", [](const StageSeconds& s) { return s.region_growth; }},
     {"tracking", [](const StageSeconds& s) { return s.tracking; }},
     {"total", [](const StageSeconds& s) { return s.total(); }},

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <optional>
 #include <string>
@@ -35,6 +36,15 @@ struct EvaluateOptions {
   std::string json;
 };
 
+// The stages of the result's method. Only that line of config.yaml is read: other versions have other keys.
+const StageNames& stage_names_of(const ResultFolder& result) {
+  std::ifstream config(result.config());
+  for (std::string line; std::getline(config, line);) {
+    if (line.starts_with("method: published")) return stage_names(DetectionMethod::published);
+  }
+  return stage_names(DetectionMethod::voting);
+}
+
 std::string table_row(std::string_view name, const PrecisionRecall& r) {
   const Counts& c = r.total();
   return fmt::format("{:<22}{:>10}{:>8}{:>12}{:>6}{:>9}{:>6}{:>8}{:>8}{:>10}{:>10}{:>10}{:>12}\n", name,
@@ -43,7 +53,8 @@ std::string table_row(std::string_view name, const PrecisionRecall& r) {
                      rate_text(c.iou()), c.tp, c.fp, c.fn, c.tn);
 }
 
-std::string table(const ResultEvaluation& e, const std::optional<double>& max_range_m) {
+std::string table(const ResultEvaluation& e, const StageNames& names,
+                  const std::optional<double>& max_range_m) {
   std::string out =
       fmt::format("{} scans evaluated of {} labelled ({} have no true labels); points {}\n\n", e.scans.size(),
                   e.labelled_scans, e.scans_without_truth,
@@ -54,7 +65,7 @@ std::string table(const ResultEvaluation& e, const std::optional<double>& max_ra
                      "precision", "recall", "precision", "N_p", "recall", "N_r", "F1", "IoU", "TP", "FP",
                      "FN", "TN");
   for (std::size_t s = 0; s < e.after_stage.size(); ++s) {
-    if (e.after_stage[s].scans() > 0) out += table_row(kStageNames.at(s), e.after_stage[s]);
+    if (e.after_stage[s].scans() > 0) out += table_row(names.at(s), e.after_stage[s]);
   }
   return out + table_row("final labels", e.report.points);
 }
@@ -65,10 +76,11 @@ Json named_json(std::string_view name, const PrecisionRecall& rates) {
   return out;
 }
 
-Json result_json(const ResultEvaluation& e, const std::optional<double>& max_range_m) {
+Json result_json(const ResultEvaluation& e, const StageNames& names,
+                 const std::optional<double>& max_range_m) {
   Json stages = Json::array();
   for (std::size_t s = 0; s < e.after_stage.size(); ++s) {
-    if (e.after_stage[s].scans() > 0) stages.push_back(named_json(kStageNames.at(s), e.after_stage[s]));
+    if (e.after_stage[s].scans() > 0) stages.push_back(named_json(names.at(s), e.after_stage[s]));
   }
   return {{"scans", e.scans.size()},
           {"labelled_scans", e.labelled_scans},
@@ -121,14 +133,15 @@ int evaluate(const EvaluateOptions& options) {
   const auto trajectory = compare_trajectory(*dataset, result, options.trajectory);
   std::optional<ResultEvaluation> labels;
   if (!trajectory || has_labels_to_evaluate(*dataset, result)) labels = evaluate_labels(*dataset, options);
-  Json figures = labels ? result_json(*labels, options.max_range_m) : Json::object();
+  const StageNames& stages = stage_names_of(ResultFolder(result));
+  Json figures = labels ? result_json(*labels, stages, options.max_range_m) : Json::object();
   figures["trajectory"] = trajectory ? to_json(*trajectory) : Json(nullptr);
   if (options.json == "-") {
     fmt::print("{}", json_text(figures));
     return 0;
   }
   if (!options.json.empty()) write_file_atomically(options.json, json_text(figures));
-  if (labels) fmt::print("{}{}", table(*labels, options.max_range_m), report_tables(labels->report));
+  if (labels) fmt::print("{}{}", table(*labels, stages, options.max_range_m), report_tables(labels->report));
   if (labels && labels->velocity) fmt::print("{}", velocity_lines(*labels->velocity));
   if (trajectory) fmt::print("{}", trajectory_tables(*trajectory));
   return 0;

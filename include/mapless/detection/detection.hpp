@@ -15,21 +15,23 @@ struct StageSeconds {
   double compensation = 0;
   double neighbours = 0;  ///< building the search structure
   double normals = 0;
-  double comparison = 0;
+  double comparison = 0;  ///< method "published", like the next two
   double backward = 0;
   double forward = 0;
-  double box_filter = 0;
+  double evidence = 0;  ///< method "voting": of all reference scans
+  double filter = 0;
   double region_growth = 0;
   double tracking = 0;
 
   [[nodiscard]] double total() const {
-    return compensation + neighbours + normals + comparison + backward + forward + box_filter +
+    return compensation + neighbours + normals + comparison + backward + forward + evidence + filter +
            region_growth + tracking;
   }
   [[nodiscard]] StageSeconds operator+(const StageSeconds& o) const {
-    return {compensation + o.compensation, neighbours + o.neighbours,       normals + o.normals,
-            comparison + o.comparison,     backward + o.backward,           forward + o.forward,
-            box_filter + o.box_filter,     region_growth + o.region_growth, tracking + o.tracking};
+    return {compensation + o.compensation, neighbours + o.neighbours, normals + o.normals,
+            comparison + o.comparison,     backward + o.backward,     forward + o.forward,
+            evidence + o.evidence,         filter + o.filter,         region_growth + o.region_growth,
+            tracking + o.tracking};
   }
 };
 

@@ -144,7 +144,7 @@ struct VotingParameters {
   double link_m = 0.12;
   double link_per_m = 0.015;
   double link_spacings = 1.5;
-  double vacated_m = 2.0;
+  double max_occluder_distance_m = 2.0;
   int seed_score = 32;
   int min_seeds = 2;
   bool grow = true;
@@ -180,8 +180,9 @@ struct VotingParameters {
         declare_odd(&P::window_columns, "window_columns", "columns", 1, 31,
                     "columns of the lasers above and below a point that are searched for the nearest ray",
                     "method.md 7"),
-        declare(&P::vacated_m, "vacated_m", "m", 0.0, 100.0,
-                "what hid a point then, so near to it at most, and has left may be the point's own thing",
+        declare(&P::max_occluder_distance_m, "max_occluder_distance_m", "m", 0.0, 100.0,
+                "an occluder within this distance of the point that has since left its place is taken to be "
+                "part of the same object",
                 "method.md 7"),
         declare(&P::link_m, "link_m", "m", 0.001, 10.0,
                 "neighbours in the scan image are linked if their distance is at most link_m + range x the "

@@ -4,21 +4,14 @@
 #include <cstdint>
 #include <string_view>
 
+#include <mapless/detection/parameters.hpp>
+#include <mapless/geometry/freespace_verdict.hpp>
+
 namespace mapless::inline v1 {
 
 /// Whether a point may be dynamic at all. Published method: its distance from the reference scan. Voting:
 /// dynamic if any scan is evidence for it, matched if scans only observed a surface there.
 enum class CandidateVerdict : std::uint8_t { not_compared, matched, dynamic };
-
-/// The place of a point among the rays of another scan (paper step 3). For voting, of the sum of the votes:
-/// inside above 0, border below, unobserved at 0.
-enum class FreespaceVerdict : std::uint8_t {
-  not_evaluated,
-  inside,     ///< the ray passes beyond the point's plane: it is where space was free
-  border,     ///< the ray ends on the point's plane
-  outside,    ///< the ray ends in front of the point: it was occluded
-  unobserved  ///< no ray passes near, or the nearest has no usable return
-};
 
 /// The box filter of the published method, or the seeds of voting (votes of a point and its neighbours).
 enum class FilterVerdict : std::uint8_t { not_evaluated, kept, removed };
@@ -32,7 +25,8 @@ enum class GrowthVerdict : std::uint8_t {
   static_track  ///< its track is classified as static (method "voting")
 };
 
-/// The verdict of every stage on one point.
+/// The verdict of every stage on one point. Method "voting" fills `past` and `future` with the sign of a sum
+/// of votes: inside above 0, border below, unobserved at 0.
 struct StageTrace {
   CandidateVerdict candidate = CandidateVerdict::not_compared;  ///< paper step 2
   FreespaceVerdict past = FreespaceVerdict::not_evaluated;      ///< step 3, backward: earlier scans
@@ -47,8 +41,15 @@ struct StageTrace {
 /// The stages of the pipeline in order, see StageTrace.
 enum class Stage : std::uint8_t { candidate, past, future, filtered, growth };
 inline constexpr int kStageCount = 5;
-inline constexpr std::array<std::string_view, kStageCount> kStageNames = {
-    "candidates", "past freespace", "future freespace", "filter", "region growth"};
+using StageNames = std::array<std::string_view, kStageCount>;
+inline constexpr StageNames kVotingStageNames = {"candidates", "past evidence", "past and future",
+                                                 "neighbour support", "region growth"};
+inline constexpr StageNames kPublishedStageNames = {"pointcloud comparison", "freespace backward",
+                                                    "freespace forward", "box filter", "region growth"};
+/// What each stage is called in tables.
+[[nodiscard]] constexpr const StageNames& stage_names(DetectionMethod method) {
+  return method == DetectionMethod::voting ? kVotingStageNames : kPublishedStageNames;
+}
 
 /// Whether the point is dynamic after `stage`.
 [[nodiscard]] constexpr bool dynamic_after(const StageTrace& t, Stage stage) {

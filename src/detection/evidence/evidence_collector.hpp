@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -9,81 +8,95 @@
 
 #include "detection/evidence/point_evidence.hpp"
 #include "detection/freespace/packed_points.hpp"
+#include <mapless/geometry/compensated_scan.hpp>
 
 namespace mapless::inline v1 {
 
-/// Seen as a surface, and by nobody seen through or moving.
-[[nodiscard]] inline bool is_static(const PointVotes& v) {
-  return v.surface_seen && !v.seen_through && !v.vacated && !v.moving_seen;
-}
+/// A scan whose rays observe the points of the query scan. `gap` [scans]: how far before the query scan it
+/// lies; below 0 it is later.
+struct ReferenceScan {
+  const RayImage* image = nullptr;
+  int gap = 1;
+};
 
-/// The scans asked about the points of one scan, and what they say.
-class Witnesses {
-  struct Witness;
+/// Queries reference scans about single points of one scan, and sums their votes (PointEvidence).
+///
+/// Reference scans are queried one after another. A point whose votes already prove it static is settled: the
+/// scans not queried count as if they had seen the surface too.
+///
+/// A departed occluder counts only if the point can be part of it (consistent_with_departure): an object that
+/// went `d` metres in `gap` scans goes on by d / gap until the next scan. If that is clearly more than the
+/// noise, and the next scan sees a surface at the point, the occluder was something else, which uncovered the
+/// point.
+class EvidenceCollector {
+  struct Reference;
 
  public:
-  /// Keeps references to all but `asked`.
-  Witnesses(const LidarScan& scan, const LocalPoints& points, const std::vector<AskedScan>& asked,
-            const RayImage& own, const VotingParameters& parameters);
+  /// Keeps references to all but `references`.
+  EvidenceCollector(const LidarScan& scan, const LocalPoints& points,
+                    const std::vector<ReferenceScan>& references, const RayImage& own,
+                    const VotingParameters& parameters);
 
-  /// Room for what is known of one call, kept for the next.
-  struct Hearing {
-    struct Question {
+  /// Memory of one call, kept for the next by its thread.
+  struct Workspace {
+    struct PointQuery {
       std::uint32_t i;  // return of the scan
-      PointVotes votes;
-      bool seen_next = false;   // as a surface, by the next later scan
-      float next_off_m = 0;     // along the ray, from the point to that surface; NaN: beside it
-      bool hider_left = false;  // of some scan
+      PointEvidence evidence;
+      bool seen_next = false;      // as a surface, by the next later scan
+      float next_offset_m = 0;     // along the ray, from the point to that surface; NaN: beside it
+      bool occluder_left = false;  // of some scan, whether or not it is consistent
     };
-    std::vector<Question> questions;
-    std::vector<std::size_t> open;  // those not settled yet
-    PackedPoints points;            // of each of them
-    // What hid a point from one scan, and may have left.
-    struct Hider {
-      Question* question;
-      int laser, column;       // of the firing that ended there
-      float distance2_m2 = 0;  // of the point from there, squared
+    std::vector<PointQuery> queries;
+    std::vector<std::size_t> open;  // queries not settled yet
+    PackedPoints points;            // of each of these
+    // A return of one reference scan that hid a point from it.
+    struct Occluder {
+      PointQuery* query;
+      int laser, column;       // of that return
+      float distance2_m2 = 0;  // to the point, squared
     };
-    std::vector<Hider> hiders;
-    PackedPoints places;  // of each of them
-    // What has left, of all scans.
-    struct Leaver {
-      Question* question;
-      const Witness* witness;
-      float distance_m;  // from where it was to the point
+    std::vector<Occluder> occluders;
+    PackedPoints places;  // of each occluder
+    // An occluder whose place the query scan observes free, of all reference scans.
+    struct DepartedOccluder {
+      PointQuery* query;
+      const Reference* reference;
+      float distance_m;  // from its place to the point
     };
-    std::vector<Leaver> leavers;
+    std::vector<DepartedOccluder> departed;
   };
-  /// Asks about returns of the scan, best neighbours of a row, and enters the answers in `votes`.
-  void ask(const std::vector<std::size_t>& questions, Hearing& hearing, std::vector<PointVotes>& votes) const;
+  /// Queries all reference scans about returns of the scan, and enters the sums in `evidence` (one element
+  /// per return of the scan). Fast where consecutive `returns` are neighbours in a row.
+  void query(const std::vector<std::size_t>& returns, Workspace& work,
+             std::vector<PointEvidence>& evidence) const;
 
  private:
-  using Question = Hearing::Question;
-  struct Witness {
+  using PointQuery = Workspace::PointQuery;
+  struct Reference {
     FreespaceProbe probe;
     int surface_votes;
     bool later;
     bool next;  // the nearest of the later ones
     bool recent;
-    int scans_off;
+    int scans_away;
   };
 
   [[nodiscard]] float column(std::size_t i) const { return static_cast<float>(scan_.returns[i].column); }
-  void gather(const std::vector<std::size_t>& questions, Hearing& hearing) const;
-  void hear_all(const Witness& witness, Hearing& hearing) const;
-  void hear(const Witness& witness, const FreespaceProbe::Answer& answer, Question& question,
-            Hearing& hearing) const;
-  void ask_whether_left(const Witness& witness, Hearing& hearing) const;
-  void count_leavers(Hearing& hearing) const;
-  [[nodiscard]] bool goes_on(const Hearing::Leaver& leaver) const;
-  static void count(const Witness& witness, int number, PointVotes& votes);
-  void settle(std::size_t next, Hearing& hearing) const;
+  void start(const std::vector<std::size_t>& returns, Workspace& work) const;
+  void query_reference(const Reference& reference, Workspace& work) const;
+  void add_answer(const Reference& reference, const FreespaceProbe::Answer& answer, PointQuery& query,
+                  Workspace& work) const;
+  void find_departed(const Reference& reference, Workspace& work) const;
+  void add_departed(Workspace& work) const;
+  [[nodiscard]] bool consistent_with_departure(const Workspace::DepartedOccluder& occluder) const;
+  static void add_votes(const Reference& reference, int votes, PointEvidence& evidence);
+  void settle(std::size_t queried, Workspace& work) const;
 
   const LidarScan& scan_;
   const std::vector<Eigen::Vector3f>& points_;
-  float vacated_m_, surface_noise_m_;
+  float max_occluder_distance_m_, surface_noise_m_;
   FreespaceProbe own_;
-  std::vector<Witness> witnesses_;
+  std::vector<Reference> references_;  // in the order of queries
 };
 
 }  // namespace mapless

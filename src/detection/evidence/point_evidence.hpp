@@ -1,68 +1,62 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
-
-#include <Eigen/Core>
-
-#include "detection/freespace/ray_image.hpp"
-#include <mapless/detection/parameters.hpp>
 
 namespace mapless::inline v1 {
 
-/// A scan that is asked about another: so many scans before it, or after it where `gap` is below 0.
-struct AskedScan {
-  const RayImage* image = nullptr;
-  int gap = 1;
-};
-
-/// What a scan's answer counts.
+/// Votes of one reference scan about one point of the query scan, by what its rays observed at the point.
+/// docs/method.md has the table; the measurements behind each number are in docs/notebook/detection.md.
 ///
-/// - It saw through the point's place: kSeenThroughVotes where the nearest ray passed within
-///   kThroughItself_m of it, or met nothing at all: what stands hardly ever looks like that. Where the ray
-///   passed farther above, below or beside it and ended on something else, kSeenPastVotes: so do rails,
-///   ridges and leaves between two lasers look, and poles between two firings, scan after scan.
-/// - It saw a surface there: 1 vote against for the nearest scans up to kMostSurfaceVotes for the farthest
-///   (surface_votes). Slow things and surfaces that slide within themselves are where they were a moment ago,
-///   and not where they were seconds ago. But where that surface was proposed to move then: none, and
-///   kMovingVotes from a scan within kRecentGap. Whether the thing still goes on, its own motion tells
-///   (MovingObjects).
-/// - Something hid the place that has left its own since, as the scan asked about shows, and that was no
-///   farther off than VotingParameters::vacated_m: kVacatedVotes. It is the thing itself, moving away. Later
-///   scans but the nearest are not heard here: by then something may have come before a wall. And
-///   not where the later scan sees a surface at the point that would have gone on by more than kClearlyGone
-///   tolerances by then, by how far the hider had been off, or by clearly more than that surface is off the
-///   point: such a point was uncovered.
-/// - Else it could not see: none.
+/// - Free: the rays passed through the point. kSeenThroughVotes where the nearest ray passed within
+///   kSeenThroughWithin_m of the point or met nothing at all, since a static surface hardly ever looks like
+///   that. kPassedBesideVotes where it passed farther aside and ended on something else: so rails, ridges and
+///   leaves between two lasers look in every scan, and poles between two firings.
+/// - Occupied: a ray ended on a surface at the point. surface_votes(gap) against, more for older scans: slow
+///   objects, and surfaces that slide along themselves, were at the same place a moment ago, but not seconds
+///   ago. If that return was itself found dynamic: no vote against, and kSeenDynamicVotes from a scan within
+///   kRecentGap. Whether the object still moves is decided by its track (MovingObjects).
+/// - Occluder left: the point was hidden by something within VotingParameters::max_occluder_distance_m whose
+///   place the query scan observes free. kOccluderLeftVotes: it is probably the same object, moving away
+///   along the rays. Counted for earlier scans and for the nearest later one; scans beyond that may have seen
+///   something else come in between. See EvidenceCollector for when the departure contradicts the next scan.
+/// - Anything else: no vote.
 inline constexpr int kSeenThroughVotes = 4;
-inline constexpr int kSeenPastVotes = 2;
-inline constexpr float kThroughItself_m = 0.07F;
-inline constexpr int kVacatedVotes = 2;
-inline constexpr int kMovingVotes = 1;
-inline constexpr int kMostSurfaceVotes = 4;
-inline constexpr float kClearlyGone = 2;
-[[nodiscard]] int surface_votes(int gap);
-/// A scan no farther off than this tells whether something moves now; where all are farther, the nearest
-/// does.
+inline constexpr int kPassedBesideVotes = 2;
+inline constexpr float kSeenThroughWithin_m =
+    0.07F;  // measured: docs/notebook/detection.md, "passes a point by"
+inline constexpr int kOccluderLeftVotes = 2;
+inline constexpr int kSeenDynamicVotes = 1;
+inline constexpr int kMaxSurfaceVotes = 4;  // as much as one scan that saw through the point
+
+/// A scan at most this many scans away tells whether something moves now; if all reference scans are farther,
+/// the nearest does. Chosen: 0.4 s at 10 scans a second.
 inline constexpr int kRecentGap = 4;
 
-/// The sum of what other scans say of one point.
-struct PointVotes {
-  std::int16_t earlier = 0;       ///< of the earlier scans
-  std::int16_t later = 0;         ///< of the later scan
-  bool seen_through : 1 = false;  ///< some scan saw through
-  bool surface_seen : 1 = false;  ///< some scan saw a surface
-  bool recently : 1 = false;  ///< seen through, or vacated, by a scan that tells whether something moves now
-  bool vacated : 1 = false;   ///< what hid it from some scan has left
-  bool moving_seen : 1 = false;  ///< a scan a moment ago saw a surface there and it was found moving
+/// 1 for gaps below 4, one more each time the gap doubles, up to kMaxSurfaceVotes. `gap` [scans]; of a later
+/// scan (below 0) 1.
+[[nodiscard]] inline int surface_votes(int gap) {
+  int votes = 1;
+  for (int reach = 4; reach <= gap && votes < kMaxSurfaceVotes; reach *= 2) ++votes;
+  return votes;
+}
 
-  [[nodiscard]] int total() const { return earlier + later; }
+/// Sum of the votes of all reference scans about one point.
+struct PointEvidence {
+  std::int16_t past = 0;           ///< votes of the earlier scans
+  std::int16_t future = 0;         ///< votes of the later scans
+  bool seen_through : 1 = false;   ///< some scan's rays passed through or close beside the point
+  bool surface_seen : 1 = false;   ///< some scan observed a surface at the point
+  bool recently_free : 1 = false;  ///< seen through, or its occluder left, as observed by a recent scan
+  bool occluder_left : 1 = false;  ///< an occluder that hid it from some scan has left
+  bool seen_dynamic : 1 = false;   ///< a recent scan saw a surface there that was found dynamic
+
+  [[nodiscard]] int total() const { return past + future; }
+  bool operator==(const PointEvidence&) const = default;
 };
 
-/// Puts every point of a scan, whose own rays are `own`, to the scans `asked`. One element per return. Point
-/// by point this is the freespace check of paper step 3; the comparison of step 2 is its border answer.
-[[nodiscard]] std::vector<PointVotes> collect_votes(const LidarScan& scan, const LocalPoints& points,
-                                                    const std::vector<AskedScan>& asked, const RayImage& own,
-                                                    const VotingParameters& parameters);
+/// Some scan observed a surface at the point, and nothing else speaks against a static point.
+[[nodiscard]] inline bool is_static(const PointEvidence& e) {
+  return e.surface_seen && !e.seen_through && !e.occluder_left && !e.seen_dynamic;
+}
 
 }  // namespace mapless

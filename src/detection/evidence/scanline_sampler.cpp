@@ -8,26 +8,21 @@
 namespace mapless::inline v1 {
 namespace {
 
-constexpr std::size_t kLongest = 64;  // span [points]
+constexpr std::size_t kMaxSpan =
+    64;  // [points]; chosen: a thin object inside a longer span might not be sampled
 
-// Squared, how far what lies between two points may be off their line: some standard deviations of the
-// noise of range, or every span would be cut.
+// Points farther than 0.1 m from the line between the ends of their span cut it. Chosen: several standard
+// deviations of the noise of range, or every span would be cut. Squared.
 constexpr float kOffLine2_m2 = 0.1F * 0.1F;
 
-// Votes against each of two points between which what lies is not asked about: the farthest scan alone.
-constexpr int kFirm = kMostSurfaceVotes;
+// Votes against each of two points between which no point is queried: what the oldest scan alone gives.
+constexpr int kFirmVotes = kMaxSurfaceVotes;
 
-bool same(const PointVotes& a, const PointVotes& b) {
-  return a.earlier == b.earlier && a.later == b.later && a.seen_through == b.seen_through &&
-         a.surface_seen == b.surface_seen && a.recently == b.recently && a.vacated == b.vacated &&
-         a.moving_seen == b.moving_seen;
+bool both_dynamic(const PointEvidence& a, const PointEvidence& b) {
+  return a.total() > 0 && b.total() > 0 && a.recently_free == b.recently_free;
 }
 
-bool move(const PointVotes& a, const PointVotes& b) {
-  return a.total() > 0 && b.total() > 0 && a.recently == b.recently;
-}
-
-bool stands_firmly(const PointVotes& v) { return is_static(v) && v.total() <= -kFirm; }
+bool firmly_static(const PointEvidence& e) { return is_static(e) && e.total() <= -kFirmVotes; }
 
 // Squared distance of a point from the segment between a and b [m^2].
 float distance_to_segment2_m2(const Eigen::Vector3f& q, const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
@@ -45,77 +40,78 @@ Floats four_from(const float* first) {
 
 }  // namespace
 
-RowVotes::RowVotes(const LidarScan& scan, const LocalPoints& points, const Witnesses& witnesses)
-    : scan_(scan), points_(points.points), witnesses_(witnesses), image_(scan) {}
+ScanlineSampler::ScanlineSampler(const LidarScan& scan, const LocalPoints& points,
+                                 const EvidenceCollector& collector)
+    : scan_(scan), points_(points.points), collector_(collector), image_(scan) {}
 
-void RowVotes::vote(std::span<const Row> rows, bool between, std::vector<PointVotes>& votes) {
-  thread_local Room room;
-  room_ = &room;
+void ScanlineSampler::sample(std::span<const Row> rows, bool between, std::vector<PointEvidence>& evidence) {
+  thread_local Workspace work;
+  work_ = &work;
   between_ = between;
-  votes_ = &votes;
-  room_->questions.clear();
-  room_->open.clear();
+  evidence_ = &evidence;
+  work_->queries.clear();
+  work_->open.clear();
   for (const Row& row : rows) begin(row);
-  witnesses_.ask(room_->questions, room_->hearing, votes);
-  while (!room_->open.empty()) {
-    room_->questions.clear();
-    room_->halves.clear();
-    for (const Span& span : room_->open) settle(span);
-    witnesses_.ask(room_->questions, room_->hearing, votes);
-    room_->open.swap(room_->halves);
+  collector_.query(work_->queries, work_->collector, evidence);
+  while (!work_->open.empty()) {
+    work_->queries.clear();
+    work_->halves.clear();
+    for (const Span& span : work_->open) settle(span);
+    collector_.query(work_->queries, work_->collector, evidence);
+    work_->open.swap(work_->halves);
   }
 }
 
-void RowVotes::begin(const Row& row) {
+void ScanlineSampler::begin(const Row& row) {
   if (row.begin == row.end) return;
   load(row);
-  question(row.begin);
+  query(row.begin);
   const std::size_t last = row.end - 1;
-  for (std::size_t i = row.begin; i < last; i += kLongest) cut({i, std::min(i + kLongest, last)});
+  for (std::size_t i = row.begin; i < last; i += kMaxSpan) cut({i, std::min(i + kMaxSpan, last)});
 }
 
-void RowVotes::load(const Row& row) {
+void ScanlineSampler::load(const Row& row) {
   first_ = row.begin;
   const std::size_t size = row.end - row.begin;
-  for (std::vector<float>* v : {&room_->x, &room_->y, &room_->z}) {
+  for (std::vector<float>* v : {&work_->x, &work_->y, &work_->z}) {
     v->resize(size + 4);
     std::fill(v->end() - 4, v->end(), 0.0F);
   }
   for (std::size_t i = 0; i < size; ++i) {
     const Eigen::Vector3f& p = points_[first_ + i];
-    room_->x[i] = p.x();
-    room_->y[i] = p.y();
-    room_->z[i] = p.z();
+    work_->x[i] = p.x();
+    work_->y[i] = p.y();
+    work_->z[i] = p.z();
   }
 }
 
-// Into spans between whose ends all lie on the line; the left end was asked already.
-void RowVotes::cut(const Span& span) {
+// Into spans whose points all lie near the line between their ends; the left end is queried already.
+void ScanlineSampler::cut(const Span& span) {
   const std::size_t corner = farthest_off(span);
   if (corner == span.left) {
-    question(span.right);
-    room_->open.push_back(span);
+    query(span.right);
+    work_->open.push_back(span);
     return;
   }
   cut({span.left, corner});
   cut({corner, span.right});
 }
 
-// The point between that is farthest from the line through the ends, or the left end where all are near it.
-std::size_t RowVotes::farthest_off(const Span& span) const {
+// The point between the ends that is farthest from the line through them; the left end where all are near.
+std::size_t ScanlineSampler::farthest_off(const Span& span) const {
   const std::size_t left = span.left - first_, right = span.right - first_;
-  const float from_x = room_->x[left], from_y = room_->y[left], from_z = room_->z[left];
-  const float chord_x = room_->x[right] - from_x, chord_y = room_->y[right] - from_y,
-              chord_z = room_->z[right] - from_z;
+  const float from_x = work_->x[left], from_y = work_->y[left], from_z = work_->z[left];
+  const float chord_x = work_->x[right] - from_x, chord_y = work_->y[right] - from_y,
+              chord_z = work_->z[right] - from_z;
   const float length2 = chord_x * chord_x + chord_y * chord_y + chord_z * chord_z;
   const float per_length2 = length2 > 0 ? 1 / length2 : 0;
   Floats most = Floats{} + kOffLine2_m2;
   Ints farthest = Ints{} + static_cast<int>(left);
   Ints index = Ints{0, 1, 2, 3} + static_cast<int>(left + 1);
   for (std::size_t i = left + 1; i < right; i += 4, index += 4) {
-    const Floats x = four_from(&room_->x[i]) - from_x;
-    const Floats y = four_from(&room_->y[i]) - from_y;
-    const Floats z = four_from(&room_->z[i]) - from_z;
+    const Floats x = four_from(&work_->x[i]) - from_x;
+    const Floats y = four_from(&work_->y[i]) - from_y;
+    const Floats z = four_from(&work_->z[i]) - from_z;
     const Floats along = (x * chord_x + y * chord_y + z * chord_z) * per_length2;
     const Floats off_x = x - along * chord_x, off_y = y - along * chord_y, off_z = z - along * chord_z;
     const Floats off2 = off_x * off_x + off_y * off_y + off_z * off_z;
@@ -133,41 +129,42 @@ std::size_t RowVotes::farthest_off(const Span& span) const {
   return first_ + static_cast<std::size_t>(farthest[0]);
 }
 
-// Gives the points between their votes, or leaves questions to be asked and spans to be settled then.
-void RowVotes::settle(const Span& span) {
+// Enters the evidence of the points between, or adds a query and the two spans beside it.
+void ScanlineSampler::settle(const Span& span) {
   const auto [left, right] = span;
   if (right - left < 2) return;
-  std::vector<PointVotes>& votes = *votes_;
-  if ((is_static(votes[left]) && is_static(votes[right])) || same(votes[left], votes[right]) ||
-      move(votes[left], votes[right])) {
-    for (std::size_t i = left + 1; i < right; ++i) votes[i] = votes[i - left < right - i ? left : right];
+  std::vector<PointEvidence>& evidence = *evidence_;
+  if ((is_static(evidence[left]) && is_static(evidence[right])) || evidence[left] == evidence[right] ||
+      both_dynamic(evidence[left], evidence[right])) {
+    for (std::size_t i = left + 1; i < right; ++i)
+      evidence[i] = evidence[i - left < right - i ? left : right];
     return;
   }
   const std::size_t middle = (left + right) / 2;
-  question(middle);
-  room_->halves.push_back({left, middle});
-  room_->halves.push_back({middle, right});
+  query(middle);
+  work_->halves.push_back({left, middle});
+  work_->halves.push_back({middle, right});
 }
 
-void RowVotes::question(std::size_t i) {
-  if (!between_ || !known_from_beside(i)) room_->questions.push_back(i);
+void ScanlineSampler::query(std::size_t i) {
+  if (!between_ || !take_from_rows_beside(i)) work_->queries.push_back(i);
 }
 
-bool RowVotes::known_from_beside(std::size_t i) {
+bool ScanlineSampler::take_from_rows_beside(std::size_t i) {
   const LidarReturn& r = scan_.returns[i];
-  const std::ptrdiff_t b = beside(r, r.laser - 1), a = beside(r, r.laser + 1);
+  const std::ptrdiff_t b = in_row(r, r.laser - 1), a = in_row(r, r.laser + 1);
   if (a < 0 || b < 0) return false;
-  const PointVotes& lower = (*votes_)[static_cast<std::size_t>(b)];
-  if (!stands_firmly(lower) || !stands_firmly((*votes_)[static_cast<std::size_t>(a)])) return false;
+  const PointEvidence& lower = (*evidence_)[static_cast<std::size_t>(b)];
+  if (!firmly_static(lower) || !firmly_static((*evidence_)[static_cast<std::size_t>(a)])) return false;
   const auto& from = points_[static_cast<std::size_t>(b)];
   if (distance_to_segment2_m2(points_[i], from, points_[static_cast<std::size_t>(a)]) > kOffLine2_m2)
     return false;
-  (*votes_)[i] = lower;
+  (*evidence_)[i] = lower;
   return true;
 }
 
-// The return of another row in the same direction, or -1.
-std::ptrdiff_t RowVotes::beside(const LidarReturn& r, int row) const {
+// The return of a row in the direction of r, or -1.
+std::ptrdiff_t ScanlineSampler::in_row(const LidarReturn& r, int row) const {
   return scan_.cell(row, image_.scan_column(row, image_.aligned_column(r.laser, r.column)));
 }
 

@@ -9,26 +9,28 @@
 
 namespace mapless::inline v1 {
 
-/// Puts a scan's points to the witnesses, a few lasers at a time, as few points as will do.
+/// Chooses which points of a scan an EvidenceCollector is queried about, a few rows at a time, and gives the
+/// others the evidence of a neighbour.
 ///
-/// A row is cut into spans between whose ends all points lie on a line. Where both ends stand, or both move,
-/// so do the points between, and have the votes of the nearer. Else the one half-way is asked, and so on.
-/// A row between two that were asked before does not ask about points on the line between two of those that
-/// stand.
-class RowVotes {
+/// A row is cut into spans whose points all lie near the line between the span's ends. If both ends are
+/// static, or both dynamic, the points between get the evidence of the nearer end; otherwise the middle point
+/// is queried, and so on. A row between two rows that were sampled before skips points on the line between
+/// two neighbours that are firmly static.
+class ScanlineSampler {
  public:
-  RowVotes(const LidarScan& scan, const LocalPoints& points, const Witnesses& witnesses);
+  /// Keeps references.
+  ScanlineSampler(const LidarScan& scan, const LocalPoints& points, const EvidenceCollector& collector);
 
-  /// A laser's returns.
+  /// Returns of one laser, [begin, end).
   struct Row {
     std::size_t begin, end;
   };
-  /// Votes of rows, asked together. Where they are `between`, the rows below and above each were asked
-  /// before.
-  void vote(std::span<const Row> rows, bool between, std::vector<PointVotes>& votes);
+  /// Enters the evidence of all points of `rows` (one element of `evidence` per return of the scan).
+  /// `between`: the rows below and above each were sampled before.
+  void sample(std::span<const Row> rows, bool between, std::vector<PointEvidence>& evidence);
 
  private:
-  // Returns of one row: two that were asked, and those between that were not.
+  // Two returns of one row that were queried, and those between that were not.
   struct Span {
     std::size_t left, right;
   };
@@ -38,25 +40,25 @@ class RowVotes {
   void cut(const Span& span);
   [[nodiscard]] std::size_t farthest_off(const Span& span) const;
   void settle(const Span& span);
-  void question(std::size_t i);
-  [[nodiscard]] bool known_from_beside(std::size_t i);
-  [[nodiscard]] std::ptrdiff_t beside(const LidarReturn& r, int row) const;
+  void query(std::size_t i);
+  [[nodiscard]] bool take_from_rows_beside(std::size_t i);
+  [[nodiscard]] std::ptrdiff_t in_row(const LidarReturn& r, int row) const;
 
   const LidarScan& scan_;
   const std::vector<Eigen::Vector3f>& points_;
-  const Witnesses& witnesses_;
+  const EvidenceCollector& collector_;
   AlignedImage image_;
   bool between_ = false;
-  std::vector<PointVotes>* votes_ = nullptr;
+  std::vector<PointEvidence>* evidence_ = nullptr;
   // A thread keeps it from one scan to the next: nothing is allocated once it is large enough.
-  struct Room {
-    std::vector<float> x, y, z;  // of the row that is cut: all its points, and a few more zeros
-    std::vector<std::size_t> questions;
+  struct Workspace {
+    std::vector<float> x, y, z;  // of the row that is cut: all its points, and four more zeros
+    std::vector<std::size_t> queries;
     std::vector<Span> open, halves;
-    Witnesses::Hearing hearing;
+    EvidenceCollector::Workspace collector;
   };
-  Room* room_ = nullptr;   // while `vote` is at work
-  std::size_t first_ = 0;  // point of the row that is cut
+  Workspace* work_ = nullptr;  // during `sample`
+  std::size_t first_ = 0;      // point of the row that is cut
 };
 
 }  // namespace mapless

@@ -11,9 +11,10 @@ namespace {
 // Lasers whose origins differ less than this in height are of one bank: from 4 m on the parallax between
 // them is below the spacing of any sensor's beams, and nearer the order of two lasers matters little.
 constexpr float kBankHeight_m = 0.03F;
-constexpr int kStepsPerLaser = 8;   // of a bank's table
-constexpr float kHub_m = 0.5F;      // all lasers are within
-constexpr float kBeyond_m = 1e30F;  // farther than any return: the search must not step past the last beam
+// Steps of a bank's table: with 8 a laser, `below` mostly steps once or not at all.
+constexpr int kStepsPerLaser = 8;
+constexpr float kHub_m = 0.5F;      // larger than any sensor: its lasers lie within this of its axis
+constexpr float kBeyond_m = 1e30F;  // beyond any return: the search never steps past the last beam
 
 BeamFan::Beam no_beam(float height_m) { return {1, 0, 0, 0, height_m, 0, 0, -1, 1, 0}; }
 

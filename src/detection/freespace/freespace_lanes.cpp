@@ -9,22 +9,25 @@
 #include <type_traits>
 
 #include "detection/freespace/four_lanes.hpp"
-#include "detection/freespace/ray_image.hpp"
+#include "detection/freespace/freespace_probe.hpp"
 
 // The same source twice: four points at once for any processor, eight for one with vectors of 256 bits.
 
 namespace mapless::inline v1 {
 namespace {
 
-constexpr int kPasses = 4;  // towards the column that looks at a point
+// Iterations towards the column that observes a point; the points that need more are observed alone.
+constexpr int kPasses = 4;
+// Up to this angle [rad] the series of lane_numbers.inc is exact to 1e-6 rad: 0.15^9 / 9 is 4e-9.
 constexpr float kSteadyAngle = 0.15F;
 // From here on a laser's place in the hub turns its beam by so little that its cosine is 1 within 2e-4.
 constexpr float kFar_m = 2;
-// The cosine of a beam, and what a drift of the sensor changes, at the least.
+// Least cosine of a beam's elevation, with what a drift of the sensor changes: the height of a point above a
+// beam is at least this share of their vertical distance.
 constexpr float kSurely = 0.7F;
 // A sensor that turns with 180 degrees per second does so by 0.5 degrees in the time of as many columns as
 // two lasers are apart: to first order that errs by 4e-5 rad.
-constexpr float kMostColumnsAside = 120;
+constexpr float kMaxLinearColumns = 120;
 
 }  // namespace
 
@@ -62,24 +65,24 @@ FreespaceProbe::Vectors FreespaceProbe::widest_vectors() {
 #endif
 }
 
-void FreespaceProbe::look(std::span<Points> points, std::span<Answers> answers,
-                          [[maybe_unused]] Vectors vectors) const {
+void FreespaceProbe::observe(std::span<Points> points, std::span<Answers> answers,
+                             [[maybe_unused]] Vectors vectors) const {
   if (image_.columns() == 0) {
     std::fill(answers.begin(), answers.end(), Answers{});
     return;
   }
 #ifdef MAPLESS_EIGHT_LANES
   if (vectors == Vectors::of_eight) {
-    Lanes<8>::look(*this, points, answers);
+    Lanes<8>::observe(*this, points, answers);
     return;
   }
 #endif
-  Lanes<4>::look(*this, points, answers);
+  Lanes<4>::observe(*this, points, answers);
 }
 
-FreespaceProbe::Answers FreespaceProbe::look(Points& points, Vectors vectors) const {
+FreespaceProbe::Answers FreespaceProbe::observe(Points& points, Vectors vectors) const {
   Answers answers;
-  look(std::span(&points, 1), std::span(&answers, 1), vectors);
+  observe(std::span(&points, 1), std::span(&answers, 1), vectors);
   return answers;
 }
 

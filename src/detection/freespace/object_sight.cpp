@@ -12,8 +12,10 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kBehind_m = 0.5, kBehindPerMetre = 0.01;
-constexpr int kFewestRays = 3;
+// How far beyond a place a ray must end: more than the shape of an object and its turn between two scans
+// explain. Chosen.
+constexpr double kMinBeyond_m = 0.5, kMinBeyondPerMetre = 0.01;
+constexpr int kMinRays = 3;  // of the four around the place; one may be faulty
 
 double azimuth_of(const Vector3d& p_v) { return std::atan2(p_v.y(), p_v.x()); }
 
@@ -35,7 +37,7 @@ Vector3d SightLines::in_sensor(const Vector3d& p_0) const {
   const double period_s = scan_->column_period.seconds();
   const double dt = column_of(azimuth_of(near), 0) * period_s - t_s_;
   const double turn_s = period_s * scan_->columns;
-  // Beside the seam the scan looked there a turn sooner or later than the state is of.
+  // Beside the seam the direction was observed a turn before or after the instant of the state.
   if (std::abs(dt) > turn_s / 2) return near;
   return near + dt * (state_.varpi.head<3>() + state_.varpi.tail<3>().cross(near));
 }
@@ -62,10 +64,10 @@ bool SightLines::through(const Vector3d& p_0) const {
       ++rays;
       if (cell < 0) continue;
       const double measured = static_cast<double>(scan_->returns[static_cast<std::size_t>(cell)].range_m);
-      if (measured < range + kBehind_m + kBehindPerMetre * range) return false;
+      if (measured < range + kMinBeyond_m + kMinBeyondPerMetre * range) return false;
     }
   }
-  return rays >= kFewestRays;
+  return rays >= kMinRays;
 }
 
 }  // namespace mapless

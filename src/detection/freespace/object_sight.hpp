@@ -10,15 +10,17 @@
 
 namespace mapless::inline v1 {
 
-/// Asks a scan whether it looked through a place, near an instant: the sensor moves to first order from
-/// there. Lasers are taken to start at the sensor's origin. FreespaceProbe is the exact thing; this needs no
-/// preparation and serves to tell one motion of an object from another.
+/// Whether the rays of a scan passed through a place, near an instant: the sensor moves to first order from
+/// there, and lasers are taken to start at its origin. Tracking compares hypotheses of an object's motion
+/// with it. It needs no preparation of the scan, and asks for more than FreespaceProbe: rays that end half a
+/// metre beyond the place.
 class SightLines {
  public:
   /// `state`: of the trajectory at `time`, an instant of the scan.
   SightLines(std::shared_ptr<const LidarScan> scan, const TrajectoryState& state, Time time);
 
-  /// The rays next to it, of the laser above and of that below, all go on well behind it.
+  /// True where the rays next to p_0, two of the laser above and two of that below, all end well beyond it;
+  /// one of the four may be faulty.
   [[nodiscard]] bool through(const Eigen::Vector3d& p_0) const;
 
  private:

@@ -8,12 +8,12 @@
 
 #include <Eigen/Core>
 
-#include "detection/freespace/ray_image.hpp"
+#include "detection/freespace/freespace_probe.hpp"
 
 namespace mapless::inline v1 {
 
-/// Points about a scan's origin as FreespaceProbe looks at them, eight at a time, kept so from one scan that
-/// is asked to the next.
+/// Points about a scan's origin in the layout of FreespaceProbe::observe, eight at a time, kept so from one
+/// reference scan to the next.
 class PackedPoints {
  public:
   [[nodiscard]] std::size_t size() const { return columns_.size(); }
@@ -22,7 +22,7 @@ class PackedPoints {
     columns_.reserve(size);
     eights_.reserve((size + kAtOnce - 1) / kAtOnce);
   }
-  /// `column` is about where the scans asked look that way.
+  /// `column`: guess of the column in which the reference scans observe q.
   void add(const Eigen::Vector3f& q, float column) {
     const std::size_t k = size();
     columns_.push_back(column);
@@ -40,32 +40,31 @@ class PackedPoints {
   /// Leaves the first `size`.
   void shrink(std::size_t size) { columns_.resize(size); }
 
-  /// Puts all to a scan; `heard` is called with the number and the answer of each. Consecutive firings look
-  /// at consecutive columns of another scan too, so that the column one point was found in tells where to
-  /// look for the next.
-  template <class Heard>
-  void look(const FreespaceProbe& probe, Heard&& heard) {
+  /// Observes all points through `probe`; calls `take(number, answer)` for each. Points of consecutive
+  /// firings lie in consecutive columns of another scan too, so the column of one point is the guess for the
+  /// next.
+  template <class Take>
+  void observe(const FreespaceProbe& probe, Take&& take) {
     const std::size_t eights = (size() + kAtOnce - 1) / kAtOnce;
-    for (std::size_t k = size(); k < eights * kAtOnce; ++k) copy(size() - 1, k);  // where there are fewer
+    for (std::size_t k = size(); k < eights * kAtOnce; ++k) copy(size() - 1, k);  // fill the last eight
     float ahead = 0;                                                              // of the point's own column
     for (std::size_t first = 0; first < eights; first += kEights) {
-      const auto asked = std::span(eights_).subspan(first, std::min(kEights, eights - first));
-      for (std::size_t k = 0; k < asked.size(); ++k) {
-        asked[k].near = columns_[(first + k) * kAtOnce];
-        asked[k].near_last = columns_[std::min((first + k + 1) * kAtOnce, size()) - 1];
+      const auto some = std::span(eights_).subspan(first, std::min(kEights, eights - first));
+      for (std::size_t k = 0; k < some.size(); ++k) {
+        some[k].near = columns_[(first + k) * kAtOnce];
+        some[k].near_last = columns_[std::min((first + k + 1) * kAtOnce, size()) - 1];
       }
-      asked.front().near += ahead;
-      probe.look(asked, std::span(answers_).first(asked.size()));
-      ahead = asked.back().column.back() - asked.back().near_last;
+      some.front().near += ahead;
+      probe.observe(some, std::span(answers_).first(some.size()));
+      ahead = some.back().column.back() - some.back().near_last;
       const std::size_t end = std::min((first + kEights) * kAtOnce, size());
-      for (std::size_t k = first * kAtOnce; k < end; ++k)
-        heard(k, answers_[k / kAtOnce - first][k % kAtOnce]);
+      for (std::size_t k = first * kAtOnce; k < end; ++k) take(k, answers_[k / kAtOnce - first][k % kAtOnce]);
     }
   }
 
  private:
   static constexpr std::size_t kAtOnce = FreespaceProbe::kAtOnce;
-  static constexpr std::size_t kEights = 16;  // asked together: what is said of them should stay at hand
+  static constexpr std::size_t kEights = 16;  // observed together: their answers stay in the cache
   using Eight = FreespaceProbe::Points;
 
   void copy(std::size_t from, std::size_t to) {

@@ -10,11 +10,13 @@
 namespace mapless::inline v1 {
 namespace {
 
-// Stretches of so many firings, one in so many of a row, tell, if there are enough of them. The smoothest
-// quarter is of walls and ground, also in a forest.
-constexpr std::size_t kStretch = 16, kOneIn = 6, kFewestStretches = 50, kSmoothest = 4;
+// Stretches of 16 consecutive firings, one in six of all, have one estimate each; below 50 stretches there is
+// no estimate. Its median over the smoothest quarter counts: walls and ground, also in a forest. Chosen: one
+// in six keeps the estimate cheap.
+constexpr std::size_t kStretch = 16, kOneIn = 6, kMinStretches = 50, kSmoothestShare = 4;
 
-// Of Gaussian noise: the median of the second differences' sizes is .6745 sqrt(6) standard deviations.
+// The median magnitude of the second differences of Gaussian noise is .6745 sqrt(1 + 4 + 1) standard
+// deviations.
 constexpr double kDeviationsPerMedian = 1 / (0.6745 * 2.4495);
 
 bool is_consecutive(const LidarReturn& first, const LidarReturn& last) {
@@ -58,7 +60,7 @@ std::vector<const LidarReturn*> stretches_of(const LidarScan& scan) {
 
 double range_noise_m(const LidarScan& scan) {
   const std::vector<const LidarReturn*> stretches = stretches_of(scan);
-  if (stretches.size() < kFewestStretches) return 0;
+  if (stretches.size() < kMinStretches) return 0;
   std::vector<float> medians(stretches.size());
   for (std::size_t first = 0; first < stretches.size(); first += 4) {
     std::array<const LidarReturn*, 4> four;  // the last one again where there are fewer
@@ -68,12 +70,12 @@ double range_noise_m(const LidarScan& scan) {
     std::copy_n(found.begin(), std::min(four.size(), stretches.size() - first),
                 medians.begin() + static_cast<std::ptrdiff_t>(first));
   }
-  const auto quarter = medians.begin() + static_cast<std::ptrdiff_t>(medians.size() / kSmoothest);
+  const auto quarter = medians.begin() + static_cast<std::ptrdiff_t>(medians.size() / kSmoothestShare);
   std::nth_element(medians.begin(), quarter, medians.end());
   return kDeviationsPerMedian * static_cast<double>(*quarter);
 }
 
-VotingParameters for_noise_of(const LidarScan& scan, VotingParameters parameters) {
+VotingParameters with_tolerance_for_noise(VotingParameters parameters, const LidarScan& scan) {
   parameters.tolerance_m = std::max(parameters.tolerance_m, kToleratedDeviations * range_noise_m(scan));
   return parameters;
 }

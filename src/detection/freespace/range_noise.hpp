@@ -5,14 +5,14 @@
 
 namespace mapless::inline v1 {
 
-/// Standard deviation of the noise of the scan's ranges [m], a little below it if anything: by how far ranges
-/// of consecutive firings are off the line between their neighbours, where the scan is smoothest. 0 where too
-/// few are consecutive to tell.
+/// Standard deviation of the range noise of a scan [m], estimated from the second differences of consecutive
+/// ranges where the scan is smoothest, which errs to the low side. 0 if too few firings are consecutive.
 [[nodiscard]] double range_noise_m(const LidarScan& scan);
 
-/// With a tolerance of at least kToleratedDeviations of the scan's noise: nearer than that, what stands looks
-/// seen through.
+/// The tolerance is at least this many standard deviations of the range noise: below, static surfaces look
+/// seen through. Measured: docs/notebook/detection.md, "a tolerance of four standard deviations".
 inline constexpr double kToleratedDeviations = 4;
-[[nodiscard]] VotingParameters for_noise_of(const LidarScan& scan, VotingParameters parameters);
+/// `parameters` with tolerance_m raised to that for the noise of `scan`.
+[[nodiscard]] VotingParameters with_tolerance_for_noise(VotingParameters parameters, const LidarScan& scan);
 
 }  // namespace mapless

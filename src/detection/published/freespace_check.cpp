@@ -12,7 +12,7 @@
 namespace mapless::inline v1 {
 namespace {
 
-// The point asked about, with what its own scan knows of it.
+// A point of the query scan, with its normal there.
 struct Query {
   Eigen::Vector3d q_0;
   Eigen::Vector3d normal_0;  // zero: none
@@ -52,7 +52,7 @@ class FreespaceCheck {
  private:
   [[nodiscard]] const LidarScan& scan() const { return *reference_.scan; }
 
-  // How far from a point its nearest ray may pass and still speak for it.
+  // Largest distance of the nearest ray from a point it observes.
   [[nodiscard]] double near_limit(const NearestRay& ray) const {
     const double spacing = scan().model->elevation_step(ray.laser);
     return parameters_.max_ray_distance_m + parameters_.max_ray_distance_spacings * spacing * ray.range_m;
@@ -78,7 +78,7 @@ class FreespaceCheck {
     return false;
   }
 
-  // With the plane of the point: endpoint p beyond it is inside, on it border, short of it outside.
+  // With the plane of the point: an endpoint beyond it is inside, on it border, short of it outside.
   [[nodiscard]] FreespaceVerdict against_endpoint(const Query& query, const NearestRay& ray,
                                                   const Eigen::Vector3d& p_0) const {
     const Eigen::Vector3d origin = reference_.ray_origin_0(ray.laser, ray.column);

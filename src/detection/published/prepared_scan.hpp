@@ -10,7 +10,11 @@
 
 namespace mapless::inline v1 {
 
-/// What the stages need of one scan, computed once when it arrives.
+/// This folder is the method as published (arXiv 1809.06972), stage by stage, for comparison and for tests.
+/// In: scans with their trajectory (make_published_pipeline). Out: object proposals with the verdict of each
+/// stage. Its stages are free functions on const input; nothing outside calls them but tests and benchmarks.
+///
+/// PreparedScan: what the stages need of one scan, computed once when it arrives.
 struct PreparedScan {
   CompensatedScan compensated;
   NearestNeighbours neighbours;            ///< of compensated.points_0

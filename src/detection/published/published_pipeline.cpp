@@ -44,9 +44,9 @@ class PublishedPipeline final : public DetectionPipeline {
     buffer_.push_back(prepare(std::move(scan), trajectory));
   }
 
-  ProposedObjects detect(std::size_t number) override {
+  ObjectProposals propose(std::size_t number) override {
     const auto gap = static_cast<std::size_t>(parameters_.scan_gap);
-    while (first_number_ + gap < number) {  // the oldest scan this detection can ask for
+    while (first_number_ + gap < number) {  // the oldest reference scan from here on
       buffer_.pop_front();
       ++first_number_;
     }
@@ -54,14 +54,16 @@ class PublishedPipeline final : public DetectionPipeline {
     const PreparedScan& query = scan_number(number);
     const PreparedScan* reference = number == 0 ? nullptr : &scan_number(number < gap ? 0 : number - gap);
     const PreparedScan* other = number < newest ? &scan_number(newest) : nullptr;
-    // At the start of a recording the later scan may be farther off than any earlier one, and tells more.
+    // At the start of a recording the later scan may be farther away than any earlier one, and shows more
+    // motion.
     if (number < gap && other != nullptr &&
         (reference == nullptr || distance(query, *other) > distance(*reference, query))) {
       std::swap(reference, other);
     }
-    Detection detection = judge(query, reference, other);
-    detection.seconds = buffer_[number - first_number_].seconds + detection.seconds;
-    return {std::move(detection), query.compensated.column_states, {}};
+    ObjectProposals out = run_stages(query, reference, other);
+    out.seconds = buffer_[number - first_number_].seconds + out.seconds;
+    out.column_states = query.compensated.column_states;
+    return out;
   }
 
  private:
@@ -74,15 +76,15 @@ class PublishedPipeline final : public DetectionPipeline {
   }
   [[nodiscard]] BufferedScan prepare(std::shared_ptr<const LidarScan> scan,
                                      const Trajectory& trajectory) const;
-  [[nodiscard]] Detection judge(const PreparedScan& query, const PreparedScan* reference,
-                                const PreparedScan* other) const;
+  [[nodiscard]] ObjectProposals run_stages(const PreparedScan& query, const PreparedScan* reference,
+                                           const PreparedScan* other) const;
 
   DetectorParameters parameters_;
   std::deque<BufferedScan> buffer_;  // consecutive scans, oldest first
   std::size_t first_number_ = 0;     // of the oldest
 };
 
-// Step 1 gives the poses; here every return and ray gets its own.
+// Step 1 gives the trajectory; here every return and ray gets its own pose.
 PublishedPipeline::BufferedScan PublishedPipeline::prepare(std::shared_ptr<const LidarScan> scan,
                                                            const Trajectory& trajectory) const {
   StageSeconds seconds;
@@ -95,20 +97,19 @@ PublishedPipeline::BufferedScan PublishedPipeline::prepare(std::shared_ptr<const
   return {{std::move(compensated), std::move(neighbours), std::move(normals)}, seconds};
 }
 
-Detection PublishedPipeline::judge(const PreparedScan& query, const PreparedScan* reference,
-                                   const PreparedScan* other) const {
-  Detection out;
+ObjectProposals PublishedPipeline::run_stages(const PreparedScan& query, const PreparedScan* reference,
+                                              const PreparedScan* other) const {
+  ObjectProposals out;
   out.scan = query.compensated.scan;
   out.trace.resize(out.scan->returns.size());
 
-  // 2. Pointcloud comparison: what the reference scan does not explain.
+  // 2. Pointcloud comparison: points that the reference scan does not explain are candidates.
   if (reference != nullptr) {
     record(out.trace, &StageTrace::candidate, timed(out.seconds.comparison, [&] {
              return compare_pointclouds(query, *reference, parameters_.comparison);
            }));
   }
-  // 3. Freespace check backward (Eq. 1, 2): of that, what stands where the reference scan's rays went
-  // through.
+  // 3. Freespace check backward (Eq. 1, 2): candidates in the freespace of the reference scan are dynamic.
   if (reference != nullptr) {
     const auto candidates = points_where(out.trace, looks_dynamic);
     record(out.trace, &StageTrace::past, candidates, timed(out.seconds.backward, [&] {
@@ -116,7 +117,7 @@ Detection PublishedPipeline::judge(const PreparedScan& query, const PreparedScan
                                     parameters_.freespace.backward_threshold_m, parameters_.freespace);
            }));
   }
-  //    and forward, on the later scan: what was hidden then, and has left by now.
+  //    Forward, on the later scan: the candidates that were hidden from the reference scan.
   if (other != nullptr) {
     const auto hidden = points_where(out.trace, was_outside);
     record(out.trace, &StageTrace::future, hidden, timed(out.seconds.forward, [&] {
@@ -124,8 +125,8 @@ Detection PublishedPipeline::judge(const PreparedScan& query, const PreparedScan
                                     parameters_.freespace.forward_threshold_m, parameters_.freespace);
            }));
   }
-  // 4. Box filter: single rows of the scan image are border effects.
-  record(out.trace, &StageTrace::filtered, timed(out.seconds.box_filter, [&] {
+  // 4. Box filter: dynamic points in single rows of the scan image are border effects.
+  record(out.trace, &StageTrace::filtered, timed(out.seconds.filter, [&] {
            return filter_boxes(*out.scan, dynamic_points(out.trace, Stage::future), parameters_.box_filter);
          }));
   // 5. Clustering and region growth: whole objects.

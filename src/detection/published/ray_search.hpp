@@ -8,9 +8,9 @@
 
 namespace mapless::inline v1 {
 
-/// A cell of a scan seen as the ray that was fired there.
+/// The measured ray of a scan cell that passes nearest to a point.
 struct NearestRay {
-  int laser = -1;  ///< -1: the scan has no ray
+  int laser = -1;  ///< -1: no ray
   int column = -1;
   double distance_m = 0;  ///< of the point from the ray's line
   double range_m = 0;     ///< of the point's foot along the ray, from the ray's own origin
@@ -20,8 +20,9 @@ struct NearestRay {
 /// Finds the measured ray of one scan that passes nearest to a point: over lasers l and time t it minimises
 /// ||e_l(t)||, e_l(t) = D T_lh T_hv(t) T_v0(t) [q; 1] (paper Eq. 1 and 2), then takes the measured ray
 /// closest in time. Each ray has its laser's own pose and its own instant, and goes forward only. Where the
-/// recording has no firing (ReturnCode::absent) the nearest column of that laser that has one is taken, up to
-/// kColumnReach away.
+/// recording has no firing (ReturnCode::absent), the nearest column of that laser that has one is taken, up
+/// to kColumnReach away: recordings drop single firings and packets' ends. Oracle:
+/// tests/oracle/ray_search_oracle.hpp, brute force over all rays.
 class RaySearch {
  public:
   static constexpr int kColumnReach = 4;

@@ -16,7 +16,7 @@ inline std::vector<char> dynamic_points(const std::vector<StageTrace>& trace, St
   return dynamic;
 }
 
-/// Enters what one stage said of every point.
+/// Enters the verdicts of one stage, one per point.
 template <class Verdict>
 void record(std::vector<StageTrace>& trace, Verdict StageTrace::*stage,
             const std::vector<Verdict>& verdicts) {

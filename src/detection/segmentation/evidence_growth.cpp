@@ -31,7 +31,7 @@ class EvidenceGrowth {
 
  public:
   EvidenceGrowth(const LidarScan& scan, const LinkedNeighbours& neighbours, const LocalPoints& points,
-                 const std::vector<PointVotes>& votes, const VotingParameters& parameters)
+                 const std::vector<PointEvidence>& votes, const VotingParameters& parameters)
       : scan_(scan),
         neighbours_(neighbours),
         points_(points),
@@ -62,7 +62,7 @@ class EvidenceGrowth {
 
   // That an occluder has left is not enough by itself: so it has where it uncovered static points.
   [[nodiscard]] bool may_grow(std::int32_t i) const {
-    const PointVotes& v = votes_[static_cast<std::size_t>(i)];
+    const PointEvidence& v = votes_[static_cast<std::size_t>(i)];
     return v.total() > 0 || (v.seen_through && v.total() >= kFirmlyStatic);
   }
 
@@ -154,7 +154,7 @@ class EvidenceGrowth {
   // In the first scans no point is known to be static, and tangential surfaces would extend over all of them.
   [[nodiscard]] bool any_static() const {
     return std::any_of(votes_.begin(), votes_.end(),
-                       [](const PointVotes& v) { return v.total() < kTangentialVotes; });
+                       [](const PointEvidence& v) { return v.total() < kTangentialVotes; });
   }
 
   // Adds those of one object after another; returns whether there are any. The marks are on labelled points.
@@ -219,7 +219,7 @@ class EvidenceGrowth {
   const LidarScan& scan_;
   const LinkedNeighbours& neighbours_;
   const LocalPoints& points_;
-  const std::vector<PointVotes>& votes_;
+  const std::vector<PointEvidence>& votes_;
   const VotingParameters& parameters_;
   EvidenceGrowthResult result_;
   MarkedReturns marks_;
@@ -232,7 +232,7 @@ class EvidenceGrowth {
 }  // namespace
 
 std::vector<FilterVerdict> filter_evidence(const LidarScan& scan, const LocalPoints& points,
-                                           const std::vector<PointVotes>& votes,
+                                           const std::vector<PointEvidence>& votes,
                                            const VotingParameters& parameters) {
   const LinkedNeighbours neighbours(scan, points, parameters);
   std::vector<FilterVerdict> verdicts(votes.size(), FilterVerdict::not_evaluated);
@@ -249,7 +249,7 @@ std::vector<FilterVerdict> filter_evidence(const LidarScan& scan, const LocalPoi
 }
 
 EvidenceGrowthResult grow_evidence(const LidarScan& scan, const LocalPoints& points,
-                                   const std::vector<PointVotes>& votes,
+                                   const std::vector<PointEvidence>& votes,
                                    const std::vector<FilterVerdict>& seeds,
                                    const VotingParameters& parameters) {
   const LinkedNeighbours neighbours(scan, points, parameters);

@@ -5,6 +5,7 @@
 
 #include "detection/evidence/point_evidence.hpp"
 #include "detection/segmentation/object_evidence.hpp"
+#include <mapless/detection/parameters.hpp>
 #include <mapless/detection/stages.hpp>
 
 namespace mapless::inline v1 {
@@ -27,7 +28,7 @@ struct EvidenceGrowthResult {
 /// 3 x 5 window of the aligned scan image, are at least seed_score. Border effects are small and fail. Points
 /// whose own votes are not above 0 are not evaluated.
 [[nodiscard]] std::vector<FilterVerdict> filter_evidence(const LidarScan& scan, const LocalPoints& points,
-                                                         const std::vector<PointVotes>& votes,
+                                                         const std::vector<PointEvidence>& votes,
                                                          const VotingParameters& parameters);
 
 /// Objects, in place of region growth:
@@ -40,7 +41,7 @@ struct EvidenceGrowthResult {
 /// 5. Objects are numbered by their lowest return; their evidence is summed (ObjectEvidenceCollector).
 /// Without `grow`, only steps 1 and 5.
 [[nodiscard]] EvidenceGrowthResult grow_evidence(const LidarScan& scan, const LocalPoints& points,
-                                                 const std::vector<PointVotes>& votes,
+                                                 const std::vector<PointEvidence>& votes,
                                                  const std::vector<FilterVerdict>& seeds,
                                                  const VotingParameters& parameters);
 

@@ -6,9 +6,10 @@
 #include <numbers>
 #include <vector>
 
-#include "detection/evidence/point_evidence.hpp"
 #include "detection/segmentation/marked_returns.hpp"
 #include "lidar/aligned_image.hpp"
+#include <mapless/detection/parameters.hpp>
+#include <mapless/geometry/compensated_scan.hpp>
 
 namespace mapless::inline v1 {
 

@@ -19,7 +19,7 @@ constexpr double kPorousShare = 0.7;
 }  // namespace
 
 ObjectEvidenceCollector::ObjectEvidenceCollector(const LidarScan& scan, const LocalPoints& points,
-                                                 const std::vector<PointVotes>& votes, int max_of_row)
+                                                 const std::vector<PointEvidence>& votes, int max_of_row)
     : scan_(scan),
       points_(points),
       votes_(votes),
@@ -36,7 +36,7 @@ double ObjectEvidenceCollector::displacement_m(std::span<const std::int32_t> obj
   std::size_t recent = 0;
   for (const std::int32_t j : object) {
     centre += points_.points[static_cast<std::size_t>(j)];
-    recent += votes_[static_cast<std::size_t>(j)].recently ? 1 : 0;
+    recent += votes_[static_cast<std::size_t>(j)].recently_free ? 1 : 0;
   }
   const auto count = static_cast<float>(object.size());
   centre /= count;
@@ -49,7 +49,7 @@ double ObjectEvidenceCollector::displacement_m(std::span<const std::int32_t> obj
 
 ObjectEvidenceCollector::Tally ObjectEvidenceCollector::tally(std::span<const std::int32_t> object) {
   for (const std::int32_t j : object) {
-    const PointVotes& v = votes_[static_cast<std::size_t>(j)];
+    const PointEvidence& v = votes_[static_cast<std::size_t>(j)];
     ++row_of(j).points;
     row_of(j).all += v.total();
     if (!v.surface_seen) row_of(j).uncontradicted += v.total();
@@ -67,7 +67,7 @@ ObjectEvidenceCollector::Tally ObjectEvidenceCollector::tally(std::span<const st
 Body ObjectEvidenceCollector::body(std::span<const std::int32_t> object, int rows) const {
   std::size_t not_seen_through = 0, contradicting = 0;
   for (const std::int32_t j : object) {
-    const PointVotes& v = votes_[static_cast<std::size_t>(j)];
+    const PointEvidence& v = votes_[static_cast<std::size_t>(j)];
     not_seen_through += v.seen_through ? 0 : 1;
     contradicting += v.seen_through && v.surface_seen ? 1 : 0;
   }

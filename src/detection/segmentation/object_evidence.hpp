@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "detection/evidence/point_evidence.hpp"
+#include <mapless/geometry/compensated_scan.hpp>
 
 namespace mapless::inline v1 {
 
@@ -36,7 +37,7 @@ class ObjectEvidenceCollector {
  public:
   /// Keeps references.
   ObjectEvidenceCollector(const LidarScan& scan, const LocalPoints& points,
-                          const std::vector<PointVotes>& votes, int max_of_row);
+                          const std::vector<PointEvidence>& votes, int max_of_row);
 
   /// The evidence of an object, given by the indices of its returns, in any order.
   [[nodiscard]] ObjectEvidence collect(std::span<const std::int32_t> object);
@@ -61,7 +62,7 @@ class ObjectEvidenceCollector {
 
   const LidarScan& scan_;
   const LocalPoints& points_;
-  const std::vector<PointVotes>& votes_;
+  const std::vector<PointEvidence>& votes_;
   int max_of_row_;
   std::vector<RowTally> rows_;  // all zero between calls
 };

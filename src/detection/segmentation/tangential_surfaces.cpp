@@ -48,8 +48,8 @@ void TangentialSurfaces::reach(std::int32_t from) {
 }
 
 // A point that only the later scan observed may have been uncovered by the object.
-bool TangentialSurfaces::is_candidate(const PointVotes& votes) {
-  return votes.total() >= kTangentialVotes && (votes.earlier != 0 || votes.moving_seen);
+bool TangentialSurfaces::is_candidate(const PointEvidence& votes) {
+  return votes.total() >= kTangentialVotes && (votes.past != 0 || votes.seen_dynamic);
 }
 
 bool TangentialSurfaces::ends_freely() const {

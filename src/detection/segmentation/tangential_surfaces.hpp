@@ -28,7 +28,7 @@ class TangentialSurfaces {
  public:
   /// Keeps references. `moving` marks the points labelled so far.
   TangentialSurfaces(const LidarScan& scan, const LocalPoints& points, const LinkedNeighbours& neighbours,
-                     const std::vector<PointVotes>& votes, const MarkedReturns& moving)
+                     const std::vector<PointEvidence>& votes, const MarkedReturns& moving)
       : scan_(scan),
         points_(points.points),
         neighbours_(neighbours),
@@ -42,7 +42,7 @@ class TangentialSurfaces {
 
  private:
   void reach(std::int32_t from);
-  [[nodiscard]] static bool is_candidate(const PointVotes& votes);
+  [[nodiscard]] static bool is_candidate(const PointEvidence& votes);
   [[nodiscard]] bool ends_freely() const;
 
   // Counts of how the candidates end or continue.
@@ -61,7 +61,7 @@ class TangentialSurfaces {
   const LidarScan& scan_;
   const std::vector<Eigen::Vector3f>& points_;
   const LinkedNeighbours& neighbours_;
-  const std::vector<PointVotes>& votes_;
+  const std::vector<PointEvidence>& votes_;
   const MarkedReturns& moving_;
   std::vector<std::uint8_t> reached_;  // by return, from the object at work
   std::vector<std::int32_t> surface_;

@@ -33,6 +33,8 @@ constexpr double kRigidFactor = 0.25;
 constexpr double kPorousFactor = 1.5;
 
 // Path without a displacement shown by the rays: several times the least they show (min_displacement_m).
+// Measured without it: no effect with true poses; along own odometry, IoU .433 to .404 (tunnel, Pandar64,
+// seed 7, 2.5 s).
 constexpr double kMaxUnconfirmed_m = 1;
 
 // A static object comes into view bit by bit, and its velocity errs by as much as its seen part grows, while

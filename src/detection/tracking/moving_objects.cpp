@@ -9,8 +9,13 @@
 
 namespace mapless::inline v1 {
 
-Detection MovingObjects::classify(ProposedObjects proposed) {
-  Detection detection = std::move(proposed.detection);
+Detection MovingObjects::classify(ObjectProposals proposed) {
+  Detection detection;
+  detection.scan = std::move(proposed.scan);
+  detection.trace = std::move(proposed.trace);
+  detection.object = std::move(proposed.object);
+  detection.objects = proposed.objects;
+  detection.seconds = proposed.seconds;
   const Time now = detection.scan->start;
   detection.tracked = timed(detection.seconds.tracking, [&] {
     return tracker_.process(detection, ScanTrajectory(*detection.scan, std::move(proposed.column_states)));

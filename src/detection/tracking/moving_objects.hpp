@@ -25,7 +25,7 @@ class MovingObjects {
       : method_(parameters.method), classifier_(parameters.voting) {}
 
   /// The detection with moving objects alone, renumbered in their order.
-  Detection classify(ProposedObjects proposed);
+  Detection classify(ObjectProposals proposed);
 
  private:
   DetectionMethod method_;

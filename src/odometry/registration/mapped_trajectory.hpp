@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "odometry/map/seen_through.hpp"
+#include "odometry/map/coarse_freespace.hpp"
 #include "odometry/registration/scan_registration.hpp"
 #include <mapless/lidar/lidar_scan.hpp>
 
@@ -18,9 +18,9 @@ inline constexpr unsigned kLineStride = 29;
 
 /// The part of a scan that the odometry uses.
 struct UsableScan {
-  std::vector<ScanPoint> points;            ///< for the map
-  TimeBins bins;                            ///< of the keypoints, for registration
-  std::shared_ptr<const SeenThrough> seen;  ///< null once the odometry has started
+  std::vector<ScanPoint> points;                     ///< for the map
+  TimeBins bins;                                     ///< of the keypoints, for registration
+  std::shared_ptr<const CoarseFreespace> freespace;  ///< null once the odometry has started
   Time start;
   std::size_t interval = 0;  ///< number of the knot at its start
 };

@@ -58,7 +58,7 @@ double violations(const MappedTrajectory& mapped, const std::vector<UsableScan>&
   for (const UsableScan& other : others) {
     if (other.interval == scan.interval) break;
     const KnotInterval own(mapped.knots[other.interval], mapped.knots[other.interval + 1]);
-    through += other.seen->count(own, scan.bins, interval).through;
+    through += other.freespace->count_inside(own, scan.bins, interval);
     ++scans;
   }
   return through / scans;

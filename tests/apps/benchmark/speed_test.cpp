@@ -37,7 +37,7 @@ TEST(BenchmarkSpeed, TellsEveryStageBesideTheYardstick) {
   EXPECT_EQ(sensor["scans"], 45 - 33);
   std::map<std::string, nlohmann::json> rows;
   for (const auto& row : sensor["rows"]) rows[row["name"]] = row;
-  for (const char* name : {"compensation", "backward", "box filter", "region growth", "detection", "odometry",
+  for (const char* name : {"compensation", "evidence", "filter", "region growth", "detection", "odometry",
                            "pipeline", "on two threads", "tracking", "yardstick"}) {
     SCOPED_TRACE(name);
     ASSERT_EQ(rows.count(name), 1u);
@@ -51,10 +51,10 @@ TEST(BenchmarkSpeed, TellsEveryStageBesideTheYardstick) {
   EXPECT_EQ(rows.size(), 10u);
   EXPECT_DOUBLE_EQ(rows["yardstick"]["yardsticks"], 1);
   EXPECT_DOUBLE_EQ(rows["detection"]["share_of_detection"], 1);
-  EXPECT_LT(rows["backward"]["median_ms"], rows["detection"]["median_ms"]);
+  EXPECT_LT(rows["evidence"]["median_ms"], rows["detection"]["median_ms"]);
   EXPECT_LT(rows["odometry"]["median_ms"], rows["pipeline"]["median_ms"]);
   EXPECT_GT(rows["on two threads"]["processor_ms"], 0);
-  EXPECT_TRUE(rows["backward"]["processor_ms"].is_null());
+  EXPECT_TRUE(rows["evidence"]["processor_ms"].is_null());
   ASSERT_EQ(sensor["threads"].size(), 2u);
   EXPECT_EQ(sensor["threads"][0]["side_by_side"], false);
   EXPECT_EQ(sensor["threads"][1]["threads"], 2);

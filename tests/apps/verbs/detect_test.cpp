@@ -129,8 +129,8 @@ TEST_F(DetectTest, SummaryTellsWhatWasReadAndUsed) {
   EXPECT_EQ(s["format"], "native");
   EXPECT_EQ(s["scans"], kScans);
   EXPECT_EQ(s["trajectory"]["source"], "recording");
-  for (const char* row :
-       {"compensation", "comparison", "backward", "forward", "box_filter", "region_growth", "total"}) {
+  for (const char* row : {"compensation", "comparison", "backward", "forward", "evidence", "filter",
+                          "region_growth", "total"}) {
     EXPECT_GE(s["timing"][row]["median_ms"], 0.0) << row;
     EXPECT_LE(s["timing"][row]["median_ms"], s["timing"][row]["p95_ms"]) << row;
     EXPECT_LE(s["timing"][row]["p95_ms"], s["timing"][row]["p99_ms"]) << row;
@@ -188,7 +188,7 @@ TEST_F(DetectTest, IsEvaluatedAndDrawn) {
   const CommandResult table = run_command({"evaluate", street(), out(), "--json", folder / "e.json"});
   ASSERT_EQ(table.exit_code, 0) << table.err;
   EXPECT_THAT(table.out,
-              testing::AllOf(HasSubstr("N_p"), HasSubstr("past freespace"), HasSubstr("12 scans count")));
+              testing::AllOf(HasSubstr("N_p"), HasSubstr("past evidence"), HasSubstr("12 scans count")));
   const auto e = nlohmann::json::parse(read_whole_file(folder / "e.json"));
   EXPECT_EQ(e["stages"].size(), 5u);
   EXPECT_EQ(e["final"]["tp"], e["stages"][4]["tp"]);

@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 #include <tbb/parallel_for.h>
 
-#include "detection/freespace/ray_image.hpp"
+#include "detection/freespace/freespace_probe.hpp"
 #include "oracle/freespace_probe_oracle.hpp"
 #include "support/toy_scene.hpp"
 
@@ -83,24 +83,24 @@ std::vector<Vector3d> queries_of(const CompensatedScan& scan, const FreespacePro
   return queries;
 }
 
-FreespaceVerdict ask(const FreespaceProbe& probe, const Vector3d& origin_0, const Vector3d& q_0,
-                     float column) {
-  return probe.ask((q_0 - origin_0).cast<float>(), column);
+FreespaceVerdict verdict_of(const FreespaceProbe& probe, const Vector3d& origin_0, const Vector3d& q_0,
+                            float column) {
+  return probe.verdict((q_0 - origin_0).cast<float>(), column);
 }
 
 /// A turning sensor sees a direction near its seam twice, or not at all.
 bool is_right(const FreespaceProbeOracle& oracle, const Vector3d& q_0, FreespaceVerdict verdict, double seam,
               int columns) {
-  if (oracle.ask(q_0) == verdict) return true;
+  if (oracle.verdict(q_0) == verdict) return true;
   if (oracle.angle_from_seam(q_0) > seam) return false;
-  return verdict == FreespaceVerdict::unobserved || oracle.ask(q_0, 0, columns / 2) == verdict ||
-         oracle.ask(q_0, columns / 2, columns) == verdict;
+  return verdict == FreespaceVerdict::unobserved || oracle.verdict(q_0, 0, columns / 2) == verdict ||
+         oracle.verdict(q_0, columns / 2, columns) == verdict;
 }
 
-enum class Asked { alone, side_by_side };
+enum class Mode { alone, side_by_side };
 
 struct ProbeAgreement : testing::TestWithParam<Case> {
-  void expect_agreement(Asked asked) const;
+  void expect_agreement(Mode mode) const;
 };
 
 using Vectors = FreespaceProbe::Vectors;
@@ -117,11 +117,11 @@ FreespaceProbe::Points points_of(const FreespaceProbe& probe, const Vector3d& or
     points.z[k] = q.z();
   }
   points.near = static_cast<float>(first % 900);
-  if (first % (2 * kAtOnce) == 0) (void)probe.look({points.x[0], points.y[0], points.z[0]}, points.near);
+  if (first % (2 * kAtOnce) == 0) (void)probe.observe({points.x[0], points.y[0], points.z[0]}, points.near);
   return points;
 }
 
-/// A scan of the case and points put to it.
+/// A scan of the case and points to observe.
 struct Inquiry {
   Inquiry(const Case& c, int count, std::uint64_t seed)
       : random(seed),
@@ -148,18 +148,18 @@ struct Inquiry {
   std::vector<Vector3d> queries;
 };
 
-std::vector<FreespaceVerdict> ask_side_by_side(const FreespaceProbe& probe, const Vector3d& origin_0,
-                                               const std::vector<Vector3d>& queries) {
+std::vector<FreespaceVerdict> observe_side_by_side(const FreespaceProbe& probe, const Vector3d& origin_0,
+                                                   const std::vector<Vector3d>& queries) {
   std::vector<FreespaceVerdict> verdicts(queries.size());
   for (std::size_t i = 0; i < queries.size(); i += kAtOnce) {
     FreespaceProbe::Points points = points_of(probe, origin_0, queries, i);
-    const auto answers = probe.look(points);
+    const auto answers = probe.observe(points);
     for (std::size_t k = 0; k < kAtOnce; ++k) verdicts[i + k] = answers[k].verdict;
   }
   return verdicts;
 }
 
-void ProbeAgreement::expect_agreement(Asked asked) const {
+void ProbeAgreement::expect_agreement(Mode mode) const {
   const Case& c = GetParam();
   const Inquiry inquiry(c, 600, 17);
   const FreespaceProbe& probe = inquiry.probe;
@@ -172,11 +172,11 @@ void ProbeAgreement::expect_agreement(Asked asked) const {
   const double turned = std::abs(c.yaw_rate_deg) / 10 * kDegree;
   const double seam = turned > 0 || c.speed > 0 ? turned + 20 * kDegree : 0;
   std::vector<FreespaceVerdict> verdicts(queries.size());
-  if (asked == Asked::side_by_side) verdicts = ask_side_by_side(probe, inquiry.origin_0, queries);
+  if (mode == Mode::side_by_side) verdicts = observe_side_by_side(probe, inquiry.origin_0, queries);
   std::vector<char> right(queries.size());
   tbb::parallel_for(std::size_t{0}, queries.size(), [&](std::size_t i) {
-    if (asked == Asked::alone)
-      verdicts[i] = ask(probe, inquiry.origin_0, queries[i], static_cast<float>(i % 900));
+    if (mode == Mode::alone)
+      verdicts[i] = verdict_of(probe, inquiry.origin_0, queries[i], static_cast<float>(i % 900));
     right[i] = is_right(oracle, queries[i], verdicts[i], seam, columns) ? 1 : 0;
   });
   std::array<int, kVerdicts> seen{};
@@ -192,7 +192,7 @@ void ProbeAgreement::expect_agreement(Asked asked) const {
     const double slack = (near_seam ? 0.1 : 0.005) + range * (std::numbers::pi / columns + 3e-4);
     EXPECT_LE(oracle.margin_m(queries[i], verdicts[i]), slack)
         << "query " << queries[i].transpose() << ": " << static_cast<int>(verdicts[i]) << " for "
-        << static_cast<int>(oracle.ask(queries[i]));
+        << static_cast<int>(oracle.verdict(queries[i]));
   }
   // Two queries in three lie where verdicts change.
   EXPECT_LE(other, static_cast<int>(queries.size()) / 100);
@@ -201,9 +201,9 @@ void ProbeAgreement::expect_agreement(Asked asked) const {
     EXPECT_GT(seen[static_cast<std::size_t>(v)], 10) << "hardly tests verdict " << static_cast<int>(v);
 }
 
-TEST_P(ProbeAgreement, WithBruteForceOverAllRays) { expect_agreement(Asked::alone); }
+TEST_P(ProbeAgreement, WithBruteForceOverAllRays) { expect_agreement(Mode::alone); }
 
-TEST_P(ProbeAgreement, OfEightAtOnceWithBruteForceOverAllRays) { expect_agreement(Asked::side_by_side); }
+TEST_P(ProbeAgreement, OfEightAtOnceWithBruteForceOverAllRays) { expect_agreement(Mode::side_by_side); }
 
 // To the last bit, whatever stands beside a point: labels do not depend on the processor.
 TEST_P(ProbeAgreement, OfVectorsOfEightWithVectorsOfFour) {
@@ -213,8 +213,8 @@ TEST_P(ProbeAgreement, OfVectorsOfEightWithVectorsOfFour) {
   for (std::size_t i = 0; i < queries.size(); i += kAtOnce) {
     FreespaceProbe::Points fours = points_of(probe, origin_0, queries, i);
     FreespaceProbe::Points eights = fours;
-    const auto expected = probe.look(fours, Vectors::of_four);
-    const auto answers = probe.look(eights, Vectors::of_eight);
+    const auto expected = probe.observe(fours, Vectors::of_four);
+    const auto answers = probe.observe(eights, Vectors::of_eight);
     ASSERT_EQ(answers.verdict, expected.verdict) << "queries from " << i;
     ASSERT_EQ(answers.laser, expected.laser) << "queries from " << i;
     ASSERT_EQ(answers.column, expected.column) << "queries from " << i;
@@ -240,10 +240,10 @@ TEST_P(ProbeAgreement, OfManyAtOnceWithEightAlone) {
     }
     std::vector<FreespaceProbe::Points> alone = many;
     std::vector<FreespaceProbe::Answers> answers(many.size());
-    probe.look(many, answers, vectors);
+    probe.observe(many, answers, vectors);
     for (std::size_t n = 0; n < alone.size(); ++n) {
       if (n > 0) alone[n].near += alone[n - 1].column[kAtOnce - 1] - alone[n - 1].near_last;
-      const auto expected = probe.look(alone[n], vectors);
+      const auto expected = probe.observe(alone[n], vectors);
       ASSERT_EQ(many[n].column, alone[n].column) << "eight " << n;
       ASSERT_EQ(answers[n].verdict, expected.verdict) << "eight " << n;
       ASSERT_EQ(answers[n].laser, expected.laser) << "eight " << n;

@@ -39,12 +39,13 @@ TEST(RangeNoise, OfFewReturnsIsNotTold) {
 TEST(RangeNoise, ToleranceIsThatOfTheParametersOrFourDeviations) {
   const test::ToyScene street = test::toy_street("HDL-64E-S2");
   VotingParameters parameters;
-  EXPECT_NEAR(for_noise_of(with_noise(street, 0.02), parameters).tolerance_m, parameters.tolerance_m, 0.005);
-  const double tolerance_m = for_noise_of(with_noise(street, 0.05), parameters).tolerance_m;
+  EXPECT_NEAR(with_tolerance_for_noise(parameters, with_noise(street, 0.02)).tolerance_m,
+              parameters.tolerance_m, 0.005);
+  const double tolerance_m = with_tolerance_for_noise(parameters, with_noise(street, 0.05)).tolerance_m;
   EXPECT_GT(tolerance_m, 0.14);
   EXPECT_LT(tolerance_m, 0.21);
   parameters.tolerance_m = 0.5;
-  EXPECT_EQ(for_noise_of(with_noise(street, 0.05), parameters).tolerance_m, 0.5);
+  EXPECT_EQ(with_tolerance_for_noise(parameters, with_noise(street, 0.05)).tolerance_m, 0.5);
 }
 
 }  // namespace MAPLESS_FILE

@@ -30,7 +30,7 @@ TEST_F(EvidenceImage, ASeedNeedsTheVotesOfItsNeighbours) {
   EXPECT_EQ(filter()[at(1, 4)], FilterVerdict::removed);  // (3, 7) is two lasers and three columns off
   set(2, 3, 1);
   EXPECT_EQ(filter()[at(2, 5)], FilterVerdict::removed);
-  votes_[at(2, 3)].later = 1;
+  votes_[at(2, 3)].future = 1;
   EXPECT_EQ(filter()[at(2, 5)], FilterVerdict::kept);
 }
 
@@ -107,8 +107,8 @@ TEST_F(EvidenceImage, GrowsOverPointsWithADepartedOccluderByTheirVotes) {
     set(2, c, 3);
     seeds[at(2, c)] = FilterVerdict::kept;
   }
-  votes_[at(2, 9)].vacated = votes_[at(2, 10)].vacated = true;
-  votes_[at(2, 9)].earlier = 2;
+  votes_[at(2, 9)].occluder_left = votes_[at(2, 10)].occluder_left = true;
+  votes_[at(2, 9)].past = 2;
   votes_[at(2, 10)] = {2, -2, false, true, true, true};
   const EvidenceGrowthResult result = grow_evidence(scan_, points_, votes_, seeds, parameters_);
   EXPECT_EQ(result.verdict[at(2, 9)], GrowthVerdict::grown);
@@ -176,7 +176,7 @@ TEST_F(EvidenceImage, EstimatesTheDisplacementOfAnObject) {
   EXPECT_NEAR(grow().evidence[0].displacement_m, d / 2, 1e-5);
   make_old(1, 4);
   EXPECT_EQ(grow().evidence[0].displacement_m, 0);
-  votes_[at(1, 4)].recently = votes_[at(1, 5)].recently = true;
+  votes_[at(1, 4)].recently_free = votes_[at(1, 5)].recently_free = true;
   EXPECT_NEAR(grow().evidence[0].displacement_m, d, 1e-5);
 }
 
@@ -270,7 +270,7 @@ TEST_F(EvidenceImage, SumsTheVotesOfEveryObject) {
   parameters_.grow = false;  // which would add points
   for (int c : {2, 3, 4}) set(0, c, 3);
   for (int c : {12, 13, 14}) set(0, c, 5);
-  votes_[at(0, 13)].later = -1;
+  votes_[at(0, 13)].future = -1;
   const EvidenceGrowthResult result = grow();
   ASSERT_EQ(result.evidence.size(), 2u);
   EXPECT_EQ(result.evidence[0].votes, 9);
@@ -287,7 +287,7 @@ TEST_F(EvidenceImage, FindsNoObjectWithoutPointsOrSeeds) {
 struct RandomImage {
   LidarScan scan;
   LocalPoints points;
-  std::vector<PointVotes> votes;
+  std::vector<PointEvidence> votes;
 };
 
 /// Points at ranges of 3 to 8 m that jump now and then, votes in runs, returns missing.

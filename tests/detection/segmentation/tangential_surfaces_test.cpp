@@ -95,7 +95,7 @@ TEST_F(BusSide, IsStaticIfNoEndIsVisible) {
 TEST_F(BusSide, ExcludesPointsThatOnlyTheLaterScanObserved) {
   for (int c = 10; c < 12; ++c) votes_[at(0, c)] = {0, -1, false, true, false, false, false};
   EXPECT_EQ(found(), kAll - 2);
-  for (int c = 10; c < 12; ++c) votes_[at(0, c)].moving_seen = true;
+  for (int c = 10; c < 12; ++c) votes_[at(0, c)].seen_dynamic = true;
   EXPECT_EQ(found(), kAll);
 }
 
@@ -110,7 +110,7 @@ TEST_F(BusSide, IsAtMostEightTimesTheLabelledPoints) {
 }
 
 TEST_F(BusSide, IsStaticUntilSomePointIsKnownToBeStatic) {
-  for (PointVotes& v : votes_) v.earlier = std::max<std::int16_t>(v.earlier, -4);
+  for (PointEvidence& v : votes_) v.past = std::max<std::int16_t>(v.past, -4);
   EXPECT_EQ(found(), kFound);
 }
 

@@ -28,16 +28,14 @@ bool is_of_box(const test::ToyScene& scene, const LidarScan& scan, const LidarRe
 }
 
 /// The box as a proposed object, with displacement and votes.
-ProposedObjects propose(const test::ToyScene& scene, int k, double displacement_m, int votes = kVotes) {
+ObjectProposals propose(const test::ToyScene& scene, int k, double displacement_m, int votes = kVotes) {
   const auto cast = test::cast_scan(scene, k);
-  ProposedObjects proposed;
-  Detection& detection = proposed.detection;
-  detection.scan = cast.scan;
-  detection.sequence_number = static_cast<std::size_t>(k);
-  detection.trace.resize(detection.scan->returns.size());
-  for (const LidarReturn& r : detection.scan->returns)
-    detection.object.push_back(is_of_box(scene, *cast.scan, r) ? 1 : 0);
-  detection.objects = 1;
+  ObjectProposals proposed;
+  proposed.scan = cast.scan;
+  proposed.trace.resize(proposed.scan->returns.size());
+  for (const LidarReturn& r : proposed.scan->returns)
+    proposed.object.push_back(is_of_box(scene, *cast.scan, r) ? 1 : 0);
+  proposed.objects = 1;
   proposed.column_states = compensate(cast.scan, *scene.trajectory).column_states;
   proposed.evidence = {{static_cast<float>(displacement_m), votes}};
   return proposed;
@@ -49,8 +47,8 @@ TEST(MovingObjects, NumbersMovingObjectsOnly) {
     const auto scene = room_with_box(speed_mps);
     MovingObjects moving{DetectorParameters{}};
     for (int k = 0; k < 6; ++k) {
-      ProposedObjects proposed = propose(scene, k, k < 2 ? kDisplacement_m : 0);
-      const std::vector<std::uint16_t> box = proposed.detection.object;
+      ObjectProposals proposed = propose(scene, k, k < 2 ? kDisplacement_m : 0);
+      const std::vector<std::uint16_t> box = proposed.object;
       const Detection detection = moving.classify(std::move(proposed));
       if (k < 4) continue;
       const bool moves = speed_mps > 0;
@@ -95,14 +93,14 @@ TEST(MovingObjects, EveryObjectHasItsOwnDisplacement) {
   const auto scene = room_with_box(0);
   for (const bool second : {false, true}) {
     SCOPED_TRACE(second);
-    ProposedObjects proposed = propose(scene, 0, kDisplacement_m);
-    std::vector<std::uint16_t>& object = proposed.detection.object;
+    ObjectProposals proposed = propose(scene, 0, kDisplacement_m);
+    std::vector<std::uint16_t>& object = proposed.object;
     std::size_t count = 0;
     for (std::uint16_t& number : object) {
       if (number != 0 && ++count > 50) number = 2;
     }
     ASSERT_GT(count, 100u);
-    proposed.detection.objects = 2;
+    proposed.objects = 2;
     proposed.evidence = {{second ? 0 : 1.F, kVotes}, {second ? 1.F : 0, kVotes}};
     const std::vector<std::uint16_t> before = object;
     const Detection detection = MovingObjects{DetectorParameters{}}.classify(std::move(proposed));
@@ -187,7 +185,7 @@ TEST(MovingObjects, AreAllProposedObjectsOfThePublishedMethod) {
   MovingObjects moving{parameters};
   const auto scene = room_with_box(0);
   for (int k = 0; k < 3; ++k) {
-    ProposedObjects proposed = propose(scene, k, 0);
+    ObjectProposals proposed = propose(scene, k, 0);
     proposed.evidence.clear();
     EXPECT_EQ(moving.classify(std::move(proposed)).tracked.size(), 1u);
   }

@@ -28,7 +28,7 @@ class EvidenceImage : public testing::Test {
     return static_cast<std::size_t>(scan_.cell(laser, column));
   }
   void set(int laser, int column, int votes) {
-    PointVotes& v = votes_[at(laser, column)];
+    PointEvidence& v = votes_[at(laser, column)];
     v.earlier = static_cast<std::int16_t>(votes);
     v.seen_through = v.recently = votes > 0;
     v.surface_seen = votes < 0;
@@ -38,7 +38,7 @@ class EvidenceImage : public testing::Test {
   }
   [[nodiscard]] EvidenceGrowthResult grow() const {
     std::vector<FilterVerdict> seeds;
-    for (const PointVotes& v : votes_)
+    for (const PointEvidence& v : votes_)
       seeds.push_back(v.total() > 0 ? FilterVerdict::kept : FilterVerdict::not_evaluated);
     return grow_evidence(scan_, points_, votes_, seeds, parameters_);
   }
@@ -49,7 +49,7 @@ class EvidenceImage : public testing::Test {
 
   LidarScan scan_ = small_scan({0, 0, 0, 0, 0}, 5);
   LocalPoints points_ = points_of(scan_);
-  std::vector<PointVotes> votes_ = std::vector<PointVotes>(scan_.returns.size());
+  std::vector<PointEvidence> votes_ = std::vector<PointEvidence>(scan_.returns.size());
   VotingParameters parameters_;
 };
 

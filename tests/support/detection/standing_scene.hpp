@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "detection/evidence/point_evidence.hpp"
+#include "detection/evidence/evidence_collector.hpp"
 #include "support/toy_scene.hpp"
 #include <mapless/geometry/compensated_scan.hpp>
 
@@ -32,8 +32,9 @@ inline bool is_ahead(const CompensatedScan& scan, std::size_t i) {
   return std::abs(p.y()) < 0.5 * p.x();
 }
 
-inline std::vector<AskedScan> asked(const std::vector<RayImage>& images, const std::vector<int>& gaps) {
-  std::vector<AskedScan> all;
+inline std::vector<ReferenceScan> references(const std::vector<RayImage>& images,
+                                             const std::vector<int>& gaps) {
+  std::vector<ReferenceScan> all;
   for (std::size_t k = 0; k < images.size(); ++k) all.push_back({&images[k], gaps[k]});
   return all;
 }

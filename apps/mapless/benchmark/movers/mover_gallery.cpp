@@ -54,8 +54,8 @@ Json gallery_picture(const MoverView& view, const Classes& classes, const std::f
                        view.centre_v.norm(), view.scan, share_text(view.found_points, view.moving_points))}};
 }
 
-Json cascade_picture(const MoverView& view, Stage stage, const std::filesystem::path& folder,
-                     const std::string& name) {
+Json cascade_picture(const MoverView& view, Stage stage, std::string_view stage_name,
+                     const std::filesystem::path& folder, const std::string& name) {
   const auto number = static_cast<std::size_t>(stage);
   const std::string file = fmt::format("{}.cascade_{}.png", name, number + 1);
   const auto dynamic = [stage](const ViewedPoint& p) { return dynamic_after(p.trace, stage); };
@@ -67,21 +67,21 @@ Json cascade_picture(const MoverView& view, Stage stage, const std::filesystem::
   }
   return {{"file", file},
           {"kind", "cascade"},
-          {"caption", fmt::format("{}. {}: {}, {} false", number + 1, kStageNames.at(number),
+          {"caption", fmt::format("{}. {}: {}, {} false", number + 1, stage_name,
                                   share_text(found, view.moving_points), wrong)}};
 }
 
 }  // namespace
 
-Json draw_album(const MoverViews& views, const ObjectTruth& objects, const std::filesystem::path& folder,
-                const std::string& name) {
+Json draw_album(const MoverViews& views, const StageNames& stages, const ObjectTruth& objects,
+                const std::filesystem::path& folder, const std::string& name) {
   const Classes classes = classes_of(objects);
   Json pictures = Json::array();
   for (const MoverView* view : choose_for_gallery(views.views(), classes, kGallery))
     pictures.push_back(gallery_picture(*view, classes, folder, name));
   if (const MoverView* mover = mover_for_cascade(views.views(), classes)) {
     for (std::size_t s = 0; s < kStageCount; ++s)
-      pictures.push_back(cascade_picture(*mover, static_cast<Stage>(s), folder, name));
+      pictures.push_back(cascade_picture(*mover, static_cast<Stage>(s), stages.at(s), folder, name));
   }
   return pictures;
 }

@@ -13,7 +13,7 @@
 
 namespace mapless::app {
 
-/// A point near a mover: what is true, and what was said of it.
+/// A point near a moving object: its true label and the verdicts on it.
 struct ViewedPoint {
   Eigen::Vector3f position_v;
   bool moving = false;  ///< true label
@@ -22,20 +22,20 @@ struct ViewedPoint {
   StageTrace trace;
 };
 
-/// A mover and its surroundings in one scan.
+/// A moving object and its surroundings in one scan.
 struct MoverView {
   std::uint32_t object_id = 0;
   std::size_t scan = 0;
   Eigen::Vector3f centre_v = Eigen::Vector3f::Zero();  ///< mean of its moving points [m]
-  float radius_m = 0;                                  ///< from there to the farthest of them
+  float radius_m = 0;                                  ///< from the centre to the farthest of them
   std::size_t moving_points = 0, found_points = 0;
   std::vector<ViewedPoint> points;  ///< within radius_m + kSurroundings of the centre
 
   static constexpr float kSurroundings = 4;  // [m]
 };
 
-/// Keeps, of every mover, the scan in which most of its moving points are seen, found or not, no nearer than
-/// kNearest. Memory grows with the number of movers, not of scans.
+/// Keeps, for every moving object, the scan with most of its moving points (found or missed), no nearer than
+/// kNearest. Memory grows with the number of objects, not of scans.
 class MoverViews {
  public:
   /// `truth` has one label per input record of the scan.
@@ -51,8 +51,8 @@ class MoverViews {
   std::map<std::uint32_t, MoverView> views_;
 };
 
-/// Which of the views a gallery shows: at most `count`, of as many classes as there are, those with most
-/// points first. `classes` by object id.
+/// The views that a gallery shows: at most `count`, of as many classes as possible, those with most points
+/// first. `classes` by object id.
 [[nodiscard]] std::vector<const MoverView*> choose_for_gallery(
     const std::map<std::uint32_t, MoverView>& views, const std::map<std::uint32_t, std::string>& classes,
     std::size_t count);

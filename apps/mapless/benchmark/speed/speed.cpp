@@ -25,16 +25,16 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kFirstScan = 33;  // the default detector asks scans up to 32 before, and one after
-constexpr int kYardstickEvery = 5;
+constexpr int kFirstScan = 33;  // the reference scans of the default detector: up to 32 before, and one after
+constexpr int kYardstickEvery = 5;  // scans; it takes longer than the detection
 
 struct Times {
   std::vector<StageSeconds> stages;
   std::vector<BusyTime> detection, odometry, yardstick;
 };
 
-/// Everything measured of one sensor, scan by scan and side by side, so that what else the machine does meets
-/// all of it.
+/// All measurements of one sensor, interleaved scan by scan, so that other load on the computer affects all
+/// of them alike.
 class SensorRun {
  public:
   SensorRun(const SpeedOptions& options, const std::string& sensor)
@@ -44,7 +44,7 @@ class SensorRun {
         odometry_(options.odometry) {
     if (scans_ < kFirstScan + 2 * kYardstickEvery) {
       throw ParameterError({"--duration-s", "", fmt::format("{}", options.duration_s),
-                            "is too short to measure", "ask for 5 seconds or more"});
+                            "is too short to measure", "give 5 seconds or more"});
     }
     const auto add = [&](int threads, bool side_by_side) {
       pipelines_.push_back(
@@ -156,7 +156,8 @@ Json rows(const SensorRun& run) {
                                   Stage{"comparison", &StageSeconds::comparison},
                                   Stage{"backward", &StageSeconds::backward},
                                   Stage{"forward", &StageSeconds::forward},
-                                  Stage{"box filter", &StageSeconds::box_filter},
+                                  Stage{"evidence", &StageSeconds::evidence},
+                                  Stage{"filter", &StageSeconds::filter},
                                   Stage{"region growth", &StageSeconds::region_growth},
                                   Stage{"tracking", &StageSeconds::tracking}};
   for (const auto& [name, stage] : kStages) {

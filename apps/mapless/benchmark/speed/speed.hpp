@@ -21,14 +21,14 @@ struct SpeedOptions {
   int most_threads = 2;
 };
 
-/// How long detection (true poses), following its objects, odometry, and the pipeline of odometry and
-/// detection take on one thread, and that pipeline on two (SpeedPipeline), scan by scan of a scene simulated
-/// in memory, once the detector has all the scans it asks; and, in the same run, the yardstick: the time
-/// nanoflann takes to build a k-d tree of one compensated scan and to find the nearest of its points to every
-/// point of another. One entry per sensor (sensor_of): sensor, scans, rays, rows of name, median_ms, p95_ms,
-/// p99_ms, ns_per_ray, share_of_detection (of the median), yardsticks (the same), and the median of the
-/// pipeline on up to `most_threads` threads, one after the other and side by side. Throws ParameterError
-/// where the scene is too short. Stops early, with what there is, where interrupted.
+/// Measures, scan by scan of a scene simulated in memory: detection along the true trajectory and its stages,
+/// odometry, and an OnlineDetector, each on one thread; an OnlineDetector on two threads; and the yardstick,
+/// the time nanoflann takes to build a k-d tree of one compensated scan and to find the nearest neighbour of
+/// every point of another. Counts scans once the detector has all its reference scans. One entry per sensor
+/// (sensor_of): sensor, scans, rays, rows of name, median_ms, p95_ms, p99_ms, ns_per_ray, share_of_detection
+/// (of the median), yardsticks (the same), and the median of the OnlineDetector on up to `most_threads`
+/// threads, with and without side_by_side. Throws ParameterError where the scene is too short. Where
+/// interrupted, returns the figures so far.
 [[nodiscard]] nlohmann::ordered_json measure_speed(const SpeedOptions& options);
 
 /// The same as a table.

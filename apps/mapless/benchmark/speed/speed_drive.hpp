@@ -19,7 +19,7 @@ namespace mapless::app {
 /// ParameterError.
 [[nodiscard]] LidarModel sensor_of(const std::string& name);
 
-/// A scene with a sensor in it whose scans never touch the disk.
+/// A scene with a sensor in it, simulated in memory.
 class SpeedDrive {
  public:
   SpeedDrive(const std::string& scene, double duration_s, std::uint64_t seed, const std::string& sensor);
@@ -39,8 +39,8 @@ class SpeedDrive {
   SimulatedSensor sensor_;
 };
 
-/// How long nanoflann takes to build a k-d tree of one cloud and to find the nearest of its points to every
-/// point of the other.
+/// Time of nanoflann to build a k-d tree of one cloud and to find the nearest of its points to every point of
+/// the other.
 [[nodiscard]] BusyTime yardstick(const std::vector<Eigen::Vector3d>& of,
                                  const std::vector<Eigen::Vector3d>& asked);
 

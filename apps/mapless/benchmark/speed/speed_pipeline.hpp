@@ -10,7 +10,7 @@
 
 namespace mapless::app {
 
-/// Measures an OnlineDetector on so many threads: from scan to labels, with own odometry.
+/// Measures the time per scan of an OnlineDetector with lidar odometry.
 class SpeedPipeline {
  public:
   /// `threads` in all. With `side_by_side`, one of them does the odometry and the others the detection.

@@ -6,7 +6,7 @@
 
 namespace mapless::app {
 
-/// What measure_speed found: median processor time against the rays of a scan, one point per sensor.
+/// Median processor time against the rays of a scan, one point per sensor. Argument: of measure_speed.
 [[nodiscard]] Plot time_against_rays(const nlohmann::ordered_json& speed);
 
 /// The median wall time of the pipeline of the first sensor against the threads it had.

@@ -1,29 +1,25 @@
-// Not every point is asked: what stands between neighbours that agree gets their votes. The oracle asks all.
+// Not every point is queried: points between neighbours that agree get their evidence. The oracle queries
+// all.
 #include <algorithm>
-#include <tuple>
 #include <utility>
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
-#include "oracle/freespace_votes_oracle.hpp"
+#include "detection/evidence/collect_evidence.hpp"
+#include "oracle/evidence_oracle.hpp"
 #include "support/detection/standing_scene.hpp"
 #include "support/local_points.hpp"
 
 namespace mapless {
 namespace MAPLESS_FILE {
 
-using test::asked;
 using test::cast;
 using test::is_ahead;
 using test::local_points;
+using test::references;
 using test::standing;
 using test::wall_at;
-
-bool same(const PointVotes& a, const PointVotes& b) {
-  return std::tuple(a.earlier, a.later, a.seen_through, a.surface_seen, a.recently, a.vacated) ==
-         std::tuple(b.earlier, b.later, b.seen_through, b.surface_seen, b.recently, b.vacated);
-}
 
 struct Scans {
   CompensatedScan query;
@@ -38,23 +34,23 @@ struct Scans {
       gaps.push_back(number - k);
     }
   }
-  [[nodiscard]] std::vector<PointVotes> votes() const {
-    return collect_votes(*query.scan, local_points(query), asked(images, gaps), own, {});
+  [[nodiscard]] std::vector<PointEvidence> votes() const {
+    return collect_evidence(*query.scan, local_points(query), references(images, gaps), own, {});
   }
-  [[nodiscard]] std::vector<PointVotes> all_votes() const {
-    return test::ask_every_point(*query.scan, local_points(query), asked(images, gaps), own, {});
+  [[nodiscard]] std::vector<PointEvidence> all_votes() const {
+    return test::query_every_point(*query.scan, local_points(query), references(images, gaps), own, {});
   }
 };
 
-// In a room where nothing moves all points between two that stand do so too, of a row or of the rows above
-// and below; what scans that could not see a place do not vote differs here and there.
-TEST(VoteSampling, OfSmoothSurfacesLittleIsLostByAskingSomePoints) {
+// In a static room all points between two static ones are static too, in a row or between two rows; the votes
+// of scans that could not observe a point differ here and there.
+TEST(ScanlineSampler, LosesLittleOnSmoothSurfaces) {
   const Scans room(test::toy_room("HDL-64E-S3", test::drive(1, 0.3)), 9, {7, 5, 1, 10});
   const auto votes = room.votes();
   const auto all = room.all_votes();
   std::size_t other = 0, lost = 0, won = 0;
   for (std::size_t i = 0; i < all.size(); ++i) {
-    other += same(votes[i], all[i]) ? 0 : 1;
+    other += votes[i] == all[i] ? 0 : 1;
     lost += votes[i].total() <= 0 && all[i].total() > 0 ? 1 : 0;
     won += votes[i].total() > 0 && all[i].total() <= 0 ? 1 : 0;
   }
@@ -63,10 +59,10 @@ TEST(VoteSampling, OfSmoothSurfacesLittleIsLostByAskingSomePoints) {
   EXPECT_LE(won, all.size() / 3000);
 }
 
-// On the street: of what the votes call dynamic when every point is asked, next to nothing may be missed.
-// What lies on the line between two points that move does so too, whatever a scan may say of it alone. Of
-// what no scan saw through more is lost: whether it was uncovered hangs, point by point, on noise.
-TEST(VoteSampling, OfWhatMovesLittleIsLostByAskingSomePoints) {
+// On the street: of the points with positive evidence when every point is queried, next to none may be lost.
+// A point on the line between two dynamic ones is dynamic too, whatever its own rays observe. Of the points
+// that no scan saw through more are lost: whether they were uncovered depends, point by point, on noise.
+TEST(ScanlineSampler, LosesLittleOfWhatMoves) {
   const Scans street(test::toy_street("HDL-64E-S2"), 30, {28, 26, 22, 14, 31});
   const auto votes = street.votes();
   const auto all = street.all_votes();
@@ -87,13 +83,14 @@ TEST(VoteSampling, OfWhatMovesLittleIsLostByAskingSomePoints) {
 
 // A pole that was not there before, of the width of one to three firings: between two points of a wall that
 // agree.
-TEST(VoteSampling, AsksAboutAThinThingInFrontOfAWall) {
+TEST(ScanlineSampler, QueriesAThinPoleInFrontOfAWall) {
   for (const double radius : {0.01, 0.02, 0.03}) {
     SCOPED_TRACE(radius);
     const test::ToyBody pole = test::toy_cylinder({7, 0, 0}, radius, 3);
     const CompensatedScan query = cast(standing({wall_at(10), pole}));
     const RayImage before(cast(standing({wall_at(10)})));
-    const auto votes = collect_votes(*query.scan, local_points(query), {{&before, 2}}, RayImage(query), {});
+    const auto votes =
+        collect_evidence(*query.scan, local_points(query), {{&before, 2}}, RayImage(query), {});
     int on_pole = 0;
     for (std::size_t i = 0; i < votes.size(); ++i) {
       if (!is_ahead(query, i)) continue;
@@ -105,14 +102,15 @@ TEST(VoteSampling, AsksAboutAThinThingInFrontOfAWall) {
   }
 }
 
-// A bar that one laser hits, or two: between rows of a wall that stands by the vote of a scan of long ago.
-TEST(VoteSampling, AsksAboutAThinThingBetweenTwoLasers) {
+// A bar that one laser hits, or two: between rows of a wall that an old scan votes static.
+TEST(ScanlineSampler, QueriesAThinBarBetweenTwoLasers) {
   const RayImage before(cast(standing({wall_at(10)})));
   int on_bar = 0;
   for (double z = -0.6; z < 0; z += 0.043) {
     SCOPED_TRACE(z);
     const CompensatedScan query = cast(standing({wall_at(10), test::toy_box({7, 0, z}, {0.02, 1.5, 0.02})}));
-    const auto votes = collect_votes(*query.scan, local_points(query), {{&before, 16}}, RayImage(query), {});
+    const auto votes =
+        collect_evidence(*query.scan, local_points(query), {{&before, 16}}, RayImage(query), {});
     for (std::size_t i = 0; i < votes.size(); ++i) {
       if (!is_ahead(query, i)) continue;
       const bool bar_point = query.points_0[i].x() < 8;
@@ -123,13 +121,13 @@ TEST(VoteSampling, AsksAboutAThinThingBetweenTwoLasers) {
   EXPECT_GT(on_bar, 500);
 }
 
-TEST(VoteSampling, ThreadsDoNotMatter) {
+TEST(ScanlineSampler, ThreadsDoNotMatter) {
   const Scans street(test::toy_street("VLP-16"), 30, {28, 26, 22, 14, 31});
   const auto reference = street.votes();
   for (const std::size_t threads : {1u, 3u}) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
     const auto votes = street.votes();
-    EXPECT_TRUE(std::equal(votes.begin(), votes.end(), reference.begin(), reference.end(), same));
+    EXPECT_TRUE(std::equal(votes.begin(), votes.end(), reference.begin(), reference.end()));
   }
 }
 

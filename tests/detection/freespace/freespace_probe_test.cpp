@@ -1,4 +1,4 @@
-#include "detection/freespace/ray_image.hpp"
+#include "detection/freespace/freespace_probe.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -21,9 +21,9 @@ using test::FreespaceProbeOracle;
 
 constexpr double kDegree = std::numbers::pi / 180;
 
-FreespaceVerdict ask(const FreespaceProbe& probe, const Vector3d& origin_0, const Vector3d& q_0,
-                     float column) {
-  return probe.ask((q_0 - origin_0).cast<float>(), column);
+FreespaceVerdict verdict_of(const FreespaceProbe& probe, const Vector3d& origin_0, const Vector3d& q_0,
+                            float column) {
+  return probe.verdict((q_0 - origin_0).cast<float>(), column);
 }
 
 // Where a ray of a moving sensor ended, from its laser's own pose at its own instant in double precision.
@@ -50,7 +50,7 @@ TEST(FreespaceProbe, EndpointIsWhereTheRayEnded) {
   }
 }
 
-// The firing named is the one that passes nearest: asked about its own end, it is itself.
+// The answer's firing is the one that passes nearest: for the end of a firing, that firing.
 TEST(FreespaceProbe, NamesTheFiringThatPassesNearest) {
   const auto room = test::toy_room("HDL-64E-S2", test::drive(0, 0));
   const auto scan = test::cast_scan(room, 0).scan;
@@ -59,7 +59,7 @@ TEST(FreespaceProbe, NamesTheFiringThatPassesNearest) {
   for (std::size_t i = 0; i < scan->returns.size(); i += 997) {
     const LidarReturn& r = scan->returns[i];
     float column = 0;
-    const auto answer = probe.look(probe.endpoint(r.laser, r.column), column);
+    const auto answer = probe.observe(probe.endpoint(r.laser, r.column), column);
     EXPECT_EQ(answer.verdict, FreespaceVerdict::border);
     EXPECT_EQ(answer.laser, r.laser);
     EXPECT_EQ(answer.column, r.column);
@@ -67,13 +67,13 @@ TEST(FreespaceProbe, NamesTheFiringThatPassesNearest) {
 }
 
 // Of a point beside a ray and one above it: less than half a column and half a laser spacing off, 9 and 140
-// mm where these rays are looked at.
-TEST(FreespaceProbe, TellsHowFarTheFiringPasses) {
+// mm at the range of these points.
+TEST(FreespaceProbe, AnswersHowFarAsideTheFiringPasses) {
   const auto room = test::toy_room("VLP-16", test::drive(0, 0));
   const auto scan = test::cast_scan(room, 0).scan;
   const RayImage image(compensate(scan, *room.trajectory));
   const FreespaceProbe probe(image, Vector3d::Zero(), {});
-  int asked = 0;
+  int observed = 0;
   for (std::size_t i = 0; i < scan->returns.size(); i += 997) {
     const LidarReturn& r = scan->returns[i];
     const Eigen::Vector3f along = probe.endpoint(r.laser, r.column).normalized();
@@ -82,7 +82,7 @@ TEST(FreespaceProbe, TellsHowFarTheFiringPasses) {
     for (const auto& [aside_m, above_m] : {std::pair(0.006F, 0.002F), {-0.006F, 0.0F}, {0.002F, -0.03F}}) {
       const Eigen::Vector3f q = 5 * along + aside_m * left + above_m * up;
       float column = 0;
-      const auto alone = probe.look(q, column);
+      const auto alone = probe.observe(q, column);
       if (alone.laser != r.laser) continue;  // above the highest laser, or below the lowest
       FreespaceProbe::Points eight{};
       eight.x.fill(q.x());
@@ -90,15 +90,14 @@ TEST(FreespaceProbe, TellsHowFarTheFiringPasses) {
       eight.z.fill(q.z());
       const float expected_m = std::max(std::abs(aside_m), std::abs(above_m));
       EXPECT_NEAR(alone.aside_m, expected_m, 5e-4F);
-      EXPECT_NEAR(probe.look(eight)[3].aside_m, expected_m, 5e-4F);
-      ++asked;
+      EXPECT_NEAR(probe.observe(eight)[3].aside_m, expected_m, 5e-4F);
+      ++observed;
     }
   }
-  EXPECT_GT(asked, 50);
+  EXPECT_GT(observed, 50);
 }
 
-/// What a resting sensor saw, and how a probe answers about points given by azimuth, elevation and range from
-/// it.
+/// The image of a sensor at rest, and the answers of a probe for points given by elevation and range from it.
 class Seen {
  public:
   Seen(const char* sensor, const test::ToyWorld& world,
@@ -106,7 +105,7 @@ class Seen {
       : image_(make_image(sensor, world, trajectory)), probe_(image_, Vector3d::Zero(), {}) {}
 
   [[nodiscard]] FreespaceVerdict at(const Vector3d& q_0) const {
-    return ask(probe_, Vector3d::Zero(), q_0, 0);
+    return verdict_of(probe_, Vector3d::Zero(), q_0, 0);
   }
   [[nodiscard]] FreespaceVerdict at(double elevation_deg, double range) const {
     const double elevation = elevation_deg * kDegree;
@@ -144,7 +143,7 @@ TEST(RayImage, SharesBeamsWithAnImageOfTheSameSensorAlone) {
   EXPECT_EQ(other.fan().beams.size(), 64u);
 }
 
-// The hub's x axis at a column, put into the hub's frame there, is the x axis.
+// The hub's x axis at a column is the x axis of its frame there.
 TEST(RayImage, PosesTurnWithTheHub) {
   test::ToyScene scene;
   scene.model = std::make_shared<const LidarModel>(named_model("VLP-16"));
@@ -209,7 +208,7 @@ TEST(FreespaceProbe, GroundBetweenTwoLasersIsNeverInside) {
 }
 
 // A pole 0.1 m thick, 10 m ahead; a column is 0.2 degrees, 0.035 m there. Two columns beside its edge still
-// look at it, five do not.
+// hit it, five do not.
 TEST(FreespaceProbe, BesideAThinPole) {
   const Seen pole("VLP-16", {test::toy_cylinder({10, 0, 0}, 0.05, 5), wall_at(20)});
   const Vector3d on(9.95, 0, 0.17);
@@ -224,9 +223,9 @@ TEST(FreespaceProbe, BesideAThinPole) {
   }
 }
 
-// What ends short two columns beside a point, 0.1 m off at 14 m, may be the thing's own edge; at 25 m, 0.17 m
-// off, it is something before it: one sees past that on both sides of a pole, a column nearer to it.
-TEST(FreespaceProbe, FarAwayWhatIsTwoColumnsBesideDoesNotHide) {
+// A ray that ends short two columns beside a point, 0.1 m off at 14 m, may be at the object's own edge; at 25
+// m, 0.17 m off, it is on something in front: rays pass on both sides of a pole, a column nearer to it.
+TEST(FreespaceProbe, FarAwayARayTwoColumnsBesideDoesNotHide) {
   const Seen pole("VLP-16", {test::toy_cylinder({10, 0, 0}, 0.05, 5), wall_at(40)});
   const double step_deg = 0.005, column_deg = 360.0 / named_model("VLP-16").columns;
   const auto hidden_deg = [&](double range) {
@@ -241,8 +240,8 @@ TEST(FreespaceProbe, FarAwayWhatIsTwoColumnsBesideDoesNotHide) {
   EXPECT_NEAR(hidden_deg(14) - hidden_deg(25), 2 * column_deg, 0.02);
 }
 
-// A quarter of a laser's spacing below the lowest beam, at -15 degrees, what it ran into says nothing of
-// where a slanting surface goes on; a wall where it ended is a wall there too.
+// A quarter of a laser's spacing below the lowest beam, at -15 degrees, its end does not show where a
+// slanting surface goes on; a wall where it ended is a wall there too.
 TEST(FreespaceProbe, BeyondTheOutermostBeamNothingIsInside) {
   const Seen wall("VLP-16", {wall_at(10)});
   const double beam_m = 10 / std::cos(15 * kDegree);
@@ -273,7 +272,7 @@ TEST(FreespaceProbe, FreeUpToTheMaximumRangeOnly) {
   EXPECT_NE(open.at({1e5, 0, 0.0175e5}), FreespaceVerdict::inside);
 }
 
-TEST(FreespaceProbe, AScanWithoutReturnsProvesNothing) {
+TEST(FreespaceProbe, AScanWithoutReturnsObservesNothing) {
   for (const ReturnCode code : {ReturnCode::faulty, ReturnCode::absent}) {
     test::ToyScene scene;
     scene.model = std::make_shared<const LidarModel>(named_model("HDL-64E-S2"));
@@ -285,14 +284,14 @@ TEST(FreespaceProbe, AScanWithoutReturnsProvesNothing) {
     std::uniform_real_distribution<double> both(-1, 1);
     for (int i = 0; i < 500; ++i) {
       const Vector3d q(30 * both(random), 30 * both(random), 3 * both(random));
-      EXPECT_EQ(ask(probe, Vector3d::Zero(), q, 0), FreespaceVerdict::unobserved);
+      EXPECT_EQ(verdict_of(probe, Vector3d::Zero(), q, 0), FreespaceVerdict::unobserved);
     }
   }
 }
 
 // A sensor that turns 18 degrees against its spin while it scans leaves out 18 degrees of the world, ahead of
 // the end of its scan. VLP-16: lasers without azimuth offsets, seam at start_azimuth.
-TEST(FreespaceProbe, WhatATurningSensorLeftOutIsUnobserved) {
+TEST(FreespaceProbe, DirectionsATurningSensorLeftOutAreUnobserved) {
   const LidarModel model = named_model("VLP-16");
   const double spin = model.sign();
   const Seen left_out("VLP-16", {}, test::drive(0, -spin * 180 * kDegree));
@@ -316,12 +315,12 @@ TEST(FreespaceProbe, AnyGuessWillDo) {
   for (std::size_t i = 0; i < scan->returns.size(); i += 997) {
     const Eigen::Vector3f q = compensated.points_0[i].cast<float>();
     float found = static_cast<float>(scan->returns[i].column);
-    const FreespaceVerdict verdict = probe.ask(q, found);
+    const FreespaceVerdict verdict = probe.verdict(q, found);
     EXPECT_EQ(verdict, FreespaceVerdict::border);
     const int from_seam = std::min(scan->returns[i].column, scan->columns - scan->returns[i].column);
     if (from_seam < 100) continue;
     for (float guess : {-1e6F, -3.0F, 0.0F, 700.0F, 5000.0F, 1e6F}) {
-      EXPECT_EQ(probe.ask(q, guess), verdict);
+      EXPECT_EQ(probe.verdict(q, guess), verdict);
       EXPECT_NEAR(guess, found, 0.05F);
     }
   }

@@ -1,3 +1,5 @@
+#include "detection/evidence/collect_evidence.hpp"
+
 #include <cmath>
 #include <memory>
 #include <utility>
@@ -11,27 +13,28 @@ namespace mapless {
 namespace MAPLESS_FILE {
 
 using Eigen::Vector3d;
-using test::asked;
 using test::cast;
 using test::is_ahead;
 using test::local_points;
+using test::references;
 using test::standing;
 using test::wall_at;
 
-/// A scan that is asked, and where it saw the wall.
+/// A reference scan, and where the wall was then.
 struct WallThen {
   double x;
   int gap;
 };
 
 struct Expected {
-  int earlier, later;
-  bool seen_through, surface_seen, recently, vacated = false;
+  int past, future;
+  bool seen_through, surface_seen, recently_free, occluder_left = false;
 };
 
-bool is(const PointVotes& v, const Expected& e) {
-  return v.earlier == e.earlier && v.later == e.later && v.seen_through == e.seen_through &&
-         v.surface_seen == e.surface_seen && v.recently == e.recently && v.vacated == e.vacated;
+bool is(const PointEvidence& v, const Expected& e) {
+  return v.past == e.past && v.future == e.future && v.seen_through == e.seen_through &&
+         v.surface_seen == e.surface_seen && v.recently_free == e.recently_free &&
+         v.occluder_left == e.occluder_left;
 }
 
 void expect_votes(const std::vector<WallThen>& then, const Expected& expected,
@@ -44,8 +47,8 @@ void expect_votes(const std::vector<WallThen>& then, const Expected& expected,
     images.emplace_back(cast(standing({wall_at(wall.x)})));
     gaps.push_back(wall.gap);
   }
-  const auto votes =
-      collect_votes(*query.scan, local_points(query), asked(images, gaps), RayImage(query), parameters);
+  const auto votes = collect_evidence(*query.scan, local_points(query), references(images, gaps),
+                                      RayImage(query), parameters);
   ASSERT_EQ(votes.size(), query.points_0.size());
   std::size_t ahead = 0, right = 0;
   for (std::size_t i = 0; i < votes.size(); ++i) {
@@ -65,7 +68,7 @@ TEST(SurfaceVotes, GrowWithTheLogarithmOfTheGap) {
 
 // A wall at 7 m: seen through by scans that saw it at 10 m (+4), a surface for one that saw it at 7 m (-1 to
 // -4), hidden from one that saw it at 4 m, by something that was 3 m off.
-TEST(CollectVotes, AddsUpWhatEveryScanSays) {
+TEST(CollectEvidence, AddsUpTheVotesOfEveryScan) {
   expect_votes({{10, 2}, {4, 4}, {10, 8}, {7, -1}}, {8, -1, true, true, true});
   expect_votes({{7, 2}, {7, 4}, {10, 8}, {10, -1}}, {-1 - 2 + 4, 4, true, true, true});
   expect_votes({{4, 2}, {4, 4}, {4, 8}, {4, -1}}, {0, 0, false, false, false});
@@ -76,10 +79,10 @@ TEST(CollectVotes, AddsUpWhatEveryScanSays) {
   expect_votes({{7, -1}}, {0, -1, false, true, false});
 }
 
-// A wall that came between 64 and 32 scans ago stands: the scan before it came is not asked, and counts as
-// one that saw it. Where it came after, that scan is heard. The order does not hang on how far off the later
-// one is.
-TEST(CollectVotes, WhatStoodForThirtyTwoScansStandsWhateverWasThereBefore) {
+// A wall that came between 64 and 32 scans ago is static: the scan before it came is not queried, and counts
+// as if it had seen it. Where the wall came later, that scan counts. The order does not depend on the gap of
+// the later scan.
+TEST(CollectEvidence, AWallOfThirtyTwoScansIsStaticWhateverWasThereBefore) {
   for (const auto& [later, votes] : {std::pair{-1, -1}, std::pair{-40, -4}}) {
     expect_votes({{10, 64}, {7, 32}, {7, 12}, {7, 4}, {7, later}},
                  {-4 - 4 - 3 - 2, votes, false, true, false});
@@ -88,37 +91,37 @@ TEST(CollectVotes, WhatStoodForThirtyTwoScansStandsWhateverWasThereBefore) {
   }
 }
 
-// Once six scans were asked, -6 is enough: a wall that was hidden from four of them, and that three others
+// Once six scans were queried, -6 is enough: a wall that was hidden from four of them, and that three others
 // saw, was there 64 scans ago. Of three scans alone -6 is not.
-TEST(CollectVotes, WhatSomeCouldNotSeeStandsByFewerVotesOfMany) {
+TEST(CollectEvidence, FewerVotesSettleAPointOnceManyScansWereQueried) {
   expect_votes({{10, 64}, {4, 32}, {4, 24}, {4, 16}, {4, 12}, {7, 8}, {7, 4}, {7, 2}},
                {-4 - 3 - 2 - 1, 0, false, true, false});
   expect_votes({{10, 64}, {7, 8}, {7, 4}, {7, 2}}, {4 - 3 - 2 - 1, 0, true, true, false});
 }
 
-// What a scan more than four off saw through may have come to rest since.
-TEST(CollectVotes, SeenThroughLatelyIsByAScanWithinFour) {
+// An object seen through by a scan more than four away may have come to rest since.
+TEST(CollectEvidence, RecentlyFreeIsByAScanWithinFour) {
   expect_votes({{7, 2}, {10, 4}}, {-1 + 4, 0, true, true, true});
   expect_votes({{7, 2}, {10, 5}}, {-1 + 4, 0, true, true, false});
   expect_votes({{7, 2}, {10, -4}}, {-1, 4, true, true, true});
   expect_votes({{7, 2}, {10, -5}}, {-1, 4, true, true, false});
 }
 
-TEST(CollectVotes, WhereAllAreFarOffTheNearestTellsWhatMovesNow) {
+TEST(CollectEvidence, WhereAllScansAreFarTheNearestIsRecent) {
   expect_votes({{10, 8}, {7, 16}}, {4 - 4, 0, true, true, true});
   expect_votes({{7, 8}, {10, 16}}, {-3 + 4, 0, true, true, false});
   expect_votes({{7, 8}, {10, 16}, {10, -5}}, {-3 + 4, 4, true, true, true});
 }
 
-// Seen at 6 m before: what hid the wall's points was 1 m off, up to 1.3 m at the wall's ends, where scan and
-// wall meet at an angle. The scan itself, at rest, sees through the place at 6 m.
-TEST(CollectVotes, WhatHidAPointAndHasLeftCountsByHowFarOffItWas) {
+// Seen at 6 m before: the occluder of the wall's points was 1 m off, up to 1.3 m at the wall's ends, where
+// ray and wall meet at an angle. The scan itself, at rest, sees through the place at 6 m.
+TEST(CollectEvidence, ADepartedOccluderCountsWithinItsDistance) {
   VotingParameters parameters;
-  parameters.vacated_m = 1.4;
+  parameters.max_occluder_distance_m = 1.4;
   expect_votes({{6, 2}, {6, 4}, {6, 8}, {6, -1}}, {6, 2, false, false, true, true}, parameters);
   expect_votes({{7, 2}, {6, 8}}, {-1 + 2, 0, false, true, false, true}, parameters);
   expect_votes({{6, 2}, {6, -1}, {6, -3}}, {2, 2, false, false, true, true}, parameters);
-  parameters.vacated_m = 0.99;
+  parameters.max_occluder_distance_m = 0.99;
   expect_votes({{6, 2}, {6, 4}, {6, 8}, {6, -1}}, {0, 0, false, false, false}, parameters);
 }
 
@@ -126,7 +129,7 @@ TEST(CollectVotes, WhatHidAPointAndHasLeftCountsByHowFarOffItWas) {
 // later, if it were the wall: so it was something else. At 0.18 m in four scans it may be the wall: 0.05 to
 // 0.06 m a scan are no more than noise. So it may at 0.5 m in four scans, 0.13 to 0.16 m a scan, where the
 // later scan sees it 0.05 m farther, but not where that sees it at its place.
-TEST(CollectVotes, WhatLeftFastIsNotWhatTheNextScanStillSees) {
+TEST(CollectEvidence, AFastDepartureContradictsASurfaceInTheNextScan) {
   expect_votes({{6.5, 1}, {7, -1}}, {0, -1, false, true, false});
   expect_votes({{6, 1}, {6, 2}, {6.5, 2}, {7, -1}}, {0, -1, false, true, false});
   expect_votes({{6.82, 4}, {7.01, -1}}, {2, -1, false, true, true, true});
@@ -136,42 +139,43 @@ TEST(CollectVotes, WhatLeftFastIsNotWhatTheNextScanStillSees) {
   expect_votes({{6.5, 1}, {6.5, 8}}, {4, 0, false, false, true, true});
 }
 
-// A wall seen where it stands now by scans 2 and 8 back, and found moving by both then: neither is a witness
-// that it stands, and the one of a moment ago has it go on.
-TEST(CollectVotes, WhatWasFoundMovingAMomentAgoGoesOn) {
+// A wall seen at its present place by scans 2 and 8 back, and found dynamic in both: neither votes against
+// it, and the recent one votes for it.
+TEST(CollectEvidence, ASurfaceFoundDynamicDoesNotVoteAgainst) {
   const CompensatedScan query = cast(standing({wall_at(7)}));
   RayImage image(query);
-  const std::vector<AskedScan> asked = {{&image, 2}, {&image, 8}};
-  const auto votes = [&] { return collect_votes(*query.scan, local_points(query), asked, image, {}); };
-  for (const PointVotes& v : votes()) {
+  const std::vector<ReferenceScan> scans = {{&image, 2}, {&image, 8}};
+  const auto votes = [&] { return collect_evidence(*query.scan, local_points(query), scans, image, {}); };
+  for (const PointEvidence& v : votes()) {
     EXPECT_TRUE(is(v, {-1 - 3, 0, false, true, false}));
-    EXPECT_FALSE(v.moving_seen);
+    EXPECT_FALSE(v.seen_dynamic);
   }
   image.mark_dynamic(*query.scan, std::vector<std::uint16_t>(query.points_0.size(), 1));
-  for (const PointVotes& v : votes()) {
-    EXPECT_TRUE(is(v, {kMovingVotes, 0, false, true, false}));
-    EXPECT_TRUE(v.moving_seen);
+  for (const PointEvidence& v : votes()) {
+    EXPECT_TRUE(is(v, {kSeenDynamicVotes, 0, false, true, false}));
+    EXPECT_TRUE(v.seen_dynamic);
   }
 }
 
 test::ToyBody crate_at(double x) { return test::toy_box({x + 0.5, 0, 0}, {0.5, 1, 0.8}); }
 
 /// Votes of a scan of `now`, at rest, from one scan of `then`, by range ahead.
-std::vector<std::pair<double, PointVotes>> votes_of(const test::ToyWorld& now, const test::ToyWorld& then) {
+std::vector<std::pair<double, PointEvidence>> votes_of(const test::ToyWorld& now,
+                                                       const test::ToyWorld& then) {
   const CompensatedScan query = cast(standing(now));
   const RayImage before(cast(standing(then)));
-  const auto votes = collect_votes(*query.scan, local_points(query), {{&before, 2}}, RayImage(query), {});
-  std::vector<std::pair<double, PointVotes>> ahead;
+  const auto votes = collect_evidence(*query.scan, local_points(query), {{&before, 2}}, RayImage(query), {});
+  std::vector<std::pair<double, PointEvidence>> ahead;
   for (std::size_t i = 0; i < votes.size(); ++i) {
     if (is_ahead(query, i)) ahead.emplace_back(query.points_0[i].x(), votes[i]);
   }
   return ahead;
 }
 
-// A crate that recedes along the rays hid its present face all the while: from 8 m to 9 m it tells of itself,
-// from 8 m to 10.5 m it may as well be something else that was uncovered.
-TEST(CollectVotes, ACrateThatRecedesIsHeardByThePlaceItLeft) {
-  for (const auto& [at, expected] : {std::pair{9.0, kVacatedVotes}, std::pair{10.5, 0}}) {
+// A crate that recedes along the rays hid its present face all the while: from 8 m to 9 m its old place is
+// evidence, from 8 m to 10.5 m it may as well be something else that was uncovered.
+TEST(CollectEvidence, ARecedingCrateHasTheEvidenceOfThePlaceItLeft) {
+  for (const auto& [at, expected] : {std::pair{9.0, kOccluderLeftVotes}, std::pair{10.5, 0}}) {
     int on_crate = 0;
     for (const auto& [x, v] : votes_of({wall_at(20), crate_at(at)}, {wall_at(20), crate_at(8)})) {
       if (x > 15) {
@@ -179,32 +183,32 @@ TEST(CollectVotes, ACrateThatRecedesIsHeardByThePlaceItLeft) {
         continue;
       }
       ++on_crate;
-      EXPECT_EQ(v.earlier, expected);
-      EXPECT_EQ(v.recently, expected > 0);
+      EXPECT_EQ(v.past, expected);
+      EXPECT_EQ(v.recently_free, expected > 0);
     }
     EXPECT_GT(on_crate, 300);
   }
 }
 
-TEST(CollectVotes, AWallUncoveredByWhatWasFarFromItDoesNotMove) {
+TEST(CollectEvidence, AWallUncoveredByADistantOccluderIsStatic) {
   int uncovered = 0;
   for (const auto& [x, v] : votes_of({wall_at(9)}, {wall_at(9), crate_at(6)})) {
     uncovered += v.total() == 0 ? 1 : 0;
     EXPECT_LE(v.total(), 0);
-    EXPECT_FALSE(v.seen_through || v.vacated);
+    EXPECT_FALSE(v.seen_through || v.occluder_left);
   }
   EXPECT_GT(uncovered, 1000);
 }
 
 // The sensor goes 2 m on, past a pole 1.5 m before a wall: other parts of the wall are hidden than before, by
 // a pole that has not left.
-TEST(CollectVotes, WhatWasHiddenByAThingThatStaysDoesNotMove) {
+TEST(CollectEvidence, PointsHiddenByAStaticOccluderAreStatic) {
   test::ToyScene scene =
       standing({test::toy_box({2, 7, 0}, {40, 0.5, 40}), test::toy_cylinder({2, 5, 0}, 0.3, 3)});
   scene.trajectory = test::drive(10, 0);
   const CompensatedScan query = cast(scene, 2);
   const RayImage before(cast(scene, 0));
-  const auto votes = collect_votes(*query.scan, local_points(query), {{&before, 2}}, RayImage(query), {});
+  const auto votes = collect_evidence(*query.scan, local_points(query), {{&before, 2}}, RayImage(query), {});
   int hidden = 0;
   for (std::size_t i = 0; i < votes.size(); ++i) {
     const Vector3d& p = query.points_0[i];
@@ -217,7 +221,7 @@ TEST(CollectVotes, WhatWasHiddenByAThingThatStaysDoesNotMove) {
 
 // A ray that met nothing went to the maximum range and hid nothing: a sensor that comes nearer by 2 m sees
 // things then that were a little beyond it.
-TEST(CollectVotes, WhatComesWithinTheMaximumRangeDoesNotMove) {
+TEST(CollectEvidence, PointsThatComeWithinTheMaximumRangeAreStatic) {
   test::ToyScene scene = standing({});
   const double max_range = scene.model->max_range_m;
   scene.world = {test::toy_box({max_range + 1.5, 0, 0}, {0.5, 400, 40})};
@@ -225,9 +229,9 @@ TEST(CollectVotes, WhatComesWithinTheMaximumRangeDoesNotMove) {
   const CompensatedScan query = cast(scene, 2);
   const RayImage before(cast(scene, 0));
   ASSERT_GT(query.points_0.size(), 100u);
-  for (const PointVotes& v :
-       collect_votes(*query.scan, local_points(query), {{&before, 2}}, RayImage(query), {}))
-    EXPECT_FALSE(v.seen_through || v.vacated);
+  for (const PointEvidence& v :
+       collect_evidence(*query.scan, local_points(query), {{&before, 2}}, RayImage(query), {}))
+    EXPECT_FALSE(v.seen_through || v.occluder_left);
 }
 
 test::ToyScene raised(test::ToyScene scene, double height) {
@@ -238,12 +242,13 @@ test::ToyScene raised(test::ToyScene scene, double height) {
 
 // A wall's points are on the beams of the scan that sees it; those of a sensor somewhat higher pass above
 // them by its height, less by a thirtieth at 15 degrees. Sixteen lasers are 0.24 m apart there.
-TEST(CollectVotes, ARayThatPassesByProvesLessThanOneThroughThePoint) {
+TEST(CollectEvidence, ARayBesideThePointCountsHalf) {
   const CompensatedScan query = cast(standing({wall_at(7)}, "VLP-16"));
   const auto expect = [&](double height, const test::ToyWorld& then, int expected) {
     SCOPED_TRACE(testing::Message() << "higher by " << height << " m, " << then.size() << " bodies then");
     const RayImage before(cast(raised(standing(then, "VLP-16"), height)));
-    const auto votes = collect_votes(*query.scan, local_points(query), {{&before, 8}}, RayImage(query), {});
+    const auto votes =
+        collect_evidence(*query.scan, local_points(query), {{&before, 8}}, RayImage(query), {});
     std::size_t ahead = 0;
     for (std::size_t i = 0; i < votes.size(); ++i) {
       const bool lowest = query.scan->returns[i].laser == 0;  // below it nothing is known
@@ -260,7 +265,7 @@ TEST(CollectVotes, ARayThatPassesByProvesLessThanOneThroughThePoint) {
 }
 
 // Single precision about an origin near the points: as good at the far end of a country.
-TEST(CollectVotes, FarFromTheWorldsOriginNothingChanges) {
+TEST(CollectEvidence, FarFromTheWorldsOriginNothingChanges) {
   test::ToyScene room = test::toy_room("HDL-64E-S3", test::drive(2, 0.5));
   Vector6d xi;
   xi << 600e3, -5400e3, 120, 0.1, -0.2, 2;
@@ -271,11 +276,11 @@ TEST(CollectVotes, FarFromTheWorldsOriginNothingChanges) {
     EXPECT_LT((local.origin_0 + local.points[i].cast<double>() - there.points_0[i]).norm(), 1e-5);
 }
 
-TEST(CollectVotes, OfAnEmptyScanThereAreNone) {
+TEST(CollectEvidence, OfAnEmptyScanThereAreNone) {
   const CompensatedScan query = cast(standing({}));
   const RayImage image(cast(standing({wall_at(10)})));
   EXPECT_TRUE(
-      collect_votes(*query.scan, local_points(query), {{&image, 2}, {&image, -1}}, RayImage(query), {})
+      collect_evidence(*query.scan, local_points(query), {{&image, 2}, {&image, -1}}, RayImage(query), {})
           .empty());
 }
 
