@@ -30,7 +30,8 @@ TEST(Time, SecondsAnInt64CannotHoldAreRefused) {
     (void)(Duration::from_seconds(1e9) * 10);
     ADD_FAILURE() << "accepted";
   } catch (const ParameterError& error) {
-    EXPECT_THAT(error.what(), testing::AllOf(testing::HasSubstr("1e+10"), testing::HasSubstr("9.2e+09")));
+    EXPECT_THAT(error.what(),
+                testing::AllOf(testing::HasSubstr("s = 1000000000"), testing::HasSubstr("to 9200000000")));
   }
 }
 

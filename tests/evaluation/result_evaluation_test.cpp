@@ -132,7 +132,7 @@ TEST_F(ResultVelocityTest, EvaluatesTheVelocityInTheWorldOfTheResult) {
   write_rows(1, {0, 3, 0});
   const auto same_world = evaluate_result(dataset, result, options).velocity;
   ASSERT_TRUE(same_world);
-  EXPECT_EQ(same_world->judged, 1);
+  EXPECT_EQ(same_world->evaluated, 1);
   EXPECT_NEAR(same_world->rms_mps.value(), 0, 1e-9);
   // The sensor lies along the true axes, and turned by -90 degrees about z in the result's world.
   dataset.own_trajectory = std::make_shared<StationaryTrajectory>();

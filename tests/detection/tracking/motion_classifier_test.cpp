@@ -188,6 +188,7 @@ TEST(MotionClassifier, TheSpeedOfANewTrackIsIgnored) {
   EXPECT_FALSE(state.slow);
   o.velocity_0 = {0, 20, 0};
   EXPECT_FALSE(next({}, o, 0).moves);
+  EXPECT_EQ(next({}, o, 0).unconfirmed_m, 0);
 }
 
 TEST(MotionClassifier, KeepsTheStartOfTheScan) {
@@ -309,6 +310,38 @@ TEST(MotionClassifier, AKnownSlowTrackWithoutDisplacementStopsAtOnce) {
   EXPECT_TRUE(next(moving(), object(0, kBadly_mps), kNotDisplaced_m).moves);
   EXPECT_TRUE(next(moving(), object(0, kWell_mps), kDisplaced_m).moves);
   EXPECT_TRUE(next(moving(), object(kFast_mps, kWell_mps), 0).moves);
+}
+
+// 4 m/s for 0.1 s are 0.4 m; three such scans are 1.2 m.
+TEST(MotionClassifier, AMetreByItsSpeedWithoutDisplacementStopsATrack) {
+  const TrackedObject fast = object(4, kWell_mps);
+  MotionState state = moving();
+  for (const double unconfirmed_m : {0.4, 0.8}) {
+    state = MotionClassifier(parameters())
+                .update(state, fast, {kNotDisplaced_m, 0}, state.seen + Duration::from_seconds(0.1));
+    EXPECT_NEAR(state.unconfirmed_m, unconfirmed_m, 1e-9);
+    EXPECT_TRUE(state.moves);
+  }
+  const Time third = state.seen + Duration::from_seconds(0.1);
+  EXPECT_FALSE(MotionClassifier(parameters()).update(state, fast, {kNotDisplaced_m, 0}, third).moves);
+  const MotionState advanced = MotionClassifier(parameters()).update(state, fast, {kDisplaced_m, 0}, third);
+  EXPECT_TRUE(advanced.moves);
+  EXPECT_EQ(advanced.unconfirmed_m, 0);
+}
+
+TEST(MotionClassifier, TheUnconfirmedPathEndsAtOneMetre) {
+  MotionState state = moving();
+  state.unconfirmed_m = 0.59;
+  EXPECT_TRUE(next(state, object(4, kWell_mps), kNotDisplaced_m).moves);  // 0.99 m
+  state.unconfirmed_m = 0.61;
+  EXPECT_FALSE(next(state, object(4, kWell_mps), kNotDisplaced_m).moves);  // 1.01 m
+}
+
+// Seen again after 0.3 s: a path of 1.2 m.
+TEST(MotionClassifier, ThePathWhileUnseenCounts) {
+  const Time now = kStart + Duration::from_seconds(0.3);
+  EXPECT_FALSE(
+      MotionClassifier(parameters()).update(moving(), object(4, kWell_mps), {kNotDisplaced_m, 0}, now).moves);
 }
 
 TEST(EraseDropped, ErasesTracksUnseenForMoreThanASecond) {

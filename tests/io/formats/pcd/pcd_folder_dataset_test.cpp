@@ -256,7 +256,7 @@ TEST(PcdFolder, RefusesUnreadableFiles) {
   EXPECT_THAT(refusal({{"t", 'F', 4, constant(1.7e9)}}, nothing), HasSubstr("4 bytes"));
   EXPECT_THAT(refusal({{"t", 'I', 8, constant(-9.1e18)}}, nothing), HasSubstr("not a time in nanoseconds"));
   const auto microseconds_as_seconds = [](const Firing& f) { return 1e-3 * static_cast<double>(f.time_ns); };
-  EXPECT_THAT(refusal({{"t", 'F', 4, microseconds_as_seconds}}, nothing), HasSubstr("more than three turns"));
+  EXPECT_THAT(refusal({{"t", 'F', 8, microseconds_as_seconds}}, nothing), HasSubstr("more than three turns"));
   DatasetOptions other;
   other.sensor = "HDL-32E";
   EXPECT_THAT(refusal({}, nothing, other), HasSubstr("off its beams"));
