@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <mapless/detection/detection.hpp>
-#include <mapless/detection/tracked_object.hpp>
 #include <mapless/io/labels.hpp>
 #include <mapless/io/result_folder.hpp>
 
