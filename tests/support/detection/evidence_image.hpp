@@ -29,8 +29,8 @@ class EvidenceImage : public testing::Test {
   }
   void set(int laser, int column, int votes) {
     PointEvidence& v = votes_[at(laser, column)];
-    v.earlier = static_cast<std::int16_t>(votes);
-    v.seen_through = v.recently = votes > 0;
+    v.past = static_cast<std::int16_t>(votes);
+    v.seen_through = v.recently_free = votes > 0;
     v.surface_seen = votes < 0;
   }
   [[nodiscard]] std::vector<FilterVerdict> filter() const {
@@ -45,7 +45,7 @@ class EvidenceImage : public testing::Test {
   /// Reached by growth alone: seen through by one scan, a surface in another.
   void see_through(int laser, int column) { votes_[at(laser, column)] = {1, -1, true, true, true}; }
   /// Seen through, but not recently.
-  void make_old(int laser, int column) { votes_[at(laser, column)].recently = false; }
+  void make_old(int laser, int column) { votes_[at(laser, column)].recently_free = false; }
 
   LidarScan scan_ = small_scan({0, 0, 0, 0, 0}, 5);
   LocalPoints points_ = points_of(scan_);
