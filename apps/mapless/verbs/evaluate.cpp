@@ -133,7 +133,7 @@ int evaluate(const EvaluateOptions& options) {
   const auto trajectory = compare_trajectory(*dataset, result, options.trajectory);
   std::optional<ResultEvaluation> labels;
   if (!trajectory || has_labels_to_evaluate(*dataset, result)) labels = evaluate_labels(*dataset, options);
-  const StageNames& stages = stage_names_of(ResultFolder(result));
+  const StageNames stages = stage_names_of(ResultFolder(result));
   Json figures = labels ? result_json(*labels, stages, options.max_range_m) : Json::object();
   figures["trajectory"] = trajectory ? to_json(*trajectory) : Json(nullptr);
   if (options.json == "-") {
