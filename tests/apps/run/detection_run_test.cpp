@@ -111,9 +111,10 @@ TEST_F(DetectionRunThreads, ScansThatAreDroppedHaveNoLabels) {
       run(folder / "out", {false, true, RealTimePace(dataset->scan_start(0), ends, clock)}));
   const ResultFolder result(folder / "out");
   const auto labelled = result.labelled_scans();
-  // The first is asked for at 0.4 s, the second at 0.8 s, when eight have come, the third at 1.6 s, when all
-  // have: the clock is looked at once more where a scan is answered, the first with the second.
-  EXPECT_EQ(labelled, (std::vector<std::size_t>{0, 3, 5, 6, 7, 8, 9}));
+  // Each look at the clock takes 0.4 s: one before each scan is taken, one after it is labelled. So the first
+  // scan is taken 0.4 s after the start, and the second at 1.2 s, when all ten have arrived and the oldest
+  // of more than RealTimePace::kQueue waiting scans are dropped.
+  EXPECT_EQ(labelled, (std::vector<std::size_t>{0, 5, 6, 7, 8, 9}));
   EXPECT_EQ(json["scans"], labelled.size());
   EXPECT_EQ(json["real_time"]["dropped"], kScans - labelled.size());
   EXPECT_EQ(json["real_time"]["scans"], kScans);

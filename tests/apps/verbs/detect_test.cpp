@@ -188,7 +188,7 @@ TEST_F(DetectTest, IsEvaluatedAndDrawn) {
   const CommandResult table = run_command({"evaluate", street(), out(), "--json", folder / "e.json"});
   ASSERT_EQ(table.exit_code, 0) << table.err;
   EXPECT_THAT(table.out,
-              testing::AllOf(HasSubstr("N_p"), HasSubstr("past evidence"), HasSubstr("12 scans count")));
+              testing::AllOf(HasSubstr("N_p"), HasSubstr("past evidence"), HasSubstr("12 scans evaluated")));
   const auto e = nlohmann::json::parse(read_whole_file(folder / "e.json"));
   EXPECT_EQ(e["stages"].size(), 5u);
   EXPECT_EQ(e["final"]["tp"], e["stages"][4]["tp"]);
