@@ -13,7 +13,7 @@ import sys
 
 # A room may include itself and those before it.
 ROOMS = ["core", "lidar", "trajectory", "geometry", "odometry", "detection", "pipeline", "io", "simulation", "evaluation"]
-# Who makes or judges the truth must not know how it is detected.
+# Code that makes the truth or compares with it must not know how it is detected.
 FORBIDDEN = {"simulation": {"detection", "pipeline"}, "evaluation": {"detection", "pipeline"}}
 SOURCE_FOLDERS = ["include", "src", "apps", "tests", "benchmarks", "examples", "python", "viewer", "ros2"]
 # Those use the library as anyone else would: by its installed headers.

@@ -7,7 +7,7 @@ cd "$(dirname "$0")/.."
 jobs=${JOBS:-$(nproc)}
 targets=all
 case $1 in
-asan) # All but whole scenes, most drives, statistics of many trials and what a slow oracle judges ray by ray: they take
+asan) # All but whole scenes, most drives, statistics of many trials and comparisons with a slow oracle ray by ray: they take
   # minutes here, and repeat what the others go through. Nor is speed measured.
   GTEST_FILTER='-DetectorIn*:DetectorOn*:*WeavingDrive*:Isotropy*:*Agreement*:KittiDrive*:KittiOdometry.EveryStep*:NewerCollege*'
   GTEST_FILTER="$GTEST_FILTER:LidarOdometry.Follows*:LidarOdometry.TheSame*:LidarOdometry.AFeatureless*:LidarOdometry.Removes*"

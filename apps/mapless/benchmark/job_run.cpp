@@ -84,7 +84,7 @@ class JobRun {
     const std::size_t k = detection.sequence_number;
     const auto truth = dataset_.read_labels(k).value();
     for (std::size_t s = 0; s < kStageCount; ++s) {
-      after_stage_.at(s).add(judged(detection, truth, [&](std::size_t i) {
+      after_stage_.at(s).add(counts(detection, truth, [&](std::size_t i) {
         return dynamic_after(detection.trace[i], static_cast<Stage>(s));
       }));
     }
@@ -108,7 +108,7 @@ class JobRun {
   }
 
   template <class Dynamic>
-  static Counts judged(const Detection& detection, const std::vector<std::uint32_t>& truth,
+  static Counts counts(const Detection& detection, const std::vector<std::uint32_t>& truth,
                        const Dynamic& dynamic) {
     std::vector<std::uint8_t> predicted(truth.size(), 0);
     for (std::size_t i = 0; i < detection.object.size(); ++i)

@@ -93,15 +93,15 @@ Json to_json(const EvaluationReport& r) {
 }
 
 Json to_json(const VelocityReport& r) {
-  return {{"judged", r.evaluated},
+  return {{"evaluated", r.evaluated},
           {"first_seen", r.first_seen},
           {"mixed", r.mixed},
           {"rms_mps", rate_json(r.rms_mps)},
           {"median_mps", rate_json(r.median_mps)},
-          {"close_share", rate_json(r.small_error_share)},
+          {"small_error_share", rate_json(r.small_error_share)},
           {"normalised_rms", rate_json(r.normalised_rms)},
-          {"sure", r.confident},
-          {"sure_rms_mps", rate_json(r.confident_rms_mps)},
+          {"confident", r.confident},
+          {"confident_rms_mps", rate_json(r.confident_rms_mps)},
           {"movers", r.movers},
           {"id_changes", r.id_changes}};
 }

@@ -90,7 +90,7 @@ std::string report_tables(const EvaluationReport& report) {
 std::string velocity_lines(const VelocityReport& r) {
   std::string out = fmt::format(
       "\nvelocity of found movers (above {} m/s): RMS error {} m/s, median {}, share below {} m/s {}\n"
-      "  of {} movers in scans; {} seen for the first time and {} mixed with others not judged\n",
+      "  of {} movers in scans; {} seen for the first time and {} mixed with others are left out\n",
       kMinEvaluatedSpeed_mps, rate_text(r.rms_mps), rate_text(r.median_mps), kSmallVelocityError_mps,
       rate_text(r.small_error_share), r.evaluated, r.first_seen, r.mixed);
   out += fmt::format(

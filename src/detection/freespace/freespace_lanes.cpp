@@ -32,7 +32,7 @@ constexpr float kMaxLinearColumns = 120;
 }  // namespace
 
 template <int lanes>
-struct LaneNumbers;  // so many numbers side by side
+struct LaneNumbers;  // `lanes` numbers side by side
 
 }  // namespace mapless
 

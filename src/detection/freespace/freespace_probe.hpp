@@ -129,7 +129,7 @@ class FreespaceProbe {
     float nearest_range_m = std::numeric_limits<float>::quiet_NaN();  // of the firing that passes nearest
   };
   template <int lanes>
-  struct Lanes;  // so many points at once
+  struct Lanes;  // `lanes` points at once
 
   // `q` from here on: about the image's origin.
   [[nodiscard]] Answer observe_about_image(const Eigen::Vector3f& q, float& column) const;

@@ -99,7 +99,7 @@ TEST_F(DetectObjectsTest, VelocitiesAreJudgedAndABrokenTableIsNamed) {
   ASSERT_EQ(judged.exit_code, 0) << judged.err;
   EXPECT_THAT(judged.out, testing::AllOf(HasSubstr("velocity of found movers"), HasSubstr("changes of id")));
   const auto velocity = nlohmann::json::parse(read_whole_file(folder / "e.json"))["velocity"];
-  EXPECT_GT(velocity["judged"], 10);
+  EXPECT_GT(velocity["evaluated"], 10);
   EXPECT_LT(velocity["median_mps"], 1);
   fs::resize_file(result().objects(), fs::file_size(result().objects()) - 5);
   expect_one_line("objects.csv:");

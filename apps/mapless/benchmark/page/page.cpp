@@ -76,7 +76,7 @@ scan.</p>
 
 constexpr const char* kCascadeText =
     R"(<p>The moving vehicle of which most points were seen in one scan. The second,
-third and fourth stage take away what stands; the last completes the object.</p>
+third and fourth stage remove static points; the last completes the object.</p>
 )";
 
 constexpr const char* kDefinitions = R"(<ul>

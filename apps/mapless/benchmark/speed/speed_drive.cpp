@@ -61,14 +61,14 @@ SpeedDrive::SpeedDrive(const std::string& scene, double duration_s, std::uint64_
 
 std::shared_ptr<const LidarScan> SpeedDrive::scan(int number) { return sensor_.lidar_scan(number); }
 
-BusyTime yardstick(const std::vector<Eigen::Vector3d>& of, const std::vector<Eigen::Vector3d>& asked) {
+BusyTime yardstick(const std::vector<Eigen::Vector3d>& of, const std::vector<Eigen::Vector3d>& queries) {
   using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, CloudAdaptor>,
                                                    CloudAdaptor, 3>;
   return busy_time_of([&] {
     const CloudAdaptor cloud{of};
     Tree tree(3, cloud);
     tree.buildIndex();
-    for (const Eigen::Vector3d& q : asked) {
+    for (const Eigen::Vector3d& q : queries) {
       unsigned index = 0;
       double distance2 = 0;
       tree.knnSearch(q.data(), 1, &index, &distance2);

@@ -42,6 +42,6 @@ class SpeedDrive {
 /// Time of nanoflann to build a k-d tree of one cloud and to find the nearest of its points to every point of
 /// the other.
 [[nodiscard]] BusyTime yardstick(const std::vector<Eigen::Vector3d>& of,
-                                 const std::vector<Eigen::Vector3d>& asked);
+                                 const std::vector<Eigen::Vector3d>& queries);
 
 }  // namespace mapless::app
