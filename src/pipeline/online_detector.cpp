@@ -61,7 +61,7 @@ struct OnlineDetector::State {
   OdometryUpdate register_beside_detection(const std::shared_ptr<const LidarScan>& scan);
   void remove_dynamic_points();
   std::vector<LabelledScan> detect(const Scans& scans, const Trajectory& trajectory);
-  std::vector<LabelledScan> detect_registered(Scans scans);
+  std::vector<LabelledScan> detect_registered(const Scans& scans);
   std::vector<LabelledScan> labelled(std::vector<Detection> detections);
 
   OnlineDetectorOptions options;
@@ -151,7 +151,7 @@ std::vector<LabelledScan> OnlineDetector::State::detect(const Scans& scans, cons
 }
 
 // Several scans at once: odometry has just started, and its map holds the dynamic points of all of them.
-std::vector<LabelledScan> OnlineDetector::State::detect_registered(Scans scans) {
+std::vector<LabelledScan> OnlineDetector::State::detect_registered(const Scans& scans) {
   std::vector<LabelledScan> out = detect(scans, *estimated);
   if (scans.size() > 1) remove_dynamic_points();
   return out;
@@ -175,14 +175,15 @@ OnlineDetector::~OnlineDetector() = default;
 OnlineDetector::OnlineDetector(OnlineDetector&&) noexcept = default;
 OnlineDetector& OnlineDetector::operator=(OnlineDetector&&) noexcept = default;
 
-std::vector<LabelledScan> OnlineDetector::push(std::shared_ptr<const LidarScan> scan,
-                                               std::shared_ptr<const Trajectory> given) {
+std::vector<LabelledScan> OnlineDetector::push(const std::shared_ptr<const LidarScan>& scan,
+                                               const std::shared_ptr<const Trajectory>& given) {
   state_->require_same_source(given != nullptr);
   return given ? state_->push_given(scan, given) : state_->push_estimated(scan);
 }
 
-std::vector<LabelledScan> OnlineDetector::push(LidarScan scan, std::shared_ptr<const Trajectory> given) {
-  return push(std::make_shared<const LidarScan>(std::move(scan)), std::move(given));
+std::vector<LabelledScan> OnlineDetector::push(LidarScan scan,
+                                               const std::shared_ptr<const Trajectory>& given) {
+  return push(std::make_shared<const LidarScan>(std::move(scan)), given);
 }
 
 std::vector<LabelledScan> OnlineDetector::catch_up() {

@@ -152,7 +152,8 @@ struct VotingParameters {
   double min_speed_mps = 0.2;
   int min_evidence = 100;
 
-  static constexpr auto declarations() {
+  /// Those of the evidence of points, then those of objects.
+  static constexpr auto evidence_declarations() {
     using P = VotingParameters;
     return std::tuple{
         declare(
@@ -184,6 +185,11 @@ struct VotingParameters {
                 "an occluder within this distance of the point that has since left its place is taken to be "
                 "part of the same object",
                 "method.md 7"),
+    };
+  }
+  static constexpr auto object_declarations() {
+    using P = VotingParameters;
+    return std::tuple{
         declare(&P::link_m, "link_m", "m", 0.001, 10.0,
                 "neighbours in the scan image are linked if their distance is at most link_m + range x the "
                 "larger of link_per_m and link_spacings x laser spacing",
@@ -217,6 +223,9 @@ struct VotingParameters {
                 "halved per scan; x 0.25 for rigid bodies, more for porous ones and uncertain velocities",
                 "method.md 7"),
     };
+  }
+  static constexpr auto declarations() {
+    return std::tuple_cat(evidence_declarations(), object_declarations());
   }
 };
 

@@ -107,10 +107,10 @@ class OnlineDetector {
   /// Throws InputError for a scan that does not start after the one before, for a compensated scan without
   /// given poses, and where given poses follow estimated ones or the reverse; TrajectoryDomainError where
   /// `given` does not cover the scan. The scan is then not taken, and the detector can go on with another.
-  [[nodiscard]] std::vector<LabelledScan> push(std::shared_ptr<const LidarScan> scan,
-                                               std::shared_ptr<const Trajectory> given = nullptr);
+  [[nodiscard]] std::vector<LabelledScan> push(const std::shared_ptr<const LidarScan>& scan,
+                                               const std::shared_ptr<const Trajectory>& given = nullptr);
   [[nodiscard]] std::vector<LabelledScan> push(LidarScan scan,
-                                               std::shared_ptr<const Trajectory> given = nullptr);
+                                               const std::shared_ptr<const Trajectory>& given = nullptr);
 
   /// Runs now, on the calling thread, the detection that the next push would run side by side with odometry,
   /// and returns its labelled scans; nothing without OnlineDetectorOptions::side_by_side. For a live sensor:
