@@ -18,12 +18,18 @@ asan) # All but whole scenes, most drives, statistics of many trials and compari
   GTEST_FILTER="$GTEST_FILTER:ObjectTracker.FollowsABraking*:Scene.ALonger*:Scene.AnotherSeed*"
   GTEST_FILTER="$GTEST_FILTER:*EverySceneIsTheSame*:Traffic.StopsAndStarts*:DetectionRunThreads.OdometryBeside*"
   GTEST_FILTER="$GTEST_FILTER:BenchmarkTest.Same*:BenchmarkTest.ARecording*:BenchmarkTest.Own*:BenchmarkTest.ARunIs*"
+  # The same code as SideBySideGivesTheSame.
+  GTEST_FILTER="$GTEST_FILTER:OnlineDetectorThreads.IsOdometry*:OnlineDetectorThreads.AnyNumber*:OnlineDetectorThreads.CatchingUp*"
+  GTEST_FILTER="$GTEST_FILTER:OnlineDetectorThreads.SideBySideTheLabels*"
   GTEST_FILTER="$GTEST_FILTER:BenchmarkSpeed.TellsEvery*:Odometry.WritesThe*:Odometry.Replaces*:DetectTest.EstimatesATrajectory*" ;;
 tsan) # what runs on several threads, but for Embree's own, which are not instrumented
   targets=mapless_tests
   GTEST_FILTER='*Threads*:*OneThread*:Compensate.*:RestoreMeasuredRays.*:PointcloudComparison.*:Walls.*:Mdlidar*'
   # These cast rays, take minutes, or drive as DetectionRunThreads does.
-  GTEST_FILTER="$GTEST_FILTER:-Benchmark*:Simulate.*:DetectTest.*:LidarOdometry.TheSame*" ;;
+  GTEST_FILTER="$GTEST_FILTER:-Benchmark*:Simulate.*:DetectTest.*:LidarOdometry.TheSame*"
+  # The same code on several threads as SideBySideGivesTheSame, in four minutes more.
+  GTEST_FILTER="$GTEST_FILTER:OnlineDetectorThreads.IsOdometry*:OnlineDetectorThreads.AnyNumber*:OnlineDetectorThreads.CatchingUp*"
+  GTEST_FILTER="$GTEST_FILTER:OnlineDetectorThreads.SideBySideTheLabels*:OnlineDetectorThreads.AScanThat*" ;;
 *)
   echo "scripts/check_sanitizer.sh: $1: no such preset; use asan or tsan" >&2
   exit 2 ;;
