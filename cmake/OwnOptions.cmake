@@ -9,13 +9,14 @@ endif()
 
 if(CMAKE_UNITY_BUILD)
   # Wrong there: a source of ours counts as a header, because another file includes it.
-  target_compile_options(mapless_options INTERFACE -Wno-subobject-linkage)
+  target_compile_options(mapless_options INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
 endif()
 
 if(MAPLESS_SANITIZE)
   # maybe-uninitialized is wrong about instrumented Eigen code too often to be of use.
   target_compile_options(mapless_options INTERFACE -fsanitize=${MAPLESS_SANITIZE} -fno-omit-frame-pointer
-                                                   -fno-sanitize-recover=all -Wno-maybe-uninitialized)
+                                                   -fno-sanitize-recover=all
+                                                   $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
   target_link_options(mapless_options INTERFACE -fsanitize=${MAPLESS_SANITIZE})
 endif()
 if(MAPLESS_SANITIZE MATCHES "undefined")

@@ -5,8 +5,10 @@ if(NOT MAPLESS_PRECOMPILE_HEADERS)
 endif()
 
 # GCC 12 forgets there which code is the standard library's, and warns of it.
-target_compile_options(mapless_options INTERFACE -Wno-array-bounds -Wno-stringop-overflow -Wno-stringop-overread
-                                                 -Wno-restrict)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  target_compile_options(mapless_options INTERFACE -Wno-array-bounds -Wno-stringop-overflow -Wno-stringop-overread
+                                                   -Wno-restrict)
+endif()
 
 set(slow_headers <Eigen/Dense> <algorithm> <filesystem> <functional> <memory> <optional> <string> <vector>
                  <fmt/format.h> <oneapi/tbb/parallel_for.h>)
