@@ -152,6 +152,7 @@ std::vector<LabelledScan> OnlineDetector::State::detect(const Scans& scans, cons
 
 // Several scans at once: odometry has just started, and its map holds the dynamic points of all of them.
 std::vector<LabelledScan> OnlineDetector::State::detect_registered(const Scans& scans) {
+  if (scans.empty()) return {};  // with given poses there is no estimated trajectory
   std::vector<LabelledScan> out = detect(scans, *estimated);
   if (scans.size() > 1) remove_dynamic_points();
   return out;
