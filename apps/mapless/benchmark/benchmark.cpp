@@ -63,8 +63,7 @@ bool simulate_missing(const std::vector<const Job*>& jobs, const RecordingStore&
     tasks.emplace_back([&store, key](const auto& step_done) { return store.make(key, step_done); });
   }
   if (!tasks.empty()) {
-    say("mapless: simulating {} recordings, {} are there already\n", tasks.size(),
-        keys.size() - tasks.size());
+    say("mapless: simulating {} recordings ({} made before)\n", tasks.size(), keys.size() - tasks.size());
   }
   return work_side_by_side(tasks, threads, scans, "scans");
 }
@@ -119,8 +118,8 @@ Json figures(const std::vector<Job>& jobs, const BenchmarkOptions& options, cons
 }
 
 int report_interrupt(std::size_t finished, std::size_t of) {
-  say("mapless: interrupted; {} of {} runs are finished and kept, the same command goes on from there\n",
-      finished, of);
+  say("mapless: interrupted; {} of {} runs are finished and kept; the same command continues\n", finished,
+      of);
   return InterruptGuard::exit_code();
 }
 

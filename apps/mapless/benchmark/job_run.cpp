@@ -147,7 +147,7 @@ std::optional<Json> run_job(const Job& job, const std::filesystem::path& recordi
                                   {"kind", "scan"},
                                   {"caption",
                                    "The scan in the middle of the recording, as the sensor sees it and "
-                                   "from above: moving points found green, missed blue, still ones "
+                                   "from above: moving points found green, missed blue, static ones "
                                    "called dynamic red"}});
   }
   return std::make_optional(std::move(result));

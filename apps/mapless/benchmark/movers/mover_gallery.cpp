@@ -22,7 +22,7 @@ Classes classes_of(const ObjectTruth& objects) {
   return classes;
 }
 
-// The vehicle with most points in its view; where there is none, the mover with most.
+// The vehicle with most points in its view; without vehicles, the mover with most points.
 const MoverView* mover_for_cascade(const std::map<std::uint32_t, MoverView>& views, const Classes& classes) {
   static const std::set<std::string> kVehicles = {"car", "van", "truck", "bus"};
   const auto rank = [&](const MoverView& view) {
