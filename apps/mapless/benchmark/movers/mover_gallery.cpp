@@ -73,8 +73,8 @@ Json cascade_picture(const MoverView& view, Stage stage, std::string_view stage_
 
 }  // namespace
 
-Json draw_album(const MoverViews& views, const StageNames& stages, const ObjectTruth& objects,
-                const std::filesystem::path& folder, const std::string& name) {
+Json draw_gallery(const MoverViews& views, const StageNames& stages, const ObjectTruth& objects,
+                  const std::filesystem::path& folder, const std::string& name) {
   const Classes classes = classes_of(objects);
   Json pictures = Json::array();
   for (const MoverView* view : choose_for_gallery(views.views(), classes, kGallery))
