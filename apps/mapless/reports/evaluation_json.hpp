@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include <mapless/evaluation/evaluator.hpp>
+#include <mapless/evaluation/hard_cases.hpp>
 
 namespace mapless::app {
 
@@ -14,5 +15,7 @@ namespace mapless::app {
 /// All of it, under the names of the struct's members. What the recording has no truth for is null.
 [[nodiscard]] nlohmann::ordered_json to_json(const EvaluationReport& report);
 [[nodiscard]] nlohmann::ordered_json to_json(const VelocityReport& report);
+[[nodiscard]] nlohmann::ordered_json to_json(const SightReport& report);
+[[nodiscard]] nlohmann::ordered_json to_json(const DelayReport& report);
 
 }  // namespace mapless::app
