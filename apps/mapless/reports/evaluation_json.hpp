@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include <mapless/evaluation/evaluator.hpp>
+#include <mapless/evaluation/hard_cases.hpp>
 
 namespace mapless::app {
 
@@ -14,5 +15,7 @@ namespace mapless::app {
 /// Every member of the report under its own name. A member is null where the recording has no truth for it.
 [[nodiscard]] nlohmann::ordered_json to_json(const EvaluationReport& report);
 [[nodiscard]] nlohmann::ordered_json to_json(const VelocityReport& report);
+[[nodiscard]] nlohmann::ordered_json to_json(const SightReport& report);
+[[nodiscard]] nlohmann::ordered_json to_json(const DelayReport& report);
 
 }  // namespace mapless::app

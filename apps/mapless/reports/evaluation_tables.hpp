@@ -4,6 +4,7 @@
 #include <string>
 
 #include <mapless/evaluation/evaluator.hpp>
+#include <mapless/evaluation/hard_cases.hpp>
 
 namespace mapless::app {
 
@@ -13,6 +14,10 @@ namespace mapless::app {
 /// The report as text tables, except for its `points`. Tables without truth and rows without points are left
 /// out. Begins with an empty line.
 [[nodiscard]] std::string report_tables(const EvaluationReport& report);
+
+/// Points seen through a gap, points with only sky behind, delays of starts and stops; empty if the
+/// recording has none of them. Begins with an empty line.
+[[nodiscard]] std::string hard_case_lines(const SightReport& sight, const std::optional<DelayReport>& delays);
 
 /// The velocity report as lines of text. Begins with an empty line.
 [[nodiscard]] std::string velocity_lines(const VelocityReport& report);

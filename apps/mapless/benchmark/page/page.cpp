@@ -91,6 +91,11 @@ the scans whose denominator is not 0; N is the number of these scans.</li>
 <li>An <em>object</em> in a scan is found if at least half of its moving points are. An <em>evident mover</em> is faster
 than 0.5 m/s with 20 visible points or more within 50 m. A <em>false object</em> is a reported object with
 more than half of its points static.</li>
+<li><em>Through a fence</em>: on either side, within 1 degree, the same laser has a static return nearer by more than
+0.5 m. <em>Only sky behind</em>: on either side, the first ray that does not hit the object hits nothing.</li>
+<li><em>Start</em>: from the scan in which an object that stood exceeds 0.2 m/s (and then 0.5) to the first with half of
+its points called dynamic. <em>Stop</em>: from the scan in which it falls below 0.1 m/s to the first with under a tenth.
+<em>Never</em>: not within 25 scans. Objects of 20 points or more.</li>
 <li>Poses are the true ones unless a row names odometry: the figures measure detection alone, as in the paper.</li>
 </ul>
 )";
