@@ -26,6 +26,7 @@ endif()
 mapless_check(lint.layers ${Python3_EXECUTABLE} ${scripts}/check_layers.py)
 mapless_check(lint.documents ${Python3_EXECUTABLE} ${scripts}/check_documents.py)
 mapless_check(lint.filters ${Python3_EXECUTABLE} ${scripts}/check_test_filters.py)
+mapless_check(lint.mutants ${Python3_EXECUTABLE} ${scripts}/try_mutants.py --check)
 mapless_check(lint.checks ${Python3_EXECUTABLE} -m unittest discover -s tests/scripts -p "*_test.py")
 mapless_parallel_check(lint.tidy ${scripts}/check_tidy.sh ${MAPLESS_RUN_CLANG_TIDY} ${PROJECT_SOURCE_DIR}/build/tidy)
 
