@@ -181,7 +181,8 @@ class NormalEstimator {
 
   // Oriented towards the origin of the ray; zero without a plane.
   [[nodiscard]] Eigen::Vector3f normal(std::size_t i, const Moments& moments) const {
-    const std::optional<Eigen::Vector3d> normal = plane_normal(moments, parameters_);
+    const std::optional<Eigen::Vector3d> normal = plane_normal(
+        moments, {parameters_.min_points, parameters_.max_thickness_ratio, parameters_.min_width_ratio});
     if (!normal) return Eigen::Vector3f::Zero();
     const LidarReturn& r = scan_.scan->returns[i];
     const Laser& laser = scan_.scan->model->lasers[static_cast<std::size_t>(r.laser)];

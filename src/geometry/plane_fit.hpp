@@ -7,8 +7,6 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include <mapless/geometry/normals.hpp>
-
 namespace mapless::inline v1 {
 
 /// Number, sum and sum of squares of points relative to a reference near them: world coordinates of
@@ -58,20 +56,25 @@ inline RelativeVariances relative_variances(const Eigen::Matrix3d& a) {
   return {x, product / largest, largest};
 }
 
+/// What points on a plane are, as in NormalParameters.
+struct PlaneLimits {
+  int min_points;
+  double max_thickness_ratio, min_width_ratio;
+};
+
 /// Unit normal, of either sign, of the plane through the points, if they lie on a plane.
-inline std::optional<Eigen::Vector3d> plane_normal(const Moments& moments,
-                                                   const NormalParameters& parameters) {
+inline std::optional<Eigen::Vector3d> plane_normal(const Moments& moments, const PlaneLimits& limits) {
   // Below this share of the largest variance the middle one is rounding error, not width: single precision
   // has moments to 1e-7.
   constexpr double kRounding = 1e-6;
-  if (moments.count < parameters.min_points) return std::nullopt;
+  if (moments.count < limits.min_points) return std::nullopt;
   Eigen::Matrix3d a = moments.covariance();
   const double trace = a.trace();
   if (!(trace > 0)) return std::nullopt;
   a /= trace;
   const RelativeVariances variances = relative_variances(a);
-  const double thickness = parameters.max_thickness_ratio * parameters.max_thickness_ratio;
-  const double width = std::max(parameters.min_width_ratio * parameters.min_width_ratio, kRounding);
+  const double thickness = limits.max_thickness_ratio * limits.max_thickness_ratio;
+  const double width = std::max(limits.min_width_ratio * limits.min_width_ratio, kRounding);
   if (variances.middle < width * variances.largest) return std::nullopt;
   if (variances.smallest > thickness * variances.middle) return std::nullopt;
   // The rows of a - smallest I span the plane; the longest of their cross products is the most accurate.
