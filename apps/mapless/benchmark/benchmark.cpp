@@ -65,8 +65,7 @@ bool simulate_missing(const std::vector<const Job*>& jobs, const RecordingStore&
     tasks.emplace_back([&store, key](const auto& step_done) { return store.make(key, step_done); });
   }
   if (!tasks.empty()) {
-    say("mapless: simulating {} recordings, {} are there already\n", tasks.size(),
-        keys.size() - tasks.size());
+    say("mapless: simulating {} recordings ({} made before)\n", tasks.size(), keys.size() - tasks.size());
   }
   return work_side_by_side(tasks, threads, scans, "scans");
 }
@@ -130,8 +129,8 @@ Json figures(const std::vector<Job>& jobs, const BenchmarkOptions& options, cons
 }
 
 int report_interrupt(std::size_t finished, std::size_t of) {
-  say("mapless: interrupted; {} of {} runs are finished and kept, the same command goes on from there\n",
-      finished, of);
+  say("mapless: interrupted; {} of {} runs are finished and kept; the same command continues\n", finished,
+      of);
   return InterruptGuard::exit_code();
 }
 
@@ -255,8 +254,8 @@ void add_benchmark(CLI::App& app, int& exit_code) {
       "within "
       "a range limit; without motion compensation; without forward check; times. The published and the "
       "default method beside each other. Takes hours of processor time; keeps nothing but figures on disk");
-  for (const char* other : {"--scenes", "--sensors", "--noise", "--faulty", "--odometry", "--profile", "--config",
-                            "--set"})
+  for (const char* other :
+       {"--scenes", "--sensors", "--noise", "--faulty", "--odometry", "--profile", "--config", "--set"})
     paper->excludes(verb->get_option(other));
   paper->excludes(speed);
   verb->add_flag("--json", options->json, "print the figures of --speed as JSON")->needs(speed);

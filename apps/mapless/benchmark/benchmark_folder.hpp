@@ -31,8 +31,8 @@ class BenchmarkFolder {
   [[nodiscard]] std::filesystem::path page() const { return path_ / "index.html"; }
   [[nodiscard]] std::filesystem::path figures() const { return path_ / "benchmark.json"; }
 
-  /// Makes the folder; an earlier benchmark is continued. Throws OutputError where it is a file, cannot be
-  /// made, or holds anything but a benchmark; nothing is changed then.
+  /// Makes the folder; an earlier benchmark is continued. Throws OutputError, and changes nothing, if it is a
+  /// file, cannot be made, or holds anything but a benchmark.
   void open() const;
 
   /// The result of a finished run whose pictures are all there. `stem` names its file; `job` has all settings

@@ -153,7 +153,7 @@ std::optional<Json> run_job(const Job& job, const std::filesystem::path& recordi
   Json result = run.result();
   if (!job.pictures) return std::make_optional(std::move(result));
   result["pictures"] =
-      draw_album(run.views(), stage_names(job.parameters.method), objects, pictures, job.recording.name());
+      draw_gallery(run.views(), stage_names(job.parameters.method), objects, pictures, job.recording.name());
   if (run.scan_picture()) {
     const std::string file = job.recording.name() + ".scan.png";
     run.scan_picture()->write_png(pictures / file);
@@ -161,7 +161,7 @@ std::optional<Json> run_job(const Job& job, const std::filesystem::path& recordi
                                   {"kind", "scan"},
                                   {"caption",
                                    "The scan in the middle of the recording, as the sensor sees it and "
-                                   "from above: moving points found green, missed blue, still ones "
+                                   "from above: moving points found green, missed blue, static ones "
                                    "called dynamic red"}});
   }
   return std::make_optional(std::move(result));

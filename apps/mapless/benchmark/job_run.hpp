@@ -16,7 +16,7 @@ namespace mapless::app {
 ///
 /// The result has: scans; final and stages (rates); timing (timing_json) and threads, their number;
 /// odometry_trouble; for a job of the table also measures (EvaluationReport, sight, delays), and with
-/// pictures a list of them (draw_album, and one of kind "scan").
+/// pictures a list of them (draw_gallery, and one of kind "scan").
 [[nodiscard]] std::optional<nlohmann::ordered_json> run_job(const Job& job,
                                                             const std::filesystem::path& recording,
                                                             const std::filesystem::path& pictures,

@@ -46,7 +46,7 @@ Json list(const Json& measures, const char* key) {
   return found != measures.end() && found->is_array() ? *found : Json::array();
 }
 
-// Points come whole: what is above 4 begins with 5.
+// Numbers of points are whole: the band above 4 begins with 5.
 std::string band_name(const Json& band, const std::string& unit) {
   const bool whole = unit == "points";
   const double from = band["above"].get<double>() + (whole ? 1 : 0);

@@ -3,16 +3,15 @@
 #include <string>
 #include <utility>
 
-#include "benchmark/paper/paper_plan.hpp"
-
 namespace mapless::app {
 
-PaperDrive::PaperDrive(const RecordingKey& key)
-    : scene_(make_scene(key.scene, {key.seed, key.duration_s, true})),
-      model_(std::make_shared<const LidarModel>(paper_sensor())),
-      trajectory_(std::make_shared<const SampledTrajectory>(scene_.poses, Duration(), key.scene)),
+PaperDrive::PaperDrive(const PaperUnit& unit)
+    : scene_(make_scene(unit.recording.scene, {unit.recording.seed, unit.recording.duration_s, true})),
+      model_(std::make_shared<const LidarModel>(unit.sensor())),
+      trajectory_(std::make_shared<const SampledTrajectory>(scene_.poses, Duration(), unit.recording.scene)),
       world_(scene_.world),
-      sensor_(model_, trajectory_, world_, {key.range_noise_m, key.faulty, key.seed}) {}
+      sensor_(model_, trajectory_, world_,
+              {unit.recording.range_noise_m, unit.recording.faulty, unit.recording.seed}) {}
 
 TrueScan PaperDrive::scan(std::size_t number) {
   SimulatedScan cast = sensor_.scan(static_cast<int>(number));

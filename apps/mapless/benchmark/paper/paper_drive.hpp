@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "benchmark/plan.hpp"
+#include "benchmark/paper/paper_plan.hpp"
 #include <mapless/io/labels.hpp>
 #include <mapless/lidar/lidar_scan.hpp>
 #include <mapless/simulation/scene.hpp>
@@ -20,10 +20,10 @@ struct TrueScan {
   std::vector<std::uint32_t> truth;
 };
 
-/// The drive of a recording with paper_sensor, simulated in memory. Any scan can be made in any order.
+/// The drive of a unit, simulated in memory. Any scan can be made in any order.
 class PaperDrive {
  public:
-  explicit PaperDrive(const RecordingKey& key);
+  explicit PaperDrive(const PaperUnit& unit);
 
   [[nodiscard]] TrueScan scan(std::size_t number);
   [[nodiscard]] const std::shared_ptr<const Trajectory>& trajectory() const { return trajectory_; }

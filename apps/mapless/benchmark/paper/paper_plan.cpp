@@ -100,16 +100,17 @@ nlohmann::ordered_json PaperUnit::json() const {
   for (const PaperRun& run : runs) all.push_back(run.json());
   return {{"part", part == Part::sweep ? "sweep" : "every scan"},
           {"recording", recording.json()},
+          {"columns", columns},
           {"first", first},
           {"count", count},
           {"pictures", pictures},
           {"runs", all}};
 }
 
-LidarModel paper_sensor() {
-  LidarModel model = named_model("HDL-64E-S2");
-  model.name = "HDL-64E-S2x2000";
-  model.columns = 2000;
+LidarModel PaperUnit::sensor() const {
+  LidarModel model = recording.model();
+  model.name = fmt::format("{}x{}", model.name, columns);
+  model.columns = columns;
   return model;
 }
 
@@ -119,7 +120,7 @@ std::vector<PaperUnit> make_paper_plan(const PaperOptions& options) {
     for (const double noise_m : kPaperNoises_m) {
       PaperUnit unit;
       unit.recording.scene = town;
-      unit.recording.sensor = "HDL-64E-S2";  // for its rate; the columns are those of paper_sensor
+      unit.recording.sensor = "HDL-64E-S2";
       unit.recording.range_noise_m = noise_m;
       unit.recording.seed = options.seeds.front();
       unit.recording.duration_s =

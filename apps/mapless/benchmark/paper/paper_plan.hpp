@@ -29,11 +29,15 @@ struct PaperRun {
   [[nodiscard]] nlohmann::ordered_json json() const;
 };
 
+/// 64 lasers x 2000 columns are the 128,000 rays a scan of the paper.
+inline constexpr int kPaperColumns = 2000;
+
 /// Consecutive scans of one town at one noise, and all detectors that are run over them: the unit of work
 /// that is kept when the benchmark is interrupted.
 struct PaperUnit {
   enum class Part { sweep, every_scan } part = Part::sweep;
-  RecordingKey recording;  ///< names town, noise, seed and duration; no such folder is written
+  RecordingKey recording;       ///< names town, sensor, noise, seed and duration; no such folder is written
+  int columns = kPaperColumns;  ///< of the sensor, in place of its own
   std::size_t first = 0, count = 0;
   std::vector<PaperRun> runs;
   bool pictures = false;  ///< draw the stages around one vehicle
@@ -41,6 +45,7 @@ struct PaperUnit {
   /// Name of its file without extension, unique in a plan.
   [[nodiscard]] std::string stem() const;
   [[nodiscard]] nlohmann::ordered_json json() const;
+  [[nodiscard]] LidarModel sensor() const;
 };
 
 struct PaperOptions {
@@ -49,12 +54,9 @@ struct PaperOptions {
   std::optional<double> duration_s;        ///< of each town; default 300, quick 20
 };
 
-/// The named model HDL-64E-S2 with 2000 columns: 128,000 rays a scan.
-[[nodiscard]] LidarModel paper_sensor();
-
-/// Every unit of the benchmark: the threshold sweeps on kSweepScans of every kSweepPeriod scans, at three
-/// levels of noise; then every scan at 0.02 m of noise, with the published threshold and the default method.
-/// Throws ParameterError for a duration without a scan or beyond that of a scene.
+/// Every unit of the benchmark: every scan at 0.02 m of noise, with the thresholds of the two profiles; then
+/// the threshold sweeps on 20 of every 200 scans (quick: 100) at three levels of noise. Throws ParameterError
+/// for a duration without a scan or beyond that of a scene.
 [[nodiscard]] std::vector<PaperUnit> make_paper_plan(const PaperOptions& options);
 
 }  // namespace mapless::app

@@ -136,7 +136,7 @@ std::size_t end_of(const PaperUnit& unit) {
 // The scans of a sweep are held, and its many detectors, which hold scans of their own, run one by one.
 std::optional<nlohmann::ordered_json> run_sweep(const PaperUnit& unit,
                                                 const std::function<void()>& step_done) {
-  PaperDrive drive(unit.recording);
+  PaperDrive drive(unit);
   std::map<std::size_t, std::shared_ptr<const LidarScan>> scans;
   Truths truths;
   for (std::size_t k = unit.first - longest_lead(unit); k < end_of(unit); ++k) {
@@ -161,8 +161,8 @@ std::optional<nlohmann::ordered_json> run_sweep(const PaperUnit& unit,
 nlohmann::ordered_json pictures_of(const RunOfUnit& detector, const PaperUnit& unit,
                                    const ObjectTruth& objects, const std::filesystem::path& folder) {
   const PaperRun& run = detector.run();
-  nlohmann::ordered_json all = draw_album(detector.views(), stage_names(run.parameters.method), objects,
-                                          folder, unit.recording.scene + "." + run.method);
+  nlohmann::ordered_json all = draw_gallery(detector.views(), stage_names(run.parameters.method), objects,
+                                            folder, unit.recording.scene + "." + run.method);
   for (auto& picture : all) picture["method"] = run.method;
   return all;
 }
@@ -171,7 +171,7 @@ nlohmann::ordered_json pictures_of(const RunOfUnit& detector, const PaperUnit& u
 std::optional<nlohmann::ordered_json> run_every_scan(const PaperUnit& unit,
                                                      const std::filesystem::path& pictures,
                                                      const std::function<void()>& step_done) {
-  PaperDrive drive(unit.recording);
+  PaperDrive drive(unit);
   std::vector<std::unique_ptr<RunOfUnit>> detectors;
   for (const PaperRun& run : unit.runs) detectors.push_back(std::make_unique<RunOfUnit>(unit, run));
   Truths truths;
