@@ -204,6 +204,20 @@ int benchmark(const BenchmarkOptions& options) {
   return 0;
 }
 
+// The last of the verb's options: it names the others, which it excludes.
+void add_paper_option(CLI::App& verb, bool& paper) {
+  auto* flag = verb.add_flag(
+      "--paper", paper,
+      "repeat the evaluation of the paper: town1 and town2 for five minutes each (20 s with --quick), 64 x "
+      "2000 rays a scan; error thresholds from 0.05 to 2 m at three levels of noise; after each stage; "
+      "within a range limit; without motion compensation; without forward check; times. The published and "
+      "the default method beside each other. Takes hours of processor time; keeps nothing but figures on "
+      "disk");
+  for (const char* other : {"--scenes", "--sensors", "--noise", "--faulty", "--odometry", "--speed",
+                            "--profile", "--config", "--set", "--recordings"})
+    flag->excludes(verb.get_option(other));
+}
+
 void add_table_options(CLI::App& verb, PlanOptions& plan) {
   verb.add_flag("--quick", plan.quick,
                 "10 s of town1 with a short parameter sweep; takes less than three minutes on two cores");
@@ -247,17 +261,6 @@ void add_benchmark(CLI::App& app, int& exit_code) {
       "query per point) in the same run. Uses the first of --scenes; --sensors also takes "
       "OS1-128x2048 and the like. With --output: writes speed.json, and plots of time against "
       "rays and against threads, up to --threads");
-  auto* paper = verb->add_flag(
-      "--paper", options->paper,
-      "repeat the evaluation of the paper: town1 and town2 for five minutes each (20 s with --quick), 64 x "
-      "2000 rays a scan; error thresholds from 0.05 to 2 m at three levels of noise; after each stage; "
-      "within "
-      "a range limit; without motion compensation; without forward check; times. The published and the "
-      "default method beside each other. Takes hours of processor time; keeps nothing but figures on disk");
-  for (const char* other :
-       {"--scenes", "--sensors", "--noise", "--faulty", "--odometry", "--profile", "--config", "--set"})
-    paper->excludes(verb->get_option(other));
-  paper->excludes(speed);
   verb->add_flag("--json", options->json, "print the figures of --speed as JSON")->needs(speed);
   add_parameter_options(*verb, options->plan.parameters);
   verb->add_option("--recordings", options->recordings,
@@ -266,6 +269,7 @@ void add_benchmark(CLI::App& app, int& exit_code) {
   verb->add_option("--threads", options->threads,
                    "number of threads (default: all cores). The figures do not depend on it")
       ->check(CLI::Range(1, 1024));
+  add_paper_option(*verb, options->paper);
   verb->callback([options, &exit_code] { exit_code = benchmark(*options); });
 }
 

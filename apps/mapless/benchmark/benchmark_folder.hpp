@@ -35,8 +35,8 @@ class BenchmarkFolder {
   /// file, cannot be made, or holds anything but a benchmark.
   void open() const;
 
-  /// The result of a finished run whose pictures are all there. `stem` names its file; `job` has all settings
-  /// that determine its figures.
+  /// The result of a finished run; absent if the run or one of its pictures is missing. `stem` names its
+  /// file; `job` has all settings that determine its figures.
   [[nodiscard]] std::optional<nlohmann::ordered_json> finished(const std::string& stem,
                                                                const nlohmann::ordered_json& job) const;
   void finish(const std::string& stem, const nlohmann::ordered_json& job,
