@@ -30,8 +30,8 @@ def simulate(scene: str, output: str | os.PathLike[str], **options: Any) -> None
 
 
 def evaluate(recording: str | os.PathLike[str], result: str | os.PathLike[str], **options: Any) -> dict[str, Any]:
-    """Compares a result with the true labels of its recording: `mapless evaluate RECORDING RESULT --json`."""
-    text = run_verb("evaluate", os.fspath(recording), os.fspath(result), "--json", **options)
+    """Compares a result with the true labels of its recording: `mapless evaluate RECORDING RESULT --json -`."""
+    text = run_verb("evaluate", os.fspath(recording), os.fspath(result), "--json", "-", **options)
     report: dict[str, Any] = json.loads(text)
     return report
 

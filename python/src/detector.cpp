@@ -130,7 +130,9 @@ void bind_detector(nb::module_& m) {
             Cloud cloud = cloud_of(fields);
             return d.call([&](LiveDetector& live) { return live.push(cloud, trajectory_of(given)); });
           },
-          nb::arg("fields"), nb::arg("trajectory").none())
+          nb::arg("fields"), nb::arg("trajectory").none(),
+          nb::sig("def push_cloud(self, fields: tuple[object, ...], trajectory: Trajectory | None) -> "
+                  "list[LabelledScan]"))
       .def(
           "push_scan",
           [](DetectorHandle& d, const ScanHandle& scan, const TrajectoryHandle* given) {

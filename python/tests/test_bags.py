@@ -108,7 +108,17 @@ def test_a_bag_gives_the_labels_of_the_native_recording(suffix, dtype, fill, sca
     found = np.concatenate([result.moving(k) for k in result.scans])
     kept = [compact(scan) for scan in scans]
     expected = np.concatenate([native_result.moving(k)[kept[k]] for k in result.scans])
-    assert iou(found, expected) > 0.99
+    # The native recording has the rays without a return too, which see free space; a driver leaves them out.
+    assert iou(found, expected) > 0.97
+
+
+def test_a_bag_gives_the_labels_of_its_arrays(scans, tmp_path):
+    clouds = list(clouds_of(scans, VELODYNE, velodyne))
+    result = mapless.detect(write(tmp_path / "drive.bag", clouds), tmp_path / "out", sensor="VLP-16")
+    detector = mapless.OnlineDetector("VLP-16")
+    found = [f for cloud, stamp_ns in clouds for f in detector.push(cloud, stamp_ns=stamp_ns)] + detector.flush()
+    for f in found:
+        np.testing.assert_array_equal(result.label(f.scan), f.label)
 
 
 def test_scans_of_a_bag_are_those_written(scans, tmp_path):
