@@ -34,6 +34,7 @@ RUNS = {f"{scene}-HDL-64E": (scene, "HDL-64E-S2", []) for scene in SCENES} | {
     "crossing-HDL-64E-odometry": ("crossing", "HDL-64E-S2", ["--odometry"]),
     "town1-HDL-64E-causal": ("town1", "HDL-64E-S2", ["--causal"]),
     "town2-HDL-64E-paper": ("town2", "HDL-64E-S2", ["--profile", "paper", "--count", "10"]),
+    "town2-HDL-64E-paper-literal": ("town2", "HDL-64E-S2", ["--profile", "paper-literal", "--count", "6"]),
     "kitti-poses": (None, None, ["--trajectory", str(DRIVE / "poses_icp.txt"), "--count", "25"]),
     "kitti-odometry": (None, None, ["--count", "25"]),
 }

@@ -7,7 +7,7 @@
 
 #include "core/argument_checks.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/evaluation/evaluator.hpp>
+#include <mapless/evaluation/result_evaluation.hpp>
 #include <mapless/io/labels.hpp>
 #include <mapless/io/trajectory_file.hpp>
 
@@ -79,13 +79,34 @@ class VelocityEvaluation {
   std::shared_ptr<const Trajectory> true_trajectory_;
 };
 
+// Everything that is accumulated over the scans.
+struct Evaluators {
+  Evaluator labels;
+  SightEvaluator sight;
+  DelayEvaluator delays;
+  VelocityEvaluation velocity;
+
+  void add(const ScanLabels& labels_of_scan, const LidarScan& scan) {
+    labels.add(labels_of_scan);
+    sight.add(scan, labels_of_scan);
+    delays.add(labels_of_scan);
+    velocity.add(labels_of_scan, scan.start);
+  }
+  void report(ResultEvaluation& out) const {
+    out.report = labels.report();
+    out.sight = sight.report();
+    out.delays = delays.report();
+    out.velocity = velocity.report();
+  }
+};
+
 void evaluate_scan(const Dataset& dataset, const ResultFolder& result, std::size_t scan,
                    const std::vector<std::uint32_t>& truth, const EvaluationOptions& options,
-                   Evaluator& evaluator, VelocityEvaluation& velocity, ResultEvaluation& out) {
-  const std::vector<float> ranges = ranges_of(dataset.read(scan));
+                   Evaluators& evaluators, ResultEvaluation& out) {
+  const LidarScan measured = dataset.read(scan);
+  const std::vector<float> ranges = ranges_of(measured);
   const auto labels = read_label_file(result.label_file(scan), truth.size());
-  evaluator.add({scan, truth, labels, ranges});
-  velocity.add({scan, truth, labels, ranges}, dataset.scan_start(scan));
+  evaluators.add({scan, truth, labels, ranges}, measured);
   if (!std::filesystem::exists(result.stage_file(scan))) return;
   const Mask masks = read_stage_file(result.stage_file(scan), truth.size());
   const Mask counted = range_mask(ranges, options.max_range_m);
@@ -106,8 +127,9 @@ ResultEvaluation evaluate_result(const Dataset& dataset, const ResultFolder& res
   ObjectTruth objects;
   if (!options.objects.empty()) objects = read_object_truth(options.objects);
   require_states_of(dataset, objects, options.objects);
-  VelocityEvaluation velocity(dataset, result, objects, options.max_range_m);
-  Evaluator evaluator(std::move(objects), options.max_range_m);
+  const auto& limit = options.max_range_m;
+  Evaluators evaluators{Evaluator(objects, limit), SightEvaluator(limit), DelayEvaluator(objects, limit),
+                        VelocityEvaluation(dataset, result, objects, limit)};
   for (std::size_t i = 0; i < scans.size(); ++i) {
     if (scans[i] >= dataset.size()) {
       throw InputError({result.label_file(scans[i]).string(), "scan", std::to_string(scans[i]),
@@ -116,7 +138,7 @@ ResultEvaluation evaluate_result(const Dataset& dataset, const ResultFolder& res
     }
     if (const auto truth = dataset.read_labels(scans[i])) {
       out.scans.push_back(scans[i]);
-      evaluate_scan(dataset, result, scans[i], *truth, options, evaluator, velocity, out);
+      evaluate_scan(dataset, result, scans[i], *truth, options, evaluators, out);
     } else {
       ++out.scans_without_truth;
     }
@@ -127,8 +149,7 @@ ResultEvaluation evaluate_result(const Dataset& dataset, const ResultFolder& res
                       "none has both a label file and true labels in the recording",
                       "give the folder of true labels with --labels"});
   }
-  out.report = evaluator.report();
-  out.velocity = velocity.report();
+  evaluators.report(out);
   return out;
 }
 

@@ -35,6 +35,9 @@ bool near(const OraclePoint& a, const OraclePoint& b, const RegionGrowthParamete
 
 bool parallel_or_convex(const OraclePoint& a, const OraclePoint& b, const RegionGrowthParameters& p) {
   if (a.normal_0.squaredNorm() == 0 || b.normal_0.squaredNorm() == 0) return false;
+  if (a.normal_0.cast<double>().dot(b.normal_0.cast<double>()) >=
+      std::cos(p.parallel_tolerance_deg * kDegree))
+    return true;
   const Eigen::Vector3d step = b.position_0 - a.position_0;
   const double tolerance = step.norm() * std::sin(p.concave_tolerance_deg * kDegree);
   return a.normal_0.cast<double>().dot(step) <= tolerance &&

@@ -26,8 +26,8 @@ struct OracleObjects {
 
 /// Paper step 5 by union-find over all pairs of points, as region_growth.hpp states it. Two points are linked
 /// within link_m + link_per_m times the range of the nearer; unless both are seeds they must also both have a
-/// normal and be parallel or convex to each other. Dynamic points of clusters of fewer than
-/// min_cluster_points are no seeds; like static points they may be grown over.
+/// normal and be parallel (normals within parallel_tolerance_deg) or convex to each other. Dynamic points of
+/// clusters of fewer than min_cluster_points are no seeds; like static points they may be grown over.
 [[nodiscard]] OracleObjects objects_by_pairs(const std::vector<OraclePoint>& points,
                                              const RegionGrowthParameters& parameters);
 

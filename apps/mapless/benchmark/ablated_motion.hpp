@@ -22,7 +22,7 @@ class FrozenTrajectory final : public Trajectory {
   SE3 T_v0_;
 };
 
-/// A scan and a trajectory with which the detector compensates less than it could, for ablations.
+/// A scan and a trajectory that switch off a part of the detector's motion compensation, for ablations.
 struct DetectorInput {
   std::shared_ptr<const LidarScan> scan;
   std::shared_ptr<const Trajectory> trajectory;

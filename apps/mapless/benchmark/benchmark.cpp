@@ -63,8 +63,7 @@ bool simulate_missing(const std::vector<const Job*>& jobs, const RecordingStore&
     tasks.emplace_back([&store, key](const auto& step_done) { return store.make(key, step_done); });
   }
   if (!tasks.empty()) {
-    say("mapless: simulating {} recordings, {} are there already\n", tasks.size(),
-        keys.size() - tasks.size());
+    say("mapless: simulating {} recordings ({} made before)\n", tasks.size(), keys.size() - tasks.size());
   }
   return work_side_by_side(tasks, threads, scans, "scans");
 }
@@ -119,8 +118,8 @@ Json figures(const std::vector<Job>& jobs, const BenchmarkOptions& options, cons
 }
 
 int report_interrupt(std::size_t finished, std::size_t of) {
-  say("mapless: interrupted; {} of {} runs are finished and kept, the same command goes on from there\n",
-      finished, of);
+  say("mapless: interrupted; {} of {} runs are finished and kept; the same command continues\n", finished,
+      of);
   return InterruptGuard::exit_code();
 }
 
@@ -196,9 +195,14 @@ void add_table_options(CLI::App& verb, PlanOptions& plan) {
           "scenes to run in place of the default table (every scene with every one of --sensors and --noise)")
       ->check(CLI::IsMember(scene_names()));
   verb.add_option("--sensors", plan.sensors,
-                  fmt::format("sensors to run, of {}", fmt::join(named_models(), ", ")));
+                  fmt::format("sensors to run, of {}, or calibration files: Velodyne's YAML or a sensor.yaml",
+                              fmt::join(named_models(), ", ")));
   verb.add_option("--noise", plan.range_noises_m,
                   "standard deviations of the range noise to run [m], 0 to 1");
+  verb.add_option("--faulty", plan.faulty,
+                  "simulate missing returns from glass, dark paint and distant ground")
+      ->check(CLI::IsMember({"on", "off"}))
+      ->capture_default_str();
   verb.add_option("--seeds", plan.seeds, "seeds of the random scenes, traffic and noise")
       ->check(whole_number(0))
       ->capture_default_str();

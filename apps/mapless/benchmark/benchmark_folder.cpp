@@ -42,7 +42,7 @@ void BenchmarkFolder::open() const {
   if (error) refuse(path_, error.message());
   if (!is_empty &&
       (!fs::is_regular_file(figures()) || !read_whole_file(figures()).starts_with(kBenchmarkBegin)))
-    refuse(path_, "holds something that is no benchmark");
+    refuse(path_, "holds files that are not of a benchmark");
   make_folder(path_);
   if (is_empty) {
     write_file_atomically(figures(), json_text({{"program", kBenchmarkName}, {"complete", false}}));
@@ -60,7 +60,7 @@ std::optional<Json> BenchmarkFolder::finished(const Job& job) const {
   if (!row.is_object() || !row.contains("result") || !row.contains("digest") ||
       row["digest"] != digest_of(row["result"]))
     return std::nullopt;
-  // Text against text: numbers come back from a file with another type, and are the same figures.
+  // Compared as text: a number read from a file may have another JSON type and the same value.
   const Json head = row_head(job);
   for (const char* key : {"build", "job"}) {
     if (!row.contains(key) || row[key].dump() != head[key].dump()) return std::nullopt;

@@ -33,11 +33,11 @@ class BenchmarkFolder {
   [[nodiscard]] std::filesystem::path page() const { return path_ / "index.html"; }
   [[nodiscard]] std::filesystem::path figures() const { return path_ / "benchmark.json"; }
 
-  /// Makes the folder; an earlier benchmark is continued. Throws OutputError where it is a file, cannot be
-  /// made, or holds anything but a benchmark; nothing is changed then.
+  /// Makes the folder; an earlier benchmark is continued. Throws OutputError, and changes nothing, if it is a
+  /// file, cannot be made, or holds anything but a benchmark.
   void open() const;
 
-  /// The result of a finished run whose pictures are all there.
+  /// The result of a finished run; absent if the run or one of its pictures is missing.
   [[nodiscard]] std::optional<nlohmann::ordered_json> finished(const Job& job) const;
   void finish(const Job& job, const nlohmann::ordered_json& result) const;
 

@@ -10,7 +10,7 @@
 
 namespace mapless::app {
 
-/// FNV-1a, 64 bit: tells whether bytes are the same as before.
+/// FNV-1a, 64 bit: compares bytes with those of an earlier run.
 class Digest {
  public:
   void add_bytes(std::string_view bytes) {

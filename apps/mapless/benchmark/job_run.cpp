@@ -17,6 +17,7 @@
 #include "run/run_summary.hpp"
 #include "terminal/interrupt.hpp"
 #include <mapless/evaluation/evaluator.hpp>
+#include <mapless/evaluation/hard_cases.hpp>
 #include <mapless/io/dataset.hpp>
 #include <mapless/io/labels.hpp>
 #include <mapless/io/result_folder.hpp>
@@ -36,6 +37,7 @@ class JobRun {
         poses_(job.odometry ? nullptr : dataset.trajectory()),
         online_({job.parameters, {}}),
         evaluator_(objects),
+        delays_(objects),
         scan_done_(scan_done) {}
 
   /// False where interrupted.
@@ -62,7 +64,11 @@ class JobRun {
                 {"timing", timing_json(seconds_)},
                 {"threads", tbb::this_task_arena::max_concurrency()},
                 {"odometry_trouble", online_.odometry_report().trouble()}};
-    if (job_.part == Part::table) out["measures"] = to_json(report);
+    if (job_.part != Part::table) return out;
+    out["measures"] = to_json(report);
+    out["measures"]["sight"] = to_json(sight_.report());
+    const auto delays = delays_.report();
+    out["measures"]["delays"] = delays ? to_json(*delays) : Json(nullptr);
     return out;
   }
   [[nodiscard]] const MoverViews& views() const { return views_; }
@@ -89,7 +95,13 @@ class JobRun {
       }));
     }
     const auto labels = labels_of(detection);
-    evaluator_.add({k, truth, labels, ranges_of(*detection.scan)});
+    const auto ranges_m = ranges_of(*detection.scan);
+    const ScanLabels compared = {k, truth, labels, ranges_m};
+    evaluator_.add(compared);
+    if (job_.part == Part::table) {
+      sight_.add(*detection.scan, compared);
+      delays_.add(compared);
+    }
     seconds_.push_back(detection.seconds);
     if (job_.pictures) look_at(detection, labels, truth);
     scan_done_();
@@ -121,6 +133,8 @@ class JobRun {
   std::shared_ptr<const Trajectory> poses_;  // null: own odometry
   OnlineDetector online_;
   Evaluator evaluator_;
+  SightEvaluator sight_;
+  DelayEvaluator delays_;
   const std::function<void()>& scan_done_;
   std::array<PrecisionRecall, kStageCount> after_stage_;
   std::vector<StageSeconds> seconds_;
@@ -139,7 +153,7 @@ std::optional<Json> run_job(const Job& job, const std::filesystem::path& recordi
   Json result = run.result();
   if (!job.pictures) return std::make_optional(std::move(result));
   result["pictures"] =
-      draw_album(run.views(), stage_names(job.parameters.method), objects, pictures, job.recording.name());
+      draw_gallery(run.views(), stage_names(job.parameters.method), objects, pictures, job.recording.name());
   if (run.scan_picture()) {
     const std::string file = job.recording.name() + ".scan.png";
     run.scan_picture()->write_png(pictures / file);
@@ -147,7 +161,7 @@ std::optional<Json> run_job(const Job& job, const std::filesystem::path& recordi
                                   {"kind", "scan"},
                                   {"caption",
                                    "The scan in the middle of the recording, as the sensor sees it and "
-                                   "from above: moving points found green, missed blue, still ones "
+                                   "from above: moving points found green, missed blue, static ones "
                                    "called dynamic red"}});
   }
   return std::make_optional(std::move(result));

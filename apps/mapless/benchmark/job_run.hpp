@@ -15,8 +15,8 @@ namespace mapless::app {
 /// `pictures`. Empty where interrupted. Throws InputError for a recording that cannot be used.
 ///
 /// The result has: scans; final and stages (rates); timing (timing_json) and threads, their number;
-/// odometry_trouble; for a job of the table also measures (EvaluationReport), and with pictures a list of
-/// them (draw_album, and one of kind "scan").
+/// odometry_trouble; for a job of the table also measures (EvaluationReport, sight, delays), and with
+/// pictures a list of them (draw_gallery, and one of kind "scan").
 [[nodiscard]] std::optional<nlohmann::ordered_json> run_job(const Job& job,
                                                             const std::filesystem::path& recording,
                                                             const std::filesystem::path& pictures,

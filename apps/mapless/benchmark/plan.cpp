@@ -2,12 +2,16 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
+#include <filesystem>
 #include <string_view>
 
 #include <fmt/format.h>
 
+#include "benchmark/digest.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/core/parameters.hpp>
+#include <mapless/io/files.hpp>
 #include <mapless/lidar/lidar_model.hpp>
 #include <mapless/simulation/scene.hpp>
 
@@ -32,18 +36,38 @@ bool contains(const Range& range, const Value& value) {
   return std::find(range.begin(), range.end(), value) != range.end();
 }
 
+RecordingKey key_of(std::string scene, std::string_view sensor, double noise_m) {
+  RecordingKey key;
+  key.scene = std::move(scene);
+  key.sensor = sensor;
+  key.range_noise_m = noise_m;
+  return key;
+}
+
+// The sensor of the key: a named model, or a sensor file, which is named by its stem.
+void set_sensor(RecordingKey& key, const std::string& name_or_file) {
+  const LidarModel model = model_from_name_or_file(name_or_file);
+  if (!std::filesystem::is_regular_file(name_or_file)) {
+    key.sensor = model.name;
+    return;
+  }
+  key.sensor = std::filesystem::path(name_or_file).stem().string();
+  key.sensor_file = name_or_file;
+  Digest digest;
+  digest.add_bytes(read_whole_file(name_or_file));
+  key.sensor_digest = digest.text();
+}
+
 // Scene, sensor and noise of every row; seed and duration are the same for all.
 std::vector<RecordingKey> declared_table() {
   std::vector<RecordingKey> rows;
-  for (const std::string& scene : scene_names())
-    rows.push_back({scene, std::string(kMainSensor), kMainNoise_m});
+  for (const std::string& scene : scene_names()) rows.push_back(key_of(scene, kMainSensor, kMainNoise_m));
   for (const std::string_view town : kTowns) {
-    for (const double noise_m : {0.0, 0.05})
-      rows.push_back({std::string(town), std::string(kMainSensor), noise_m});
+    for (const double noise_m : {0.0, 0.05}) rows.push_back(key_of(std::string(town), kMainSensor, noise_m));
   }
   for (const std::string_view sensor : kOtherSensors) {
     for (const std::string_view scene : kOtherSensorScenes)
-      rows.push_back({std::string(scene), std::string(sensor), kMainNoise_m});
+      rows.push_back(key_of(std::string(scene), sensor, kMainNoise_m));
   }
   return rows;
 }
@@ -65,9 +89,14 @@ std::vector<RecordingKey> chosen_table(const PlanOptions& options) {
   for (const double noise_m : noises_m) require_noise(noise_m);
   std::vector<RecordingKey> rows;
   for (const std::string& sensor : sensors) {
-    const std::string name = named_model(sensor).name;
+    RecordingKey of_sensor;
+    set_sensor(of_sensor, sensor);
     for (const double noise_m : noises_m) {
-      for (const std::string& scene : scenes) rows.push_back({scene, name, noise_m});
+      for (const std::string& scene : scenes) {
+        rows.push_back(of_sensor);
+        rows.back().scene = scene;
+        rows.back().range_noise_m = noise_m;
+      }
     }
   }
   return rows;
@@ -81,6 +110,7 @@ std::vector<RecordingKey> recordings(const PlanOptions& options) {
   for (const std::uint64_t seed : options.seeds) {
     for (RecordingKey key : rows) {
       key.seed = seed;
+      key.faulty = options.faulty == "on";
       key.duration_s = options.duration_s.value_or(options.quick ? kQuickDuration_s : kDuration_s);
       if (!contains(out, key)) out.push_back(std::move(key));
     }
@@ -94,7 +124,8 @@ std::vector<RecordingKey> representative(const std::vector<RecordingKey>& table,
   std::vector<RecordingKey> rows;
   const auto add_where = [&](const auto& condition) {
     for (const RecordingKey& key : table) {
-      if (key.sensor == table.front().sensor && key.seed == table.front().seed && condition(key))
+      if (key.sensor == table.front().sensor && key.sensor_digest == table.front().sensor_digest &&
+          key.seed == table.front().seed && condition(key))
         rows.push_back(key);
     }
   };
@@ -160,12 +191,23 @@ std::string_view name_of(Compensation compensation) {
 }  // namespace
 
 std::string RecordingKey::name() const {
-  return fmt::format("{}_{}_noise{}_seed{}_{}s", scene, sensor, range_noise_m, seed, duration_s);
+  std::string of_sensor = sensor_digest.empty() ? sensor : sensor + "-" + sensor_digest;
+  std::replace_if(
+      of_sensor.begin(), of_sensor.end(), [](unsigned char c) { return std::isalnum(c) == 0 && c != '-'; },
+      '_');
+  return fmt::format("{}_{}_noise{}{}_seed{}_{}s", scene, of_sensor, range_noise_m,
+                     faulty ? "" : "_no-faults", seed, duration_s);
 }
 
 Json RecordingKey::json() const {
-  return {{"scene", scene},         {"sensor", sensor}, {"range_noise_m", range_noise_m},
-          {"faulty_returns", true}, {"seed", seed},     {"duration_s", duration_s}};
+  Json out = {{"scene", scene},           {"sensor", sensor}, {"range_noise_m", range_noise_m},
+              {"faulty_returns", faulty}, {"seed", seed},     {"duration_s", duration_s}};
+  if (!sensor_digest.empty()) out["sensor_digest"] = sensor_digest;
+  return out;
+}
+
+LidarModel RecordingKey::model() const {
+  return sensor_file.empty() ? named_model(sensor) : model_from_name_or_file(sensor_file);
 }
 
 std::string Job::stem() const {

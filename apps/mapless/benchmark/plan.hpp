@@ -8,14 +8,18 @@
 #include <nlohmann/json.hpp>
 
 #include "options/parameter_options.hpp"
+#include <mapless/lidar/lidar_model.hpp>
 
 namespace mapless::app {
 
 /// The settings that determine a simulated recording.
 struct RecordingKey {
   std::string scene;
-  std::string sensor;  ///< a named model
+  std::string sensor;         ///< a named model, or the name of a sensor file without extension
+  std::string sensor_file;    ///< empty for a named model
+  std::string sensor_digest;  ///< of the file's contents
   double range_noise_m = 0.02;
+  bool faulty = true;  ///< glass, dark paint and distant ground give faulty returns
   std::uint64_t seed = 1;
   double duration_s = 0;
 
@@ -24,6 +28,8 @@ struct RecordingKey {
   /// Name of its folder; different keys have different names.
   [[nodiscard]] std::string name() const;
   [[nodiscard]] nlohmann::ordered_json json() const;
+  /// Throws InputError for a sensor file that cannot be read.
+  [[nodiscard]] LidarModel model() const;
 };
 
 /// Where the motion of the sensor within a scan is accounted for (ablations; ablated_motion.hpp).
@@ -53,9 +59,10 @@ struct Job {
 struct PlanOptions {
   bool quick = false;
   // Any of these three given: their product, HDL-64E-S2, 0.02 m and all scenes (quick: town1) for the rest.
-  std::vector<std::string> scenes, sensors;  // sensors in any case of letters
+  std::vector<std::string> scenes, sensors;  // sensors: named models in any case of letters, or sensor files
   std::vector<double> range_noises_m;
   std::vector<std::uint64_t> seeds = {1};
+  std::string faulty = "on";  // or "off", for every recording
   std::optional<double> duration_s;
   ParameterOptions parameters;
   bool odometry = false;
@@ -65,7 +72,7 @@ struct PlanOptions {
 [[nodiscard]] std::size_t stretch_scans(const PlanOptions& options);
 
 /// Every run of the benchmark, in the order of the page. Throws ParameterError for an unknown sensor or a
-/// noise beyond 0 to 1 m, and as ParameterOptions::chosen.
+/// noise beyond 0 to 1 m, InputError for a sensor file that cannot be read, and as ParameterOptions::chosen.
 [[nodiscard]] std::vector<Job> make_plan(const PlanOptions& options);
 
 /// The parameters with one error threshold, as the paper sweeps it: that of the comparison, and those of the

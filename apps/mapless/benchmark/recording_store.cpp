@@ -28,12 +28,12 @@ class Simulation {
  public:
   explicit Simulation(const RecordingKey& key)
       : scene_(make_scene(key.scene, {key.seed, key.duration_s, true})),
-        model_(std::make_shared<const LidarModel>(named_model(key.sensor))),
+        model_(std::make_shared<const LidarModel>(key.model())),
         world_(scene_.world),
         sensor_(
             model_,
             std::make_shared<const SampledTrajectory>(scene_.poses, Duration(), "trajectory of the scene"),
-            world_, {key.range_noise_m, true, key.seed}) {}
+            world_, {key.range_noise_m, key.faulty, key.seed}) {}
 
   [[nodiscard]] SimulatedScan scan(std::size_t k) { return sensor_.scan(static_cast<int>(k)); }
   [[nodiscard]] std::unique_ptr<SequenceWriter> writer(const fs::path& folder) const {
@@ -107,7 +107,7 @@ std::size_t RecordingStore::scans(const RecordingKey& key) {
     throw ParameterError({"--duration-s", "", fmt::format("{}", key.duration_s), "too long",
                           fmt::format("give at most {}, or several seeds", kMaxSceneDuration_s)});
   }
-  const double rate_hz = named_model(key.sensor).rotation_rate_hz;
+  const double rate_hz = key.model().rotation_rate_hz;
   const auto count = std::floor(key.duration_s * rate_hz + 1e-6);
   if (count < 1) {
     throw ParameterError({"--duration-s", "", fmt::format("{}", key.duration_s), "shorter than one scan",

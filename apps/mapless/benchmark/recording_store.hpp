@@ -18,7 +18,7 @@ class RecordingStore {
 
   [[nodiscard]] std::filesystem::path path(const RecordingKey& key) const { return folder_ / key.name(); }
 
-  /// Number of scans in a recording of this key. Throws ParameterError where that is none, or too many.
+  /// Number of scans in a recording of this key. Throws ParameterError if it is 0 or too large.
   [[nodiscard]] static std::size_t scans(const RecordingKey& key);
 
   /// Whether there is one of this key that the simulator would make the same today: its first and last scan

@@ -35,8 +35,10 @@ RunParameters ParameterOptions::all() const {
 }
 
 void add_parameter_options(CLI::App& verb, ParameterOptions& options) {
-  verb.add_option("--profile", options.profile,
-                  "parameter set to start from: default, or paper (the method as published)")
+  verb.add_option(
+          "--profile", options.profile,
+          "parameter set to start from: default; paper (the method as published, with sensible readings "
+          "where the paper is silent); or paper-literal (with the plainest readings)")
       ->capture_default_str();
   verb.add_option("--config", options.config,
                   "YAML file of parameters, in the form that 'mapless config' prints; overrides the profile");

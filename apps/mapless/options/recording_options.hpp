@@ -20,7 +20,8 @@ struct RecordingOptions {
   [[nodiscard]] std::unique_ptr<Dataset> open() const;
 };
 
-/// Adds IN, --format, --sensor, --labels, --own-pose-direction, and the options of recording_reader().
+/// Adds IN, --format, --sensor, --labels, --own-pose-direction, --own-pose-instant, and the options of
+/// recording_reader().
 void add_recording_options(CLI::App& verb, RecordingOptions& options);
 
 /// Adds --trajectory, --stationary and how a trajectory file is to be read.

@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kLetterAdvance = kLetterColumns + 1;
 
-// How much of a pixel lies inside an edge at this signed distance [px].
+// Ratio of a pixel's area inside an edge at this signed distance [px].
 float coverage(float distance_inside) { return std::clamp(distance_inside + 0.5F, 0.0F, 1.0F); }
 
 std::uint8_t byte_of(float value) {

@@ -14,14 +14,14 @@ struct Color {
 };
 
 /// A picture to draw on. Coordinates are pixels, x to the right, y down, (0, 0) the upper left corner; shapes
-/// have soft edges, and what lies outside is cut off. `opacity` is 0 to 1.
+/// are antialiased and clipped to the picture. `opacity` is 0 to 1.
 class Canvas {
  public:
   Canvas(int width, int height, Color background);
 
   [[nodiscard]] int width() const { return width_; }
   [[nodiscard]] int height() const { return height_; }
-  /// Of a pixel that is there.
+  /// The colour of the pixel at (x, y), which must lie in the picture.
   [[nodiscard]] Color pixel(int x, int y) const {
     return pixels_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
                    static_cast<std::size_t>(x)];
@@ -37,7 +37,8 @@ class Canvas {
   void ring(float x, float y, float radius, float line_width, Color color, float opacity = 1);
   /// A triangle that points to the right, its middle at (x, y).
   void arrow_right(float x, float y, float size, Color color);
-  /// Letters of 5 x 7 dots of `scale` pixels, upper left corner at (x, y); returns the x after the last one.
+  /// Draws text in letters of 5 x 7 dots of `scale` pixels, upper left corner at (x, y). Returns the x behind
+  /// the last letter.
   int text(int x, int y, std::string_view text, int scale, Color color, float opacity = 1);
   [[nodiscard]] static int text_width(std::string_view text, int scale);
 

@@ -11,7 +11,7 @@ inline constexpr int kLetterColumns = 5;
 /// The dots of a letter, top row first, the leftmost dot in bit 4.
 using LetterRows = std::array<std::uint8_t, kLetterRows>;
 
-/// A blank for characters that are not there.
+/// A blank for characters that the font does not have.
 [[nodiscard]] LetterRows letter_rows(char letter);
 
 }  // namespace mapless::app

@@ -68,7 +68,7 @@ Verdict verdict_of(bool dynamic, std::optional<MotionTruth> truth) {
   return Verdict::still;
 }
 
-// Static points first, and far ones before near ones: what matters is drawn over the rest.
+// Static points first, and far ones before near ones: dynamic and near points are drawn over the others.
 std::vector<PicturePoint> points_in_drawing_order(const LidarScan& scan,
                                                   const std::vector<std::uint32_t>& labels,
                                                   const std::optional<std::vector<std::uint32_t>>& truth) {
@@ -149,7 +149,7 @@ class BirdView {
     }
   }
 
-  // Along the forward axis, where the rings cross it.
+  // Range labels stand where the rings cross the forward axis.
   void label_rings() {
     const double step = ring_step(extent_m_);
     for (double radius = step; radius < extent_m_; radius += step) {

@@ -22,15 +22,14 @@ struct PictureOptions {
   bool range_image = true;
   double extent_m = 50;  ///< from the sensor to the left and right edge of the bird's-eye view
   std::string title;
-  /// What the bird's-eye view shows instead of the scan; in its frame.
+  /// If given, the bird's-eye view shows these points, in the scan's frame, in place of the scan.
   std::optional<PicturedScan> from_above = std::nullopt;
 };
 
 /// A labelled scan as a picture. Static points are grey. Dynamic ones have the colour of their object; with
-/// `truth`, those it knows are green where rightly, red where falsely called dynamic, and the missed ones
-/// blue. The range image is laid out by azimuth, straight ahead (x) in its middle; the bird's-eye view looks
-/// down the sensor's spin axis, x to the right. `labels` and `truth` have one element per input record of the
-/// scan.
+/// `truth`, true positives are green, false positives red and false negatives blue. The range image is laid
+/// out by azimuth, straight ahead (x) in its middle; the bird's-eye view looks down the sensor's spin axis, x
+/// to the right. `labels` and `truth` have one element per input record of the scan.
 [[nodiscard]] Canvas draw_scan(const LidarScan& scan, const std::vector<std::uint32_t>& labels,
                                const std::optional<std::vector<std::uint32_t>>& truth,
                                const PictureOptions& options);

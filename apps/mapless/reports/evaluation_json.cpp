@@ -47,6 +47,13 @@ Json to_json(const KindReport& k) {
   return merged({{"class", k.object_class}, {"kind", k.kind}}, mapless::app::to_json(k.points));
 }
 
+Json to_json(const Delays& d) {
+  return {{"events", d.events},
+          {"never", d.never},
+          {"median_scans", rate_json(d.median_scans)},
+          {"p90_scans", rate_json(d.p90_scans)}};
+}
+
 // Null where there is none.
 template <class What>
 Json list_json(const std::vector<What>& list) {
@@ -105,5 +112,11 @@ Json to_json(const VelocityReport& r) {
           {"movers", r.movers},
           {"id_changes", r.id_changes}};
 }
+
+Json to_json(const SightReport& r) {
+  return {{"through_gap", to_json(r.through_gap)}, {"before_sky", to_json(r.before_sky)}};
+}
+
+Json to_json(const DelayReport& r) { return {{"start", to_json(r.start)}, {"stop", to_json(r.stop)}}; }
 
 }  // namespace mapless::app

@@ -63,8 +63,9 @@ std::string recall_table(std::string_view name, const std::vector<Band<Found>>& 
 std::string objects_text(const EvaluationReport& report) {
   std::string out = "\n";
   if (report.objects.of > 0) {
-    out += fmt::format("objects found (half of their dynamic points): {} of {} in scans\n",
-                       rate_text(report.objects.share()), report.objects.of);
+    out += fmt::format(
+        "objects found (at least half of their moving points): {} of {}, each scan counted by itself\n",
+        rate_text(report.objects.share()), report.objects.of);
   }
   if (report.evident_movers) {
     out += fmt::format("evident movers found (above {} m/s, {} points or more, within {} m): {} of {}\n",
@@ -87,10 +88,31 @@ std::string report_tables(const EvaluationReport& report) {
          recall_table("visible points", report.by_visible_points, true) + objects_text(report);
 }
 
+std::string hard_case_lines(const SightReport& sight, const std::optional<DelayReport>& delays) {
+  std::string out;
+  const auto recall = [&out](std::string_view name, const Found& found) {
+    if (found.of == 0) return;
+    out += fmt::format("{}: recall {} of {} dynamic points\n", name, rate_text(found.share()), found.of);
+  };
+  const auto delay = [&out](std::string_view name, const Delays& d) {
+    if (d.events == 0) return;
+    const auto scans = [](const std::optional<double>& s) { return s ? fmt::format("{}", *s) : "-"; };
+    out += fmt::format("{}: {} (median) and {} scans (90 %); {} of {} never\n", name, scans(d.median_scans),
+                       scans(d.p90_scans), d.never, d.events);
+  };
+  recall("seen through a fence or another gap", sight.through_gap);
+  recall("with only sky behind", sight.before_sky);
+  if (delays) {
+    delay("delay from start to half of the points dynamic", delays->start);
+    delay("delay from stop to under a tenth of them dynamic", delays->stop);
+  }
+  return out.empty() ? out : "\n" + out;
+}
+
 std::string velocity_lines(const VelocityReport& r) {
   std::string out = fmt::format(
       "\nvelocity of found movers (above {} m/s): RMS error {} m/s, median {}, share below {} m/s {}\n"
-      "  of {} movers in scans; {} seen for the first time and {} mixed with others are left out\n",
+      "  over {} detections of movers; left out: {} in the first scan of their object, {} of mixed objects\n",
       kMinEvaluatedSpeed_mps, rate_text(r.rms_mps), rate_text(r.median_mps), kSmallVelocityError_mps,
       rate_text(r.small_error_share), r.evaluated, r.first_seen, r.mixed);
   out += fmt::format(

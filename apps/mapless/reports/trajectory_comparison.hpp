@@ -8,15 +8,17 @@
 
 namespace mapless::app {
 
-/// What of `mapless evaluate` is about trajectories.
+/// Options of `mapless evaluate` that concern trajectories.
 struct TrajectoryComparison {
-  TrajectoryRequest reference;  ///< file empty: the recording's own trajectory is the truth
-  PoseInstant result_instant = PoseInstant::start;  ///< of a result of KITTI rows
+  TrajectoryRequest reference;  ///< empty file: the recording's own trajectory is the reference
+  PoseInstant result_instant =
+      PoseInstant::start;  ///< instant in a scan of each pose, for a result of KITTI rows
 };
 
-/// The trajectory of a result against the truth. `result` is a folder with trajectory.txt, or a file of TUM
-/// or KITTI rows, world from sensor. Absent where the folder has none, there is no truth, or the result was
-/// made with that very truth. Throws InputError for files that cannot be used.
+/// Compares the trajectory of a result with the reference. `result` is a folder with trajectory.txt, or a
+/// file of TUM or KITTI rows, world from sensor. Absent if the folder has no trajectory, if there is no
+/// reference, or if the result was made with the reference itself. Throws InputError for files that cannot be
+/// used.
 [[nodiscard]] std::optional<TrajectoryReport> compare_trajectory(const Dataset& dataset,
                                                                  const std::filesystem::path& result,
                                                                  const TrajectoryComparison& how);

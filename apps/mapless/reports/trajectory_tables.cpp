@@ -72,7 +72,7 @@ Json to_json(const std::optional<What>& what) {
 
 std::string trajectory_tables(const TrajectoryReport& r) {
   std::string out = fmt::format(
-      "\ntrajectory: {} poses, {:.2f} a scan; of {} scans {} are compared, {:.1f} m of way\n", r.rows,
+      "\ntrajectory: {} poses, {:.2f} a scan; {} scans, {} compared; path length {:.1f} m\n", r.rows,
       static_cast<double>(r.rows) / static_cast<double>(r.scans), r.scans, r.poses, r.path_length_m);
   if (r.drift) out += drift_table(*r.drift);
   out += fmt::format("\n{:<44}{:<8}{:>9}{:>9}{:>9}{:>9}{:>9}{:>9}\n", "error", "unit", "RMSE", "mean",

@@ -20,7 +20,7 @@
 #include "verbs/verbs.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/detection/detection.hpp>
-#include <mapless/evaluation/evaluator.hpp>
+#include <mapless/evaluation/result_evaluation.hpp>
 #include <mapless/io/files.hpp>
 
 namespace mapless::app {
@@ -89,6 +89,8 @@ Json result_json(const ResultEvaluation& e, const StageNames& names,
           {"stages", stages},
           {"final", named_json("final labels", e.report.points)},
           {"report", to_json(e.report)},
+          {"sight", to_json(e.sight)},
+          {"delays", e.delays ? to_json(*e.delays) : Json(nullptr)},
           {"velocity", e.velocity ? to_json(*e.velocity) : Json(nullptr)}};
 }
 
@@ -141,7 +143,10 @@ int evaluate(const EvaluateOptions& options) {
     return 0;
   }
   if (!options.json.empty()) write_file_atomically(options.json, json_text(figures));
-  if (labels) fmt::print("{}{}", table(*labels, stages, options.max_range_m), report_tables(labels->report));
+  if (labels) {
+    fmt::print("{}{}{}", table(*labels, stages, options.max_range_m), report_tables(labels->report),
+               hard_case_lines(labels->sight, labels->delays));
+  }
   if (labels && labels->velocity) fmt::print("{}", velocity_lines(*labels->velocity));
   if (trajectory) fmt::print("{}", trajectory_tables(*trajectory));
   return 0;
@@ -153,8 +158,9 @@ void add_evaluate(CLI::App& app, int& exit_code) {
   auto* verb = app.add_subcommand(
       "evaluate",
       "Compare a result with the truth of the recording. Labels: precision, recall, F1 and IoU after each "
-      "stage, and by range, class, speed and number of visible points; objects found; errors of the velocity "
-      "of tracked objects. Trajectory: drift (KITTI), absolute and relative errors (as in evo), displacement "
+      "stage, and by range, class, speed and number of visible points; objects found; points seen through a "
+      "fence, points with only sky behind; delay of starts and stops; errors of the velocity of tracked "
+      "objects. Trajectory: drift (KITTI), absolute and relative errors (as in evo), displacement "
       "of static points");
   const auto options = std::make_shared<EvaluateOptions>();
   add_recording_options(*verb, options->recording);

@@ -105,6 +105,7 @@ struct RegionGrowthParameters {
   int min_cluster_points = 10;
   double max_growth_m = 2.0;
   double concave_tolerance_deg = 5.0;
+  double parallel_tolerance_deg = 10.0;
 
   static constexpr auto declarations() {
     using P = RegionGrowthParameters;
@@ -119,9 +120,13 @@ struct RegionGrowthParameters {
         declare(&P::max_growth_m, "max_growth_m", "m", 0.0, 1000.0,
                 "a cluster grows at most this far from its nearest dynamic point", "method.md 2"),
         declare(&P::concave_tolerance_deg, "concave_tolerance_deg", "deg", 0.0, 45.0,
-                "a cluster grows from point to point where the surface is flat or convex: neither point lies "
+                "convex: a cluster grows between two points of which neither lies "
                 "more than distance x sin(concave_tolerance_deg) above the plane of the other",
                 "paper step 5"),
+        declare(
+            &P::parallel_tolerance_deg, "parallel_tolerance_deg", "deg", 0.0, 90.0,
+            "parallel: a cluster also grows between two points whose normals differ by at most this angle",
+            "paper step 5"),
     };
   }
 };
@@ -268,9 +273,9 @@ struct DetectorParameters {
   }
 };
 
-/// The parameters of a named profile: "default" (method voting), or "paper" (the method as published, with
-/// the readings of docs/method.md where the paper is silent and no improvements). Throws ParameterError for
-/// any other name.
+/// The parameters of a named profile: "default" (method voting); "paper" (the method as published, with the
+/// sensible readings of docs/paper_map.md where the paper is silent, and without improvements);
+/// "paper-literal" (the plainest readings instead). Throws ParameterError for any other name.
 [[nodiscard]] DetectorParameters detector_profile(std::string_view name);
 
 }  // namespace mapless

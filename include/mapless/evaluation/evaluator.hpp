@@ -7,8 +7,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
-#include <functional>
 #include <map>
 #include <optional>
 #include <span>
@@ -19,9 +17,7 @@
 
 #include <Eigen/Core>
 
-#include <mapless/io/dataset.hpp>
 #include <mapless/io/labels.hpp>
-#include <mapless/io/result_folder.hpp>
 #include <mapless/lidar/lidar_scan.hpp>
 
 namespace mapless::inline v1 {
@@ -250,29 +246,5 @@ class VelocityEvaluator {
   double normalised_sum_ = 0, confident_sum_ = 0;
   std::map<std::uint32_t, std::uint32_t> last_id_;  // of the result, by true object
 };
-
-/// The labels of a result folder compared with the truth of its recording.
-struct ResultEvaluation {
-  std::size_t labelled_scans = 0;            ///< scans with a label file in the folder
-  std::size_t scans_without_truth = 0;       ///< of these, the scans without true labels
-  std::vector<std::size_t> scans;            ///< those that are evaluated: with both
-  std::vector<PrecisionRecall> after_stage;  ///< by stage, over the evaluated scans that have a stage file
-  EvaluationReport report;                   ///< of the final labels
-  /// Of the tracked objects; absent if the recording has no object_states.csv, or the folder no summary.json,
-  /// which marks a result of mapless detect.
-  std::optional<VelocityReport> velocity;
-};
-
-struct EvaluationOptions {
-  int stages = 0;                     ///< number of bits used in a stage file, 0 to 8
-  std::optional<double> max_range_m;  ///< points farther from their laser do not count; above 0
-  std::filesystem::path objects;      ///< folder of objects.csv and object_states.csv; empty: none
-  std::function<void(std::size_t done, std::size_t of)> progress;  ///< called after every scan; may be empty
-};
-
-/// Evaluates every scan of `result` that has true labels in `dataset`. Throws ParameterError for options out
-/// of bounds, InputError for files that do not fit the recording, and if no scan has both label and truth.
-[[nodiscard]] ResultEvaluation evaluate_result(const Dataset& dataset, const ResultFolder& result,
-                                               const EvaluationOptions& options);
 
 }  // namespace mapless

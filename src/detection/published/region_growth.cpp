@@ -2,33 +2,34 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
-#include <limits>
 #include <numbers>
+#include <utility>
 
 #include "detection/object_number.hpp"
-#include "detection/segmentation/disjoint_sets.hpp"
-#include "geometry/nearest_neighbours.hpp"
+#include "detection/published/point_pool.hpp"
 
 namespace mapless::inline v1 {
 namespace {
+
+using Indices = std::vector<std::int32_t>;
+
+double radians(double degrees) { return degrees * std::numbers::pi / 180; }
 
 class RegionGrowth {
  public:
   RegionGrowth(const PreparedScan& scan, const RegionGrowthParameters& parameters)
       : scan_(scan),
         parameters_(parameters),
-        concave_sine_(std::sin(parameters.concave_tolerance_deg * std::numbers::pi / 180)),
-        on_edge_(scan.scan().returns.size(), 0),
-        objects_(scan.scan().returns.size()) {
+        concave_sine_(std::sin(radians(parameters.concave_tolerance_deg))),
+        parallel_cosine_(std::cos(radians(parameters.parallel_tolerance_deg))) {
     result_.verdict.assign(scan.scan().returns.size(), GrowthVerdict::not_reached);
     result_.object.assign(scan.scan().returns.size(), 0);
   }
 
   RegionGrowthResult grow(const std::vector<char>& dynamic) {
-    const std::vector<std::int32_t> seeds = keep_large_clusters(dynamic);
-    spread(seeds);
-    number_objects();
+    const Indices seeds = seeds_of_large_clusters(dynamic);
+    const std::vector<Indices> regions = regions_of(seeds);
+    number_objects(regions);
     return std::move(result_);
   }
 
@@ -40,98 +41,99 @@ class RegionGrowth {
   [[nodiscard]] const Eigen::Vector3d& point(std::int32_t i) const {
     return scan_.compensated.points_0[static_cast<std::size_t>(i)];
   }
+  [[nodiscard]] const Eigen::Vector3f& normal(std::int32_t i) const {
+    return scan_.normals_0[static_cast<std::size_t>(i)];
+  }
   GrowthVerdict& verdict(std::int32_t i) { return result_.verdict[static_cast<std::size_t>(i)]; }
+  bool is_seed(std::int32_t i) { return verdict(i) == GrowthVerdict::seed; }
 
-  // All points linked to i: within the link of both, i itself left out.
-  const std::vector<std::int32_t>& linked(std::int32_t i) {
-    scan_.neighbours.within(point(i), link_of(i), linked_);
-    std::erase_if(linked_,
-                  [&](std::int32_t j) { return j == i || (point(j) - point(i)).norm() > link_of(j); });
-    return linked_;
+  // The sets of points of `pool` that chains of links connect, those that contain none of `starts` left out.
+  // Two points are linked if they lie within the link of both and joined(i, j).
+  template <class Joined>
+  [[nodiscard]] std::vector<Indices> connected_sets(const Indices& starts, PointPool pool,
+                                                    Joined&& joined) const {
+    std::vector<char> reached(scan_.scan().returns.size(), 0);
+    std::vector<Indices> sets;
+    for (const std::int32_t start : starts) {
+      if (reached[static_cast<std::size_t>(start)]) continue;
+      reached[static_cast<std::size_t>(start)] = 1;
+      Indices& members = sets.emplace_back(1, start);
+      for (std::size_t k = 0; k < members.size(); ++k) {
+        const std::int32_t i = members[k];
+        pool.take_within(point(i), link_of(i), [&](std::int32_t j) {
+          if (reached[static_cast<std::size_t>(j)]) return true;
+          if ((point(j) - point(i)).norm() > link_of(j) || !joined(i, j)) return false;
+          reached[static_cast<std::size_t>(j)] = 1;
+          members.push_back(j);
+          return true;
+        });
+      }
+    }
+    return sets;
   }
 
   // Clusters the dynamic points (RBNN) and returns those of clusters that are large enough.
-  std::vector<std::int32_t> keep_large_clusters(const std::vector<char>& dynamic) {
-    std::vector<std::int32_t> points;
+  Indices seeds_of_large_clusters(const std::vector<char>& dynamic) {
+    Indices points;
     for (std::size_t i = 0; i < dynamic.size(); ++i) {
       if (dynamic[i]) points.push_back(static_cast<std::int32_t>(i));
     }
-    DisjointSets clusters(dynamic.size());
-    for (const std::int32_t i : points) {
-      for (const std::int32_t j : linked(i)) {
-        if (dynamic[static_cast<std::size_t>(j)]) {
-          clusters.unite(i, j);
-        } else {
-          on_edge_[static_cast<std::size_t>(i)] = 1;
-        }
-      }
-    }
-    std::vector<std::int32_t> size(dynamic.size(), 0);
-    for (const std::int32_t i : points) ++size[static_cast<std::size_t>(clusters.find(i))];
-    std::vector<std::int32_t> seeds;
-    for (const std::int32_t i : points) {
-      const bool large = size[static_cast<std::size_t>(clusters.find(i))] >= parameters_.min_cluster_points;
-      verdict(i) = large ? GrowthVerdict::seed : GrowthVerdict::too_small;
-      if (!large) continue;
-      seeds.push_back(i);
-      objects_.unite(i, clusters.find(i));
+    Indices seeds;
+    const auto any_two = [](std::int32_t, std::int32_t) { return true; };
+    for (const Indices& cluster : connected_sets(points, {scan_.compensated.points_0, points}, any_two)) {
+      const bool large = cluster.size() >= static_cast<std::size_t>(parameters_.min_cluster_points);
+      for (const std::int32_t i : cluster)
+        verdict(i) = large ? GrowthVerdict::seed : GrowthVerdict::too_small;
+      if (large) seeds.insert(seeds.end(), cluster.begin(), cluster.end());
     }
     return seeds;
   }
 
-  // Neither point rises above the other's plane by more than the tolerance (Moosmann et al., IV 2009).
+  // Normals of one direction, or neither point above the plane of the other (Moosmann et al., IV 2009).
   [[nodiscard]] bool parallel_or_convex(std::int32_t i, std::int32_t j) const {
-    const Eigen::Vector3f& n1 = scan_.normals_0[static_cast<std::size_t>(i)];
-    const Eigen::Vector3f& n2 = scan_.normals_0[static_cast<std::size_t>(j)];
+    const Eigen::Vector3d n1 = normal(i).cast<double>(), n2 = normal(j).cast<double>();
     if (n1.isZero(0) || n2.isZero(0)) return false;
+    if (n1.dot(n2) >= parallel_cosine_) return true;
     const Eigen::Vector3d d = point(j) - point(i);
     const double tolerance = d.norm() * concave_sine_;
-    return n1.cast<double>().dot(d) <= tolerance && -n2.cast<double>().dot(d) <= tolerance;
+    return n1.dot(d) <= tolerance && -n2.dot(d) <= tolerance;
   }
 
-  // From the seeds to every point that a chain of convex links reaches, not too far from some seed.
-  void spread(const std::vector<std::int32_t>& seeds) {
-    if (seeds.empty()) return;
-    std::vector<Eigen::Vector3d> seed_points;
-    for (const std::int32_t i : seeds) seed_points.push_back(point(i));
-    const NearestNeighbours seed_tree(std::move(seed_points));
-    // A seed linked to nothing but dynamic points has its whole neighbourhood in its own cluster.
-    std::vector<std::int32_t> front;
-    std::copy_if(seeds.begin(), seeds.end(), std::back_inserter(front),
-                 [this](std::int32_t i) { return on_edge_[static_cast<std::size_t>(i)] != 0; });
-    while (!front.empty()) {
-      const std::int32_t i = front.back();
-      front.pop_back();
-      for (const std::int32_t j : linked(i)) {
-        if (verdict(j) == GrowthVerdict::seed && verdict(i) == GrowthVerdict::seed) continue;
-        if (!parallel_or_convex(i, j)) continue;
-        if (verdict(j) == GrowthVerdict::not_reached || verdict(j) == GrowthVerdict::too_small) {
-          if (seed_tree.nearest(point(j)).distance_m > parameters_.max_growth_m) continue;
-          verdict(j) = GrowthVerdict::grown;
-          front.push_back(j);
-        }
-        objects_.unite(i, j);
+  // The seeds with all points that growth reaches from them.
+  std::vector<Indices> regions_of(const Indices& seeds) {
+    const PointPool seed_pool(scan_.compensated.points_0, seeds);
+    Indices usable;
+    for (std::size_t k = 0; k < result_.verdict.size(); ++k) {
+      const auto i = static_cast<std::int32_t>(k);
+      if (is_seed(i) || (!normal(i).isZero(0) && seed_pool.any_within(point(i), parameters_.max_growth_m))) {
+        usable.push_back(i);
       }
     }
+    return connected_sets(seeds, {scan_.compensated.points_0, usable}, [&](std::int32_t i, std::int32_t j) {
+      return (is_seed(i) && is_seed(j)) || parallel_or_convex(i, j);
+    });
   }
 
-  void number_objects() {
-    std::vector<std::uint16_t> number(result_.verdict.size(), 0);
-    for (std::size_t i = 0; i < result_.verdict.size(); ++i) {
-      if (result_.verdict[i] != GrowthVerdict::seed && result_.verdict[i] != GrowthVerdict::grown) continue;
-      auto& n = number[static_cast<std::size_t>(objects_.find(static_cast<std::int32_t>(i)))];
-      if (n == 0) n = static_cast<std::uint16_t>(std::min(++result_.objects, kMaxObjectNumber));
-      result_.object[i] = n;
+  void number_objects(const std::vector<Indices>& regions) {
+    std::vector<std::pair<std::int32_t, const Indices*>> by_lowest;
+    for (const Indices& region : regions) {
+      by_lowest.emplace_back(*std::min_element(region.begin(), region.end()), &region);
+    }
+    std::sort(by_lowest.begin(), by_lowest.end());
+    for (const auto& [lowest, region] : by_lowest) {
+      const auto number = static_cast<std::uint16_t>(std::min(++result_.objects, kMaxObjectNumber));
+      for (const std::int32_t i : *region) {
+        if (!is_seed(i)) verdict(i) = GrowthVerdict::grown;
+        result_.object[static_cast<std::size_t>(i)] = number;
+      }
     }
   }
 
   const PreparedScan& scan_;
   const RegionGrowthParameters& parameters_;
   double concave_sine_;
-  std::vector<char> on_edge_;  // linked to a point that is not dynamic
-  DisjointSets objects_;
+  double parallel_cosine_;
   RegionGrowthResult result_;
-  std::vector<std::int32_t> linked_;
 };
 
 }  // namespace

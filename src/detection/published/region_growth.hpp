@@ -18,11 +18,12 @@ struct RegionGrowthResult {
 
 /// Step 5: radially bounded nearest neighbour clusters of the dynamic points (Klasing et al., ICRA 2008): two
 /// of them are linked within link_m + link_per_m x range of the nearer. Clusters of fewer than
-/// min_cluster_points are too small. The others are seeds: they grow over linked points that are parallel or
-/// convex to them, n1.(p2-p1) <= tolerance and n2.(p1-p2) <= tolerance (Moosmann et al., IV 2009; tolerance =
-/// ||p2-p1|| sin(concave_tolerance_deg)), both with a normal, and no farther than
-/// max_growth_m from the nearest seed. What is linked is one object. The answer does not depend on any order.
-/// `dynamic` has one element per return.
+/// min_cluster_points are too small. The points of the others are seeds. Regions grow from the seeds over
+/// linked points with a normal, no farther than max_growth_m from the nearest seed, that are parallel or
+/// convex to a point of the region (Moosmann et al., IV 2009). Parallel: n1.n2 >=
+/// cos(parallel_tolerance_deg). Convex: n1.(p2-p1) <= tolerance and n2.(p1-p2) <= tolerance, tolerance =
+/// ||p2-p1|| sin(concave_tolerance_deg). A connected region is one object. The answer does not depend on any
+/// order. The time is that of finding each point once in a k-d tree. `dynamic` has one element per return.
 [[nodiscard]] RegionGrowthResult grow_regions(const PreparedScan& scan, const std::vector<char>& dynamic,
                                               const RegionGrowthParameters& parameters);
 

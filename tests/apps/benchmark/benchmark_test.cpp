@@ -83,7 +83,7 @@ TEST_F(BenchmarkTest, ThePageNeedsNothingElse) {
   for (const char* outside : {"<script", "<link", "src=\"http", "href=", "src=\"pictures", "url("})
     EXPECT_FALSE(has(outside)) << outside;
   for (const char* section : {"Results", "error threshold", "range limit", "stage by stage", "Movers",
-                              "By class", "What each part is worth", "Milliseconds"})
+                              "By class", "Ablations", "Milliseconds"})
     EXPECT_TRUE(has(section)) << section;
 }
 
@@ -104,7 +104,7 @@ TEST_F(BenchmarkTest, AnInterruptKeepsWhatIsFinishedAndTheNextCallGoesOn) {
   command.send(SIGINT);
   const CommandResult interrupted = command.wait();
   ASSERT_EQ(interrupted.exit_code, 130) << interrupted.err;
-  EXPECT_THAT(interrupted.err, HasSubstr("the same command goes on from there"));
+  EXPECT_THAT(interrupted.err, HasSubstr("the same command continues"));
   EXPECT_EQ(figures(out)["complete"], false);
   EXPECT_FALSE(fs::exists(fs::path(out) / "index.html"));
 
@@ -162,7 +162,7 @@ TEST_F(BenchmarkTest, ARecordingTheSimulatorWouldMakeOtherwiseIsMadeAgain) {
   write_file_atomically(manifest, text.dump(2) + "\n");
   const CommandResult again = run_command(arguments(out));
   ASSERT_EQ(again.exit_code, 0) << again.err;
-  EXPECT_THAT(again.err, HasSubstr("simulating 1 recordings, 0 are there already"));
+  EXPECT_THAT(again.err, HasSubstr("simulating 1 recordings (0 made before)"));
   EXPECT_EQ(lasting(figures(out)), lasting(figures(finished())));
 }
 
@@ -205,7 +205,7 @@ TEST(Benchmark, LeavesFoldersOfOthersAlone) {
   const test::TemporaryFolder folder;
   fs::create_directory(folder / "photos");
   write_file_atomically(folder / "photos" / "cat.png", "cat");
-  expect_refused({"benchmark", "--quick", "-o", folder / "photos"}, 1, "no benchmark");
+  expect_refused({"benchmark", "--quick", "-o", folder / "photos"}, 1, "files that are not of a benchmark");
   expect_refused({"benchmark", "--quick", "-o", folder / "photos" / "cat.png"}, 1, "not a folder");
   expect_refused({"benchmark", "--quick", "-o", "/proc/benchmark"}, 1, "/proc/benchmark");
   EXPECT_EQ(read_whole_file(folder / "photos" / "cat.png"), "cat");

@@ -5,7 +5,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "support/temporary_folder.hpp"
 #include <mapless/core/errors.hpp>
+#include <mapless/io/files.hpp>
 #include <mapless/simulation/scene.hpp>
 
 namespace mapless::app {
@@ -62,6 +64,26 @@ TEST(BenchmarkPlan, WhatIsChosenIsMultiplied) {
     EXPECT_EQ(key.seed, 1u);
     EXPECT_EQ(key.duration_s, 7);
   }
+}
+
+TEST(BenchmarkPlan, ASensorFileAndFaultyReturnsMakeOtherRecordings) {
+  const test::TemporaryFolder folder;
+  const auto plan = [&](int columns, const std::string& faulty) {
+    LidarModel model = named_model("VLP-16");
+    model.columns = columns;
+    write_sensor_yaml(folder / "roof lidar.yaml", model);
+    PlanOptions options;
+    options.sensors = {folder / "roof lidar.yaml"};
+    options.faulty = faulty;
+    return make_plan(options).front().recording;
+  };
+  const RecordingKey with = plan(900, "on"), without = plan(900, "off"), other = plan(800, "on");
+  EXPECT_EQ(with.sensor, "roof lidar");
+  EXPECT_EQ(other.model().columns, 800);
+  EXPECT_FALSE(without.faulty);
+  const std::set<std::string> names = {with.name(), without.name(), other.name()};
+  EXPECT_EQ(names.size(), 3u);
+  for (const std::string& name : names) EXPECT_EQ(name.find_first_of(" /"), std::string::npos) << name;
 }
 
 TEST(BenchmarkPlan, EveryRunHasAFileOfItsOwn) {

@@ -169,7 +169,8 @@ TEST(Config, NamesWhatItRefuses) {
   expect_error(run_command({"config", "--set", "scan_gap"}), 2, {"key=value"});
   expect_error(run_command({"config", "--set", "=4"}), 2, {"key=value"});
   expect_error(run_command({"config", "--set", "normals.window_rows=4"}), 2, {"normals.window_rows", "odd"});
-  expect_error(run_command({"config", "--profile", "none"}), 2, {"--profile", "none", "paper"});
+  expect_error(run_command({"config", "--profile", "none"}), 2,
+               {"--profile", "none", "paper", "paper-literal"});
 }
 
 }  // namespace MAPLESS_FILE

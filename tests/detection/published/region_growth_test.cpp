@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <random>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -106,6 +107,25 @@ TEST(RegionGrowth, TurnsConvexCornersOnly) {
   }
 }
 
+// A step of 0.1 m up over 0.05 m: the upper points lie above the plane of the lower ones, so that growth
+// passes only because the normals of both are parallel. Here the upper normals are tilted about the step's
+// edge.
+TEST(RegionGrowth, PassesConcaveStepsBetweenParallelSurfaces) {
+  constexpr double kDegree = std::numbers::pi / 180;
+  for (const auto& [tilt_deg, reached] : {std::pair{0.0, 10}, {9.9, 10}, {10.1, 5}, {-9.9, 10}, {-10.1, 5}}) {
+    SCOPED_TRACE(testing::Message() << "normals " << tilt_deg << " degrees apart");
+    Points points = row(0, 10, 0.05, {0, 0, 1}, 3);
+    for (std::size_t i = 5; i < points.size(); ++i) {
+      points[i].position_0.z() = 0.1;
+      points[i].normal_0 = {0, static_cast<float>(std::sin(tilt_deg * kDegree)),
+                            static_cast<float>(std::cos(tilt_deg * kDegree))};
+    }
+    RegionGrowthParameters parameters = plain_parameters();
+    parameters.parallel_tolerance_deg = 10;
+    EXPECT_EQ(in_objects(grow(points, parameters)), reached);
+  }
+}
+
 TEST(RegionGrowth, DropsSmallClustersAndNumbersObjectsByTheirLowestPoint) {
   Points points = row(0, 2, 0.1, {0, 0, 1}, 2);
   for (const double x : {20.0, 10.0})
@@ -149,6 +169,8 @@ TEST(RegionGrowth, AgreesWithUnionFindOverAllPairs) {
     parameters.link_m = 0.05 + 0.05 * static_cast<double>(seed % 5);
     parameters.min_cluster_points = 1 + static_cast<int>(seed % 4);
     parameters.max_growth_m = 0.2 + 0.3 * static_cast<double>(seed % 3);
+    parameters.concave_tolerance_deg = 5.0 * static_cast<double>(seed / 2 % 2);
+    parameters.parallel_tolerance_deg = 10.0 * static_cast<double>(seed / 4 % 2);
     grown += expect_agreement(random_patches(random), parameters);
     if (HasFailure()) break;
   }

@@ -22,7 +22,7 @@ Classes classes_of(const ObjectTruth& objects) {
   return classes;
 }
 
-// The vehicle with most points in its view; where there is none, the mover with most.
+// The vehicle with most points in its view; without vehicles, the mover with most points.
 const MoverView* mover_for_cascade(const std::map<std::uint32_t, MoverView>& views, const Classes& classes) {
   static const std::set<std::string> kVehicles = {"car", "van", "truck", "bus"};
   const auto rank = [&](const MoverView& view) {
@@ -73,8 +73,8 @@ Json cascade_picture(const MoverView& view, Stage stage, std::string_view stage_
 
 }  // namespace
 
-Json draw_album(const MoverViews& views, const StageNames& stages, const ObjectTruth& objects,
-                const std::filesystem::path& folder, const std::string& name) {
+Json draw_gallery(const MoverViews& views, const StageNames& stages, const ObjectTruth& objects,
+                  const std::filesystem::path& folder, const std::string& name) {
   const Classes classes = classes_of(objects);
   Json pictures = Json::array();
   for (const MoverView* view : choose_for_gallery(views.views(), classes, kGallery))

@@ -13,7 +13,7 @@
 
 namespace mapless::app {
 
-/// A point near a moving object: its true label and the verdicts on it.
+/// A point near a moving object: its true label and its labels after each stage.
 struct ViewedPoint {
   Eigen::Vector3f position_v;
   bool moving = false;  ///< true label

@@ -18,7 +18,8 @@ struct LineStyle {
   double opacity = 1;
 };
 
-/// What a plot is drawn on. Pixels, x to the right, y down; the y of a text is its middle.
+/// The surface that a plot is drawn on. Unit: pixels, x to the right, y down; a text's y is its vertical
+/// middle.
 class Drawing {
  public:
   virtual ~Drawing() = default;
@@ -27,7 +28,7 @@ class Drawing {
   virtual void text(double x, double y, std::string_view text, Anchor anchor, TextSize size, Color color) = 0;
 };
 
-/// As SVG, for a page: scales with it, and its text is text.
+/// Draws SVG, which scales with the page and keeps text selectable.
 class SvgDrawing final : public Drawing {
  public:
   SvgDrawing(int width, int height) : width_(width), height_(height) {}
@@ -35,7 +36,7 @@ class SvgDrawing final : public Drawing {
   void disc(double x, double y, double radius, Color color) override;
   void text(double x, double y, std::string_view text, Anchor anchor, TextSize size, Color color) override;
 
-  /// The element <svg>; `title` is read to those who cannot see it.
+  /// The element <svg>; screen readers read `title`.
   [[nodiscard]] std::string svg(std::string_view title) const;
 
  private:
@@ -43,7 +44,7 @@ class SvgDrawing final : public Drawing {
   std::string body_;
 };
 
-/// As a PNG file, every pixel of the drawing two wide.
+/// Draws a PNG file with two by two pixels for each pixel of the drawing.
 class PngDrawing final : public Drawing {
  public:
   PngDrawing(int width, int height);

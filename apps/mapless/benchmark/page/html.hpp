@@ -7,7 +7,7 @@
 
 namespace mapless::app {
 
-/// For text and attribute values of HTML and SVG.
+/// Escapes text and attribute values for HTML and SVG.
 [[nodiscard]] std::string escaped(std::string_view text);
 
 [[nodiscard]] std::string base64(std::string_view bytes);

@@ -47,10 +47,10 @@ std::string opening(const Json& figures) {
   for (const Json& setting : figures["settings"]) settings += ", " + setting.get<std::string>();
   return fmt::format(
       "<h1>mapless: benchmark</h1>\n"
-      "<p>Which points of a spinning lidar are moving now? Scans of simulated places, every ray cast at its "
-      "own\n"
-      "firing time into a world that moves meanwhile, with the truth for every point; labelled scan by scan\n"
-      "without a map, and compared point by point.</p>\n"
+      "<p>Which points of a spinning lidar are moving now? The scans are simulated with motion distortion:\n"
+      "every ray is cast at its own firing time, and every point has a true label. They are labelled scan "
+      "by\n"
+      "scan, without a map, and compared with the truth point by point.</p>\n"
       "<p class=\"soft\">mapless {}, profile {}{}. {}, {} threads, {}. {}</p>\n",
       escaped(figures["version"].get<std::string>()), escaped(figures["profile"].get<std::string>()),
       escaped(settings), escaped(figures["processor"].get<std::string>()),
@@ -61,36 +61,42 @@ std::string opening(const Json& figures) {
 constexpr const char* kKey =
     "<ul class=\"key\"><li><i style=\"background:#16a354\"></i>moving, found</li>"
     "<li><i style=\"background:#2d78eb\"></i>moving, missed</li>"
-    "<li><i style=\"background:#e23a2e\"></i>still, called dynamic</li>"
-    "<li><i style=\"background:#b0b7c1\"></i>still</li></ul>\n";
+    "<li><i style=\"background:#e23a2e\"></i>static, called dynamic</li>"
+    "<li><i style=\"background:#b0b7c1\"></i>static</li></ul>\n";
 
-constexpr const char* kSweepText = R"(<p>One error threshold is swept, as in the paper: that of the pointcloud
-comparison, and with it those of the freespace check, in the proportion they have to it in the profile. Every point
-of a curve is a run of the whole detector over the first {} scans, or all where there are fewer.</p>
+constexpr const char* kSweepText =
+    R"(<p>The error threshold of the pointcloud comparison is swept, as in the paper.
+The thresholds of the freespace check keep their proportion to it. Every point of a curve is one run of the whole
+detector over the first {} scans, or over all scans of a shorter recording.</p>
 )";
 
-constexpr const char* kAblationText = R"(<p>One thing taken away at a time, on the first {} scans.
-<em>Not compensated</em>: points, rays or both are taken as if the sensor stood at the pose it has in the middle of the
-scan.</p>
+constexpr const char* kAblationText = R"(<p>One part is switched off at a time, on the first {} scans.
+<em>Not compensated</em>: points, rays or both are placed as if the sensor stood still during the scan, at its pose in
+the middle of the scan.</p>
 )";
 
 constexpr const char* kCascadeText =
-    R"(<p>The moving vehicle of which most points were seen in one scan. The second,
-third and fourth stage remove static points; the last completes the object.</p>
+    R"(<p>The moving vehicle with most visible points in one scan. The second, third and
+fourth stage remove static points; the last one completes the object.</p>
 )";
 
 constexpr const char* kDefinitions = R"(<ul>
 <li>A point is <em>moving</em> in truth if the surface it lies on moves faster than 0.2 m/s at the instant of its
 ray.</li>
-<li><em>Precision</em> is the share of points called dynamic that move, <em>recall</em> the share of moving points that
-were found, <em>F1</em> their harmonic mean, <em>IoU</em> TP / (TP + FP + FN).</li>
-<li>Rates are <em>total</em>, from sums over all scans, unless called <em>average</em>: the mean over the scans whose
-own denominator is not 0; N says how many these are.</li>
-<li>Every scan counts, the first ones too, for which there is no earlier scan to compare with.</li>
+<li><em>Precision</em> is the ratio of points called dynamic that move, <em>recall</em> the ratio of moving points that
+are found, <em>F1</em> their harmonic mean, <em>IoU</em> TP / (TP + FP + FN).</li>
+<li><em>Total</em> rates, the default, are computed from sums over all scans. <em>Average</em> rates are means over
+the scans whose denominator is not 0; N is the number of these scans.</li>
+<li>Every scan counts, including the first ones, which have no earlier scan to compare with.</li>
 <li>An <em>object</em> in a scan is found if at least half of its moving points are. An <em>evident mover</em> is faster
-than 0.5 m/s with 20 visible points or more within 50 m. A <em>false object</em> is one reported of whose points more
-than half are still.</li>
-<li>Poses are the true ones unless said: the figures are of detection alone, as in the paper.</li>
+than 0.5 m/s with 20 visible points or more within 50 m. A <em>false object</em> is a reported object with
+more than half of its points static.</li>
+<li><em>Through a fence</em>: on either side, within 1 degree, the same laser has a static return nearer by more than
+0.5 m. <em>Only sky behind</em>: on either side, the first ray that does not hit the object hits nothing.</li>
+<li><em>Start</em>: from the scan in which an object that stood exceeds 0.2 m/s (and then 0.5) to the first with half of
+its points called dynamic. <em>Stop</em>: from the scan in which it falls below 0.1 m/s to the first with under a tenth.
+<em>Never</em>: not within 25 scans. Objects of 20 points or more.</li>
+<li>Poses are the true ones unless a row names odometry: the figures measure detection alone, as in the paper.</li>
 </ul>
 )";
 
@@ -108,19 +114,18 @@ std::string body(const Json& figures, const BenchmarkFolder& folder, const std::
                  pictures(figures, folder, "cascade", 1));
   out += section(
       "Movers",
-      "<p>Each in the scan in which most of its points were seen, found or not.</p>\n" + std::string(kKey),
+      "<p>Each mover in the scan with most of its visible points, found or missed.</p>\n" + std::string(kKey),
       pictures(figures, folder, "gallery", 8));
   out += section(
-      "Where it is right and wrong",
-      "<p>Summed over the scenes on the first sensor at the first noise; by object, scene by scene.</p>\n",
+      "Results by class, range, speed and object",
+      "<p>Summed over the scenes, for the first sensor and the first noise; objects scene by scene.</p>\n",
       measure_tables(figures));
-  out += section("What each part is worth", ablated, ablation_tables(figures));
-  out +=
-      section("Milliseconds a scan",
-              fmt::format("<p>Median / 95 %, wall time. Runs were side by side on {} threads in all.</p>\n",
-                          figures["threads"].get<std::size_t>()),
-              timing_table(figures));
-  return out + section("What the words mean", "", kDefinitions);
+  out += section("Ablations", ablated, ablation_tables(figures));
+  out += section("Milliseconds a scan",
+                 fmt::format("<p>Median / 95 %, wall time. The runs shared {} threads.</p>\n",
+                             figures["threads"].get<std::size_t>()),
+                 timing_table(figures));
+  return out + section("Definitions", "", kDefinitions);
 }
 
 }  // namespace

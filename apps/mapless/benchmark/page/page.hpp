@@ -8,8 +8,8 @@
 
 namespace mapless::app {
 
-/// Writes index.html, with everything in it, and the plots beside it. `figures` is benchmark.json; the
-/// pictures its rows name are in `folder`. Throws OutputError, InputError for a picture that is gone.
+/// Writes index.html, which contains all its pictures, and the plots beside it. `figures` is benchmark.json;
+/// the pictures its rows name are in `folder`. Throws OutputError; InputError if a picture is missing.
 void write_page(const nlohmann::ordered_json& figures, const BenchmarkFolder& folder);
 
 /// The table of results for a terminal.

@@ -46,7 +46,7 @@ Json list(const Json& measures, const char* key) {
   return found != measures.end() && found->is_array() ? *found : Json::array();
 }
 
-// Points come whole: what is above 4 begins with 5.
+// Numbers of points are whole: the band above 4 begins with 5.
 std::string band_name(const Json& band, const std::string& unit) {
   const bool whole = unit == "points";
   const double from = band["above"].get<double>() + (whole ? 1 : 0);
@@ -125,6 +125,39 @@ std::string object_table(const std::vector<Json>& rows) {
                                              body, 1);
 }
 
+std::string sight_table(const std::vector<Json>& rows) {
+  const auto cells = [](const Json& found) -> Cells {
+    return {rate_text(found["share"]), count_text(found["of"])};
+  };
+  std::vector<Cells> body;
+  for (const Json& row : rows) {
+    const Json& sight = row["result"]["measures"]["sight"];
+    body.push_back(joined(joined({row["job"]["recording"]["scene"]}, cells(sight["through_gap"])),
+                          cells(sight["before_sky"])));
+  }
+  return "<h3>Hard to see</h3>\n" + html_table({"scene", "recall through a fence", "moving points",
+                                                "recall with only sky behind", "moving points"},
+                                               body, 1);
+}
+
+std::string delay_table(const std::vector<Json>& rows) {
+  const auto cells = [](const Json& d) -> Cells {
+    const auto scans = [](const Json& s) { return s.is_number() ? count_text(s) : std::string("-"); };
+    return {scans(d["median_scans"]), scans(d["p90_scans"]), count_text(d["never"]), count_text(d["events"])};
+  };
+  std::vector<Cells> body;
+  for (const Json& row : rows) {
+    const Json& delays = row["result"]["measures"]["delays"];
+    if (!delays.is_object()) continue;
+    body.push_back(
+        joined(joined({row["job"]["recording"]["scene"]}, cells(delays["start"])), cells(delays["stop"])));
+  }
+  if (body.empty()) return "";
+  return "<h3>Delay of starts and stops, in scans</h3>\n" +
+         html_table({"scene", "start: median", "90 %", "never", "of", "stop: median", "90 %", "never", "of"},
+                    body, 1);
+}
+
 }  // namespace
 
 std::string measure_tables(const Json& figures) {
@@ -137,7 +170,8 @@ std::string measure_tables(const Json& figures) {
   if (rows.empty()) return "";
   return object_table(rows) + class_table(all) + range_table(all) +
          found_table(all, "by_speed", "By true speed of the object", "m/s") +
-         found_table(all, "by_visible_points", "By visible points of the object", "points");
+         found_table(all, "by_visible_points", "By visible points of the object", "points") +
+         sight_table(rows) + delay_table(rows);
 }
 
 }  // namespace mapless::app

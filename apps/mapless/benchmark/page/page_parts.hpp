@@ -18,13 +18,14 @@ using Cells = std::vector<std::string>;
 
 /// A rate as "0.853", "-" where absent.
 [[nodiscard]] std::string rate_text(const Json& rate);
-/// A count with its thousands apart.
+/// A count with a separator between thousands.
 [[nodiscard]] std::string count_text(const Json& count);
-/// "town1", or with what sets it apart from other runs: "town1, noise 0.05 m, seed 2".
+/// "town1", followed by the settings in which the runs differ: "town1, noise 0.05 m, seed 2".
 [[nodiscard]] std::string run_name(const Json& job);
 /// Rows of one part ("table", "sweep", "ablation"), in order.
 [[nodiscard]] std::vector<Json> rows_of(const Json& figures, const std::string& part);
-/// Those of the table with true poses on its first sensor, noise and seed: one per scene.
+/// The rows of the table with true poses, the first sensor, the first noise and the first seed: one per
+/// scene.
 [[nodiscard]] std::vector<Json> main_rows(const Json& figures);
 
 struct NamedPlot {
@@ -43,7 +44,7 @@ struct NamedPlot {
 [[nodiscard]] std::string timing_table(const Json& figures);
 /// By class, range, speed, visible points and object, summed over main_rows.
 [[nodiscard]] std::string measure_tables(const Json& figures);
-/// The inlined pictures of one kind, of the first `rows` rows that have some.
+/// The inlined pictures of one kind, from the first `rows` rows that have any.
 [[nodiscard]] std::string pictures(const Json& figures, const BenchmarkFolder& folder,
                                    const std::string& kind, std::size_t rows);
 

@@ -28,7 +28,7 @@ std::vector<Curve> curves_of(const std::vector<Json>& rows) {
     const double threshold_m = row["job"]["threshold_m"];
     const Json& r = row["result"]["final"];
     if (curves.empty() || curves.back().noise_m != noise_m) curves.push_back({noise_m, {}, {}});
-    // One curve has its thresholds written beside it; more would be too many.
+    // Thresholds are written beside a single curve only; beside several they would overlap.
     const std::string name = curves.size() == 1 ? fmt::format("{} m", threshold_m) : "";
     add_point(curves.back().total, r["recall"], r["precision"], name);
     add_point(curves.back().average, r["average_recall"], r["average_precision"]);

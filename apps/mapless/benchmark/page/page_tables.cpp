@@ -26,7 +26,7 @@ Cells rate_cells(const Json& rates) {
 constexpr std::ptrdiff_t kAfterIou = 4 + 4;  // in the table of results
 const Cells kRateHead = {"precision", "recall", "F1", "IoU", "avg. precision (N)", "avg. recall (N)"};
 
-// What recall rests on.
+// The number of points that recall is computed from.
 Cells count_cells(const Json& rates) {
   return {count_text(rates["scans"]),
           count_text(rates["tp"].get<std::int64_t>() + rates["fn"].get<std::int64_t>())};
@@ -120,7 +120,7 @@ std::string ablation_tables(const Json& figures) {
 }
 
 std::string timing_table(const Json& figures) {
-  // The first row of every sensor.
+  // One row a sensor: its first.
   std::vector<Json> rows;
   for (const Json& row : rows_of(figures, "table")) {
     bool is_new = row["job"]["poses"] == "true";

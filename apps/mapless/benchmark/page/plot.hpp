@@ -12,7 +12,7 @@ struct PlotLine {
   std::string name;
   std::vector<std::pair<double, double>> points;  ///< x, y
   std::vector<std::string> point_names;           ///< none, or one per point, printed beside it
-  std::size_t color = 0;                          ///< of a short palette; goes round
+  std::size_t color = 0;                          ///< index into a short palette, modulo its size
   bool dashed = false;
 };
 
@@ -32,11 +32,11 @@ struct Plot {
   void draw(Drawing& drawing) const;
   [[nodiscard]] std::string svg() const;
   [[nodiscard]] Canvas png() const;
-  /// Where a point of the plot lies in the drawing [px].
+  /// Position in the drawing [px] of a point of the plot.
   [[nodiscard]] std::pair<double, double> pixel(double x_value, double y_value) const;
 };
 
-/// An axis from 0 that holds `largest`, ticks at round steps.
+/// An axis from 0 to at least `largest`, with ticks at round steps.
 [[nodiscard]] Axis axis_from_zero(std::string name, double largest);
 
 }  // namespace mapless::app
