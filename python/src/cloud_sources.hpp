@@ -4,7 +4,7 @@
 
 #include <nanobind/nanobind.h>
 
-#include <mapless/io/cloud_dataset.hpp>
+#include <mapless/io/dataset.hpp>
 
 namespace mapless::python {
 

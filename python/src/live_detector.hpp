@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include <mapless/io/cloud_dataset.hpp>
+#include <mapless/io/dataset.hpp>
 #include <mapless/lidar/scan_builder.hpp>
 #include <mapless/pipeline/online_detector.hpp>
 

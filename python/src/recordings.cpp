@@ -14,7 +14,7 @@
 #include "arrays.hpp"
 #include "cloud_sources.hpp"
 #include "trajectories.hpp"
-#include <mapless/io/cloud_dataset.hpp>
+#include <mapless/io/dataset.hpp>
 
 namespace mapless::python {
 namespace {

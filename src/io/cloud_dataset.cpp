@@ -5,7 +5,7 @@
 
 #include "lidar/scan_builder/raw_points.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/io/cloud_dataset.hpp>
+#include <mapless/io/dataset.hpp>
 #include <mapless/io/files.hpp>
 #include <mapless/lidar/scan_builder.hpp>
 

@@ -10,7 +10,7 @@
 #include "io/formats/pcd/pcd_fields.hpp"
 #include "io/tables/scan_times.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/io/cloud_dataset.hpp>
+#include <mapless/io/dataset.hpp>
 #include <mapless/io/labels.hpp>
 
 namespace mapless::inline v1 {
