@@ -24,10 +24,11 @@ export PATH="$work/environment/bin:$PATH"
 # No network and no isolation from here on: what the archive needs is in it or installed above.
 "$python" -m pip install --no-index --no-build-isolation --no-deps --disable-pip-version-check \
   -C cmake.source-dir=python -C cmake.define.MAPLESS_BUILT="$built" "$work"/archive/mapless-*.tar.gz
-mkdir "$work/tests"
-cp -r python/tests pyproject.toml examples "$work/tests"
+mkdir -p "$work/tests/python"
+cp -r python/tests "$work/tests/python"
+cp -r pyproject.toml examples "$work/tests"
 cd "$work/tests"
-"$python" -m pytest -q -p no:cacheprovider tests
+"$python" -m pytest -q -p no:cacheprovider python/tests
 mapless simulate crossing -o drive --sensor VLP-16 --duration-s 1 >/dev/null
 "$python" examples/label_recording.py drive
 "$python" examples/live_loop.py drive

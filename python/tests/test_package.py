@@ -33,7 +33,7 @@ def test_info_of_a_bag_that_is_not_there():
     assert "no.mcap" in missing.stderr
 
 
-def test_a_result_is_read_as_arrays_and_tables(drive, native_result):
+def test_a_result_is_read_as_arrays_and_tables(native_result, tmp_path):
     assert len(native_result) == 14
     assert native_result.poses().shape == (14, 4, 4)
     np.testing.assert_allclose(native_result.poses()[0], np.eye(4), atol=1e-5)  # the world is the first scan's frame
@@ -45,7 +45,7 @@ def test_a_result_is_read_as_arrays_and_tables(drive, native_result):
     with pytest.raises(mapless.InputError, match="no labels of scan 99; the result has 0 to 13"):
         native_result.label(99)
     with pytest.raises(mapless.InputError, match="no result"):
-        mapless.Result(drive)
+        mapless.Result(tmp_path)
 
 
 def test_evaluate_gives_the_numbers_of_the_command(drive, native_result):
