@@ -47,8 +47,9 @@ MUTANTS = [
            "number < newest ? &scan_number(newest)", "number < newest ? &scan_number(number < 1 ? 0 : number - 1)",
            PIPELINE),
     Mutant("plane-of-reference-point", PUBLISHED + "pointcloud_comparison.cpp",
-           "std::abs(normal.dot(p - q))",
-           "std::abs(reference.normals_0[static_cast<std::size_t>(nearest.index)].cast<double>().dot(p - q))",
+           "std::abs(normal.dot(nearest_point() - q))",
+           "std::abs(reference_.normals_0[static_cast<std::size_t>(nearest_.index)].cast<double>().dot("
+           "nearest_point() - q))",
            "*PointcloudComparison*:*ComparisonAgreement*"),
     Mutant("seam-ignored", PUBLISHED + "ray_search.cpp",
            "const double seam = std::min(max_offset_columns_ + wandered + 2, columns / 2.0);",
