@@ -41,5 +41,9 @@ endif()
 mapless_parallel_check(package.example ${scripts}/check_package.sh ${PROJECT_BINARY_DIR}
                        $<$<TARGET_EXISTS:mapless_make_scene>:$<TARGET_FILE:mapless_make_scene>>)
 
+# Skipped, by name, where PyPI cannot be reached.
+mapless_parallel_check(package.wheel ${scripts}/check_wheel.sh ${PROJECT_BINARY_DIR})
+set_tests_properties(package.wheel PROPERTIES SKIP_RETURN_CODE 77)
+
 mapless_parallel_check(sanitizer.address_undefined ${scripts}/check_sanitizer.sh asan)
 mapless_parallel_check(sanitizer.thread ${scripts}/check_sanitizer.sh tsan)

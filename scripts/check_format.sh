@@ -3,5 +3,5 @@
 # usage: scripts/check_format.sh [CLANG_FORMAT]
 set -eu
 cd "$(dirname "$0")/.."
-find include src apps tests benchmarks examples \( -name '*.cpp' -o -name '*.hpp' \) -print0 |
+find include src apps tests benchmarks examples python \( -name '*.cpp' -o -name '*.hpp' \) -print0 |
   xargs -0 "${1:-clang-format}" --dry-run -Werror

@@ -26,7 +26,8 @@ esac
 
 for purpose in "$@"; do
   case $purpose in
-  test) packages="$packages libgtest-dev libgmock-dev libbenchmark-dev libceres-dev $clang_tools python3 binutils" ;;
+  test) packages="$packages libgtest-dev libgmock-dev libbenchmark-dev libceres-dev $clang_tools python3 python3-venv
+    python3-dev binutils" ;;
   docs) packages="$packages doxygen" ;;
   *) fail "$purpose: no such purpose; use test, docs, both or none" ;;
   esac

@@ -1,3 +1,5 @@
+#include <set>
+
 #include "io/formats/kitti/kitti_odometry_dataset.hpp"
 #include "io/formats/kitti/kitti_raw_dataset.hpp"
 #include "io/formats/mdlidar/mdlidar_dataset.hpp"
@@ -63,9 +65,20 @@ const Format& recognised_format(const fs::path& path) {
   return *fitting.front();
 }
 
+// Container formats for which Python has libraries that are kept up to date.
+bool is_read_by_python(const fs::path& file) {
+  static const std::set<std::string> extensions = {".bag", ".mcap", ".db3", ".pcap", ".pcapng", ".osf"};
+  return extensions.contains(file.extension().string());
+}
+
 }  // namespace
 
 std::unique_ptr<Dataset> open_dataset(const fs::path& path, const DatasetOptions& options) try {
+  if (fs::is_regular_file(path) && is_read_by_python(path)) {
+    throw InputError({path.string(), "format", path.extension().string(),
+                      "bags and packet captures are read by the Python package of mapless",
+                      "install it (docs/python.md), whose command takes the same arguments"});
+  }
   if (!fs::is_directory(path)) {
     throw InputError({path.string(), "", "", fs::exists(path) ? "not a folder" : "no such folder",
                       "give the folder of a recording"});

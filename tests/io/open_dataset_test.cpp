@@ -58,6 +58,8 @@ TEST(OpenDataset, RefusesUnknownFormatsAndMissingFolders) {
   EXPECT_THAT(text, HasSubstr("mdlidar"));
   EXPECT_THAT(refusal(folder / "none"), HasSubstr("no such folder"));
   write_text(folder / "file", "");
+  write_text(folder / "drive.mcap", "");
+  EXPECT_THAT(refusal(folder / "drive.mcap"), HasSubstr("read by the Python package"));
   EXPECT_THAT(refusal(folder / "file"), HasSubstr("not a folder"));
 }
 

@@ -15,6 +15,7 @@
 #include "benchmark/benchmark_folder.hpp"
 #include "benchmark/job_run.hpp"
 #include "benchmark/page/page.hpp"
+#include "benchmark/paper/paper_benchmark.hpp"
 #include "benchmark/plan.hpp"
 #include "benchmark/recording_store.hpp"
 #include "benchmark/speed/speed.hpp"
@@ -42,6 +43,7 @@ struct BenchmarkOptions {
   std::string recordings;
   std::optional<std::size_t> threads;
   bool speed = false;
+  bool paper = false;
   bool json = false;
 };
 
@@ -77,7 +79,7 @@ bool run_missing(const std::vector<const Job*>& jobs, const RecordingStore& stor
     scans += scans_of(*job);
     tasks.emplace_back([&store, &folder, job](const auto& step_done) {
       const auto result = run_job(*job, store.path(job->recording), folder.pictures(), step_done);
-      if (result) folder.finish(*job, *result);
+      if (result) folder.finish(job->stem(), job->json(), *result);
       return result.has_value();
     });
   }
@@ -99,22 +101,31 @@ std::string utc_date() {
   return fmt::format("{:04}-{:02}-{:02}", parts.tm_year + 1900, parts.tm_mon + 1, parts.tm_mday);
 }
 
-Json figures(const std::vector<Job>& jobs, const BenchmarkOptions& options, const BenchmarkFolder& folder,
-             std::size_t threads) {
-  Json rows = Json::array();
-  for (const Job& job : jobs) rows.push_back({{"job", job.json()}, {"result", folder.finished(job).value()}});
+// What was run where and when; the program begins benchmark.json.
+Json about_this_run() {
   return {{"program", kBenchmarkName},
           {"complete", true},
           {"version", MAPLESS_VERSION},
           {"date", utc_date()},
-          {"processor", processor_name()},
-          {"threads", threads},
-          {"quick", options.plan.quick},
-          {"odometry", options.plan.odometry},
-          {"profile", options.plan.parameters.profile},
-          {"settings", options.plan.parameters.settings},
-          {"stretch_scans", stretch_scans(options.plan)},
-          {"rows", rows}};
+          {"processor", processor_name()}};
+}
+
+Json figures(const std::vector<Job>& jobs, const BenchmarkOptions& options, const BenchmarkFolder& folder,
+             std::size_t threads) {
+  Json rows = Json::array();
+  for (const Job& job : jobs) {
+    rows.push_back({{"job", job.json()}, {"result", folder.finished(job.stem(), job.json()).value()}});
+  }
+  Json out = about_this_run();
+  const Json settings = {{"threads", threads},
+                         {"quick", options.plan.quick},
+                         {"odometry", options.plan.odometry},
+                         {"profile", options.plan.parameters.profile},
+                         {"settings", options.plan.parameters.settings},
+                         {"stretch_scans", stretch_scans(options.plan)},
+                         {"rows", rows}};
+  out.update(settings);
+  return out;
 }
 
 int report_interrupt(std::size_t finished, std::size_t of) {
@@ -159,6 +170,10 @@ int benchmark_speed(const BenchmarkOptions& options) {
 int benchmark(const BenchmarkOptions& options) {
   if (options.speed) return benchmark_speed(options);
   if (options.output.empty()) throw CLI::RequiredError("--output");
+  if (options.paper) {
+    return benchmark_paper({options.plan.quick, options.plan.seeds, options.plan.duration_s}, options.output,
+                           threads_of(options), about_this_run());
+  }
   const std::vector<Job> jobs = make_plan(options.plan);
   for (const Job& job : jobs) static_cast<void>(scans_of(job));  // throws for what is too short
   const std::size_t threads = threads_of(options);
@@ -169,14 +184,16 @@ int benchmark(const BenchmarkOptions& options) {
   const RecordingStore store(options.recordings.empty() ? folder.recordings() : fs::path(options.recordings));
   std::vector<const Job*> missing;
   for (const Job& job : jobs) {
-    if (!folder.finished(job)) missing.push_back(&job);
+    if (!folder.finished(job.stem(), job.json())) missing.push_back(&job);
   }
   say("mapless: {} runs, {} of them finished before\n", jobs.size(), jobs.size() - missing.size());
 
   const InterruptGuard interrupt;
   if (!simulate_missing(missing, store, threads) || !run_missing(missing, store, folder, threads)) {
-    const auto finished = static_cast<std::size_t>(std::count_if(
-        jobs.begin(), jobs.end(), [&](const Job& job) { return folder.finished(job).has_value(); }));
+    const auto finished =
+        static_cast<std::size_t>(std::count_if(jobs.begin(), jobs.end(), [&](const Job& job) {
+          return folder.finished(job.stem(), job.json()).has_value();
+        }));
     return report_interrupt(finished, jobs.size());
   }
   const Json all = figures(jobs, options, folder, threads);
@@ -185,6 +202,20 @@ int benchmark(const BenchmarkOptions& options) {
   fmt::print("{}page: {}\nfigures: {}\n", results_text(all), folder.page().string(),
              folder.figures().string());
   return 0;
+}
+
+// The last of the verb's options: it names the others, which it excludes.
+void add_paper_option(CLI::App& verb, bool& paper) {
+  auto* flag = verb.add_flag(
+      "--paper", paper,
+      "repeat the evaluation of the paper: town1 and town2 for five minutes each (20 s with --quick), 64 x "
+      "2000 rays a scan; error thresholds from 0.05 to 2 m at three levels of noise; after each stage; "
+      "within a range limit; without motion compensation; without forward check; times. The published and "
+      "the default method beside each other. Takes hours of processor time; keeps nothing but figures on "
+      "disk");
+  for (const char* other : {"--scenes", "--sensors", "--noise", "--faulty", "--odometry", "--speed",
+                            "--profile", "--config", "--set", "--recordings"})
+    flag->excludes(verb.get_option(other));
 }
 
 void add_table_options(CLI::App& verb, PlanOptions& plan) {
@@ -238,6 +269,7 @@ void add_benchmark(CLI::App& app, int& exit_code) {
   verb->add_option("--threads", options->threads,
                    "number of threads (default: all cores). The figures do not depend on it")
       ->check(CLI::Range(1, 1024));
+  add_paper_option(*verb, options->paper);
   verb->callback([options, &exit_code] { exit_code = benchmark(*options); });
 }
 

@@ -50,13 +50,15 @@ void BenchmarkFolder::open() const {
   for (const fs::path& folder : {path_ / "rows", pictures(), plots()}) make_folder(folder);
 }
 
-fs::path BenchmarkFolder::row_file(const Job& job) const { return path_ / "rows" / (job.stem() + ".json"); }
+fs::path BenchmarkFolder::row_file(const std::string& stem) const {
+  return path_ / "rows" / (stem + ".json");
+}
 
-Json BenchmarkFolder::row_head(const Job& job) const { return {{"build", build_}, {"job", job.json()}}; }
+Json BenchmarkFolder::row_head(const Json& job) const { return {{"build", build_}, {"job", job}}; }
 
-std::optional<Json> BenchmarkFolder::finished(const Job& job) const {
-  if (!fs::is_regular_file(row_file(job))) return std::nullopt;
-  const Json row = Json::parse(read_whole_file(row_file(job)), nullptr, false);
+std::optional<Json> BenchmarkFolder::finished(const std::string& stem, const Json& job) const {
+  if (!fs::is_regular_file(row_file(stem))) return std::nullopt;
+  const Json row = Json::parse(read_whole_file(row_file(stem)), nullptr, false);
   if (!row.is_object() || !row.contains("result") || !row.contains("digest") ||
       row["digest"] != digest_of(row["result"]))
     return std::nullopt;
@@ -71,11 +73,11 @@ std::optional<Json> BenchmarkFolder::finished(const Job& job) const {
   return std::make_optional<Json>(row["result"]);  // nlohmann-json 3.10 takes a conversion for ambiguous
 }
 
-void BenchmarkFolder::finish(const Job& job, const Json& result) const {
+void BenchmarkFolder::finish(const std::string& stem, const Json& job, const Json& result) const {
   Json row = row_head(job);
   row["digest"] = digest_of(result);
   row["result"] = result;
-  write_file_atomically(row_file(job), json_text(row));
+  write_file_atomically(row_file(stem), json_text(row));
 }
 
 std::string build_digest() {

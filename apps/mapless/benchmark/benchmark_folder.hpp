@@ -6,8 +6,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "benchmark/plan.hpp"
-
 namespace mapless::app {
 
 /// The folder of a benchmark:
@@ -37,13 +35,16 @@ class BenchmarkFolder {
   /// file, cannot be made, or holds anything but a benchmark.
   void open() const;
 
-  /// The result of a finished run; absent if the run or one of its pictures is missing.
-  [[nodiscard]] std::optional<nlohmann::ordered_json> finished(const Job& job) const;
-  void finish(const Job& job, const nlohmann::ordered_json& result) const;
+  /// The result of a finished run; absent if the run or one of its pictures is missing. `stem` names its
+  /// file; `job` has all settings that determine its figures.
+  [[nodiscard]] std::optional<nlohmann::ordered_json> finished(const std::string& stem,
+                                                               const nlohmann::ordered_json& job) const;
+  void finish(const std::string& stem, const nlohmann::ordered_json& job,
+              const nlohmann::ordered_json& result) const;
 
  private:
-  [[nodiscard]] std::filesystem::path row_file(const Job& job) const;
-  [[nodiscard]] nlohmann::ordered_json row_head(const Job& job) const;
+  [[nodiscard]] std::filesystem::path row_file(const std::string& stem) const;
+  [[nodiscard]] nlohmann::ordered_json row_head(const nlohmann::ordered_json& job) const;
 
   std::filesystem::path path_;
   std::string build_;

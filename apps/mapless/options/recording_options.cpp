@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "options/option_checks.hpp"
+#include "options/recording_reader.hpp"
 #include <mapless/io/dataset.hpp>
 #include <mapless/lidar/lidar_model.hpp>
 
@@ -75,14 +76,30 @@ void add_reading_options(CLI::App& verb, const std::string& prefix, const std::s
 
 }  // namespace
 
-std::unique_ptr<Dataset> RecordingOptions::open() const { return open_dataset(path, dataset); }
+std::unique_ptr<Dataset> RecordingOptions::open() const {
+  if (recording_reader().open) {
+    if (auto opened = recording_reader().open(path, dataset, of_reader)) return opened;
+  }
+  return open_dataset(path, dataset);
+}
 
 void add_recording_options(CLI::App& verb, RecordingOptions& options) {
-  verb.add_option("IN", options.path, "folder of the recording")->required();
+  std::vector<std::string> formats = dataset_formats();
+  const RecordingReader& reader = recording_reader();
+  formats.insert(formats.end(), reader.formats.begin(), reader.formats.end());
+  verb.add_option("IN", options.path,
+                  reader.formats.empty() ? "folder of the recording" : "file or folder of the recording")
+      ->required();
   verb.add_option("--format", options.dataset.format,
                   fmt::format("format of the recording: {} (default: recognised from the files)",
-                              fmt::join(dataset_formats(), ", ")))
-      ->check(CLI::IsMember(dataset_formats()));
+                              fmt::join(formats, ", ")))
+      ->check(CLI::IsMember(formats));
+  for (const RecordingReader::Option& option : reader.options) {
+    verb.add_option_function<std::string>(
+        option.flag,
+        [&options, flag = option.flag](const std::string& text) { options.of_reader[flag] = text; },
+        option.help);
+  }
   verb.add_option(
       "--sensor", options.dataset.sensor,
       fmt::format("sensor model: {}, or a calibration file (Velodyne's YAML or a sensor.yaml). Default: the "

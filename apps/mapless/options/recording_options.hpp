@@ -1,8 +1,7 @@
 #pragma once
 
-#include <cstddef>
+#include <map>
 #include <memory>
-#include <optional>
 #include <string>
 
 #include <CLI/App.hpp>
@@ -16,11 +15,13 @@ namespace mapless::app {
 struct RecordingOptions {
   std::string path;
   DatasetOptions dataset;
+  std::map<std::string, std::string> of_reader;  ///< options of RecordingReader that were given, by flag
 
   [[nodiscard]] std::unique_ptr<Dataset> open() const;
 };
 
-/// Adds IN, --format, --sensor, --labels, --own-pose-direction, --own-pose-instant.
+/// Adds IN, --format, --sensor, --labels, --own-pose-direction, --own-pose-instant, and the options of
+/// recording_reader().
 void add_recording_options(CLI::App& verb, RecordingOptions& options);
 
 /// Adds --trajectory, --stationary and how a trajectory file is to be read.

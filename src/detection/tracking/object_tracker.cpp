@@ -11,7 +11,6 @@
 #include <utility>
 #include <vector>
 
-#include <Eigen/Eigenvalues>
 #include <tbb/parallel_for.h>
 
 #include "detection/tracking/longest_absence.hpp"
@@ -46,8 +45,6 @@ constexpr double kMaxMisfit = 0.3;
 // Starts this near to each other [m between the scans] lead to the same end: the scale at which descent
 // converges.
 constexpr double kSameStart_m = 0.1;
-// Quantiles of the points at which an object ends along its longest direction: a few outliers do not count.
-constexpr std::array kEnds = {0.02, 0.98};
 // If another start leaves a misfit smaller by kBetter, the predicted velocity was wrong by this standard
 // deviation.
 constexpr double kBetter = 0.1;
@@ -92,44 +89,11 @@ void require_usable(const Detection& detection, const std::optional<Time>& newes
   }
 }
 
-// The direction in which the points are spread most, a unit vector.
-Vector3d longest_direction(const ObjectSnapshot& snapshot) {
-  Matrix3d squares = Matrix3d::Zero();
-  for (const SurfaceSample& s : snapshot.surface)
-    squares += (s.p_0 - snapshot.mean_0) * (s.p_0 - snapshot.mean_0).transpose();
-  Eigen::SelfAdjointEigenSolver<Matrix3d> solver;
-  solver.computeDirect(squares);
-  return solver.eigenvectors().col(2);
-}
-
-// The positions of both ends along `direction` [m], robust to a few outliers (kEnds).
-std::array<double, 2> ends_along(const ObjectSnapshot& snapshot, const Vector3d& direction) {
-  std::vector<double> places(snapshot.points_0.size());
-  std::transform(snapshot.points_0.begin(), snapshot.points_0.end(), places.begin(),
-                 [&](const Vector3d& p) { return direction.dot(p); });
-  std::array<double, 2> out{};
-  for (std::size_t end = 0; end < out.size(); ++end) {
-    const double rank = kEnds[end] * static_cast<double>(places.size() - 1);
-    const auto at = places.begin() + static_cast<std::ptrdiff_t>(rank);
-    std::nth_element(places.begin(), at, places.end());
-    out[end] = *at;
-  }
-  return out;
-}
-
-// Velocities to start a registration from where the predicted one is not good: the shifts of the mean, of the
-// centre of the box, and of both ends. The visible part of an object may grow at one end and stay at the
-// other.
-std::array<Vector3d, 4> starts(const ObjectSnapshot& now, const ObjectSnapshot& before) {
+// Velocities to start a registration from where the predicted one is not good: the shifts of the mean and of
+// the centre of the box.
+std::array<Vector3d, 2> starts(const ObjectSnapshot& now, const ObjectSnapshot& before) {
   const double dt = (now.time - before.time).seconds();
-  const Vector3d shift = now.mean_0 - before.mean_0;
-  const Vector3d along = longest_direction(now);
-  const auto ends_now = ends_along(now, along), ends_before = ends_along(before, along);
-  const auto shift_of_end = [&](std::size_t end) -> Vector3d {
-    return shift + (ends_now[end] - ends_before[end] - along.dot(shift)) * along;
-  };
-  return {shift / dt, (now.seen_box.center() - before.seen_box.center()) / dt, shift_of_end(0) / dt,
-          shift_of_end(1) / dt};
+  return {(now.mean_0 - before.mean_0) / dt, (now.seen_box.center() - before.seen_box.center()) / dt};
 }
 
 // Motion since the newest snapshot, from the predicted velocity; from further starts, too, if the track is
@@ -141,7 +105,7 @@ RegisteredMotion newest_motion(Track& track, const ObjectSnapshot& now) {
   if (!young && best.misfit < kMaxMisfit) return best;
   const double predicted_misfit = best.misfit;
   const double near_mps = kSameStart_m / (now.time - before.time).seconds();
-  std::array<Vector3d, 9> known = {best.velocity_0};  // starts, and the velocities found from them
+  std::array<Vector3d, 5> known = {best.velocity_0};  // starts, and the velocities found from them
   std::size_t count = 1;
   for (const Vector3d& start : starts(now, before)) {
     const auto is_near = [&](const Vector3d& v) { return (start - v).squaredNorm() < near_mps * near_mps; };

@@ -1,0 +1,11 @@
+# The packages of others that the build needs; of those the Python binding needs too, upon a finished build.
+find_package(Eigen3 3.4 REQUIRED NO_MODULE)
+find_package(TBB REQUIRED)
+find_package(yaml-cpp REQUIRED)
+find_package(fmt REQUIRED)
+find_package(CLI11 REQUIRED)
+find_package(nlohmann_json REQUIRED)
+find_package(nanoflann REQUIRED)
+find_package(Protobuf REQUIRED)
+find_package(PNG REQUIRED)
+include(Simulator)

@@ -1,0 +1,53 @@
+"""Labels every point of a spinning 3D lidar as moving or static, online and without a map (arXiv 1809.06972).
+
+    detector = mapless.OnlineDetector(sensor="VLP-16")
+    for scan in mapless.open("drive.mcap"):
+        for found in detector.push(scan):
+            print(found.scan, found.moving.sum(), "points move")
+    for found in detector.flush():
+        ...
+
+docs/python.md has the rest.
+"""
+
+from mapless._core import (
+    Error,
+    InputError,
+    LabelledScan,
+    MovingObject,
+    OutputError,
+    ParameterError,
+    Trajectory,
+    TrajectoryDomainError,
+    version,
+)
+from mapless._detector import OnlineDetector, parameters
+from mapless._open import open
+from mapless._recording import CloudSource, Recording, Scan
+from mapless._result import Result
+from mapless._verbs import CommandError, detect, evaluate, simulate
+
+__version__ = version()
+
+__all__ = [
+    "CloudSource",
+    "CommandError",
+    "Error",
+    "InputError",
+    "LabelledScan",
+    "MovingObject",
+    "OnlineDetector",
+    "OutputError",
+    "ParameterError",
+    "Recording",
+    "Result",
+    "Scan",
+    "Trajectory",
+    "TrajectoryDomainError",
+    "__version__",
+    "detect",
+    "evaluate",
+    "open",
+    "parameters",
+    "simulate",
+]

@@ -1,0 +1,3 @@
+from mapless._command import main
+
+main()

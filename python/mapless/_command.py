@@ -1,0 +1,25 @@
+"""The command `mapless`: that of the C++ library, which reads the formats of Python too."""
+
+from __future__ import annotations
+
+import signal
+import sys
+
+from mapless import _core
+from mapless._open import open_in_python
+from mapless.readers import OPTIONS, READERS
+
+
+def run(arguments: list[str]) -> int:
+    """Runs the command with these arguments, without the name of the program; returns its exit code."""
+    formats = [name for reader in READERS for name in reader.formats]
+    _core.set_reader(open_in_python, formats, list(OPTIONS.items()))
+    sys.stdout.flush()
+    sys.stderr.flush()
+    return _core.run_command(["mapless", *arguments])
+
+
+def main() -> None:
+    # Python would notice Ctrl-C only once the command has ended.
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    sys.exit(run(sys.argv[1:]))

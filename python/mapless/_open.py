@@ -1,0 +1,37 @@
+"""Opens a recording of any format: the readers of Python first, then those of the C++ library."""
+
+from __future__ import annotations
+
+import os
+import pathlib
+from collections.abc import Mapping
+
+from mapless import _core
+from mapless._recording import Recording
+from mapless.readers import READERS, Options
+
+
+def open(
+    path: str | os.PathLike[str], *, format: str = "", sensor: str | os.PathLike[str] = "", topic: str | None = None
+) -> Recording:
+    """The recording in a file or folder.
+
+    format: see docs/python.md; recognised from the files where it is not given.
+    sensor: a named model or a calibration file; that of the recording where it is not given, else recovered.
+    topic: of the clouds in a bag; not needed where there is one.
+
+    Raises InputError naming the file, what is wrong with it, and what to do.
+    """
+    given = {} if topic is None else {"--topic": topic}
+    found = open_in_python(os.fspath(path), format, os.fspath(sensor), given)
+    return Recording(found or _core.open_folder(os.fspath(path), format, os.fspath(sensor)))
+
+
+def open_in_python(path: str, format: str, sensor: str, given: Mapping[str, str]) -> _core.Recording | None:
+    """None: no format that Python reads. `given`: options of the readers by flag."""
+    options = Options(sensor=sensor, **{flag.lstrip("-").replace("-", "_"): text for flag, text in given.items()})
+    for reader in READERS:
+        if format in reader.formats or (not format and reader.fits(pathlib.Path(path))):
+            source = reader.open(pathlib.Path(path), options)
+            return _core.recording_of(source, options.sensor)
+    return None

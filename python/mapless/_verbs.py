@@ -1,0 +1,59 @@
+"""The verbs of the command as functions."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from typing import Any
+
+from mapless._result import Result
+
+
+class CommandError(RuntimeError):
+    """A verb has failed; its message says what to do."""
+
+
+def detect(recording: str | os.PathLike[str], output: str | os.PathLike[str], **options: Any) -> Result:
+    """Labels a recording: `mapless detect RECORDING -o OUTPUT`. Options are those of the command with _ for -:
+    `overwrite=True`, `count=50`, `trajectory="poses.txt"`, `topic="/points"`, `set=["forward_gap=0"]`.
+
+    Raises CommandError with the message of the command."""
+    run_verb("detect", os.fspath(recording), "--output", os.fspath(output), **options)
+    return Result(output)
+
+
+def simulate(scene: str, output: str | os.PathLike[str], **options: Any) -> None:
+    """Writes a simulated recording with true labels: `mapless simulate SCENE -o OUTPUT`, "crossing" for example."""
+    run_verb("simulate", scene, "--output", os.fspath(output), **options)
+
+
+def evaluate(recording: str | os.PathLike[str], result: str | os.PathLike[str], **options: Any) -> dict[str, Any]:
+    """Compares a result with the true labels of its recording: `mapless evaluate RECORDING RESULT --json -`."""
+    text = run_verb("evaluate", os.fspath(recording), os.fspath(result), "--json", "-", **options)
+    report: dict[str, Any] = json.loads(text)
+    return report
+
+
+def run_verb(verb: str, *arguments: str, **options: Any) -> str:
+    """What the verb prints. In a process of its own, so that Ctrl-C ends the verb and not Python."""
+    command = [sys.executable, "-m", "mapless", verb, *arguments, *_flags(options)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        lines = [line for line in done.stderr.splitlines() if line.startswith("mapless: error: ")]
+        message = lines[-1].removeprefix("mapless: error: ") if lines else done.stderr.strip()
+        raise CommandError(message or f"mapless {verb}: exit code {done.returncode}")
+    return done.stdout
+
+
+def _flags(options: dict[str, Any]) -> list[str]:
+    flags: list[str] = []
+    for name, value in options.items():
+        flag = "--" + name.replace("_", "-")
+        if value is True:
+            flags.append(flag)
+        elif value is not False and value is not None:
+            for one in value if isinstance(value, (list, tuple)) else [value]:
+                flags += [flag, str(one)]
+    return flags

@@ -1,0 +1,42 @@
+"""A small simulated drive, native and as a folder of PCD files."""
+
+import pathlib
+
+import numpy as np
+import pytest
+
+import mapless
+
+
+@pytest.fixture(scope="session")
+def drive(tmp_path_factory) -> pathlib.Path:
+    """Fourteen scans of a VLP-16 that drives across a junction, with rings, times and true labels."""
+    folder = tmp_path_factory.mktemp("drive") / "native"
+    mapless.simulate("crossing", folder, sensor="VLP-16", duration_s=1.4)
+    return folder
+
+
+@pytest.fixture(scope="session")
+def scans(drive) -> list[mapless.Scan]:
+    return list(mapless.open(drive))
+
+
+@pytest.fixture(scope="session")
+def poses(drive) -> mapless.Trajectory:
+    return mapless.open(drive).trajectory
+
+
+@pytest.fixture(scope="session")
+def native_result(drive, tmp_path_factory) -> mapless.Result:
+    """Labels of the native recording by the command, with own odometry."""
+    return mapless.detect(drive, tmp_path_factory.mktemp("result") / "out", odometry=True)
+
+
+def compact(scan: mapless.Scan) -> np.ndarray:
+    """The returns of a scan as a driver publishes them: rows without a return left out."""
+    return np.isfinite(scan.points).all(axis=1)
+
+
+def iou(a: np.ndarray, b: np.ndarray) -> float:
+    either = (a | b).sum()
+    return float((a & b).sum() / either) if either else 1.0

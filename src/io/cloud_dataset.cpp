@@ -1,0 +1,113 @@
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include "lidar/scan_builder/raw_points.hpp"
+#include <mapless/core/errors.hpp>
+#include <mapless/io/dataset.hpp>
+#include <mapless/io/files.hpp>
+#include <mapless/lidar/scan_builder.hpp>
+
+namespace mapless::inline v1 {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Enough for the fit of a cone per laser, few enough to open a recording in a second or two.
+constexpr std::size_t kScansForSensor = 8;
+// The rate of a spinning lidar is within 10 % of its nominal one.
+constexpr double kPeriodTolerance = 0.1;
+
+// Scans all over the recording. Those that cannot be read say so when they are read.
+std::vector<Cloud> scans_for_sensor(const CloudSource& source) {
+  std::set<std::size_t> chosen;
+  const std::size_t last = source.starts().size() - 1;
+  for (std::size_t i = 0; i < kScansForSensor; ++i) chosen.insert(i * last / (kScansForSensor - 1));
+  std::vector<Cloud> scans;
+  for (const std::size_t k : chosen) {
+    try {
+      Cloud cloud = source.read(k);
+      (void)read_points(cloud.fields,
+                        source.scan_file(k).string());  // throws where recovery would, for this scan alone
+      scans.push_back(std::move(cloud));
+    } catch (const InputError&) {
+      if (k == last && scans.empty()) throw;
+    }
+  }
+  return scans;
+}
+
+ScanBuilder builder_for(const CloudSource& source, const std::string& sensor) {
+  if (!sensor.empty()) return ScanBuilder(model_from_name_or_file(sensor));
+  const std::vector<Cloud> clouds = scans_for_sensor(source);
+  std::vector<PointFields> scans;
+  for (const Cloud& cloud : clouds) scans.push_back(cloud.fields);
+  return ScanBuilder::recover(scans, source.starts(), source.path().string());
+}
+
+class CloudDataset final : public Dataset {
+ public:
+  CloudDataset(std::shared_ptr<const CloudSource> source, const std::string& sensor)
+      : source_(std::move(source)), builder_(builder_for(*source_, sensor)), notes_(source_->notes()) {
+    for (std::string& note : builder_.notes()) notes_.push_back(std::move(note));
+    find_turn();
+  }
+
+  [[nodiscard]] std::string format() const override { return source_->format(); }
+  [[nodiscard]] std::size_t size() const override { return source_->starts().size(); }
+  [[nodiscard]] std::shared_ptr<const LidarModel> model() const override { return builder_.model(); }
+  [[nodiscard]] std::optional<ModelEstimate> model_estimate() const override { return builder_.estimate(); }
+  [[nodiscard]] Time scan_start(std::size_t k) const override { return source_->starts()[checked(k)]; }
+  [[nodiscard]] Time scan_end(std::size_t k) const override { return scan_start(k) + turn_; }
+  [[nodiscard]] fs::path scan_file(std::size_t k) const override { return source_->scan_file(checked(k)); }
+  [[nodiscard]] std::vector<std::string> notes() const override { return notes_; }
+  [[nodiscard]] std::shared_ptr<const Trajectory> trajectory() const override {
+    return source_->trajectory();
+  }
+
+  [[nodiscard]] LidarScan read(std::size_t k) const override {
+    const Cloud cloud = source_->read(checked(k));
+    LidarScan scan = builder_.build(cloud.fields, cloud.stamp, source_->scan_file(k).string());
+    scan.compensated_to = cloud.compensated_to;
+    return scan;
+  }
+
+  [[nodiscard]] std::optional<std::vector<std::uint32_t>> read_labels(std::size_t k) const override {
+    return source_->read_labels(checked(k));
+  }
+
+ private:
+  // The median period between scans, if it is that of the sensor to 10 %; scans may have been removed.
+  void find_turn() {
+    const double nominal_s = 1 / builder_.model()->rotation_rate_hz;
+    turn_ = Duration::from_seconds(nominal_s);
+    const std::vector<Time>& starts = source_->starts();
+    std::vector<Duration> steps;
+    for (std::size_t k = 1; k < starts.size(); ++k) steps.push_back(starts[k] - starts[k - 1]);
+    if (steps.empty()) return;
+    const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+    std::nth_element(steps.begin(), middle, steps.end());
+    const double ratio = middle->seconds() / nominal_s;
+    if (std::abs(ratio - 1) < kPeriodTolerance) turn_ = *middle;
+    builder_.set_turn_duration(turn_);
+  }
+
+  std::shared_ptr<const CloudSource> source_;
+  ScanBuilder builder_;
+  std::vector<std::string> notes_;
+  Duration turn_;
+};
+
+}  // namespace
+
+std::optional<std::vector<std::uint32_t>> CloudSource::read_labels(std::size_t /*k*/) const {
+  return std::nullopt;
+}
+
+std::unique_ptr<Dataset> make_cloud_dataset(std::shared_ptr<const CloudSource> source,
+                                            const std::string& sensor) {
+  return std::make_unique<CloudDataset>(std::move(source), sensor);
+}
+
+}  // namespace mapless
