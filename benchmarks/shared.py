@@ -8,9 +8,6 @@ import re
 import subprocess
 import sys
 
-import numpy as np
-from scipy.spatial.transform import Rotation, Slerp
-
 SCENES = ["town1", "town2", "highway", "forest", "tunnel", "flyer", "tilted", "crossing"]
 
 
@@ -31,6 +28,9 @@ def simulate(mapless, scene, folder, *how):
 
 def poses(rows, times):
     """Positions and rotations of TUM rows at these times."""
+    import numpy as np  # here: some of the scripts need neither
+    from scipy.spatial.transform import Rotation, Slerp
+
     times = np.clip(times, rows[0, 0], rows[-1, 0])
     positions = np.stack([np.interp(times, rows[:, 0], rows[:, i]) for i in (1, 2, 3)], axis=1)
     return positions, Slerp(rows[:, 0], Rotation.from_quat(rows[:, 4:8]))(times)

@@ -51,18 +51,16 @@ def check_length(root, page):
 
 
 def check_paper_map(root):
-    paper_map = root / "docs" / "paper_map.md"
-    if not paper_map.exists():
-        return
+    pages = sorted((root / "docs").glob("paper_map*.md"))
     words = set()
     for folder in SOURCES:
         for file in (root / folder).rglob("*.[ch]pp"):
             words.update(IDENTIFIER.findall(file.read_text(encoding="utf-8")))
-    for code in CODE.findall(paper_map.read_text(encoding="utf-8")):
+    for page, code in ((page, code) for page in pages for code in CODE.findall(page.read_text(encoding="utf-8"))):
         if re.fullmatch(r"\w+(::\w+|\.\w+)*(\(\))?", code):
             for name in IDENTIFIER.findall(code):
                 if name not in words:
-                    yield f"docs/paper_map.md: no source has a {name} (of {code})"
+                    yield f"{page.relative_to(root)}: no source has a {name} (of {code})"
 
 
 def main():

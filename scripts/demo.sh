@@ -24,8 +24,8 @@ set -- ${ARGS:-}
 reading=
 while [ $# -gt 0 ]; do
   case $1 in
-    --format | --sensor | --labels | --own-pose-direction) reading="$reading $1 $2" && shift ;;
-    --format=* | --sensor=* | --labels=* | --own-pose-direction=*) reading="$reading $1" ;;
+    --format | --sensor | --labels | --own-pose-direction | --own-pose-instant) reading="$reading $1 $2" && shift ;;
+    --format=* | --sensor=* | --labels=* | --own-pose-direction=* | --own-pose-instant=*) reading="$reading $1" ;;
   esac
   shift
 done

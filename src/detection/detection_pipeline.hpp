@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "detection/freespace/ray_image.hpp"
 #include "detection/segmentation/object_evidence.hpp"
 #include <mapless/detection/detection.hpp>
 #include <mapless/detection/parameters.hpp>
@@ -20,6 +21,7 @@ struct ObjectProposals {
   std::vector<std::uint16_t> object;  ///< 0 for static, else 1, 2, ...: one number per proposed object
   int objects = 0;
   std::vector<TrajectoryState> column_states;  ///< of the sensor, CompensatedScan::column_states
+  std::shared_ptr<const RayImage> rays;        ///< of `scan`
   std::vector<ObjectEvidence> evidence;        ///< by object number - 1; empty for method "published"
   StageSeconds seconds;
 };

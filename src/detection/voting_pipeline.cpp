@@ -50,17 +50,17 @@ class VotingPipeline final : public DetectionPipeline {
     std::vector<TrajectoryState> column_states;
     StageSeconds seconds;  // of its preparation
   };
-  [[nodiscard]] const RayImage& image(std::size_t number) const { return images_.at(number - first_image_); }
+  [[nodiscard]] const RayImage& image(std::size_t number) const { return *images_.at(number - first_image_); }
   [[nodiscard]] std::vector<ReferenceScan> references_of(std::size_t number) const;
   [[nodiscard]] ObjectProposals run_stages(PendingScan query, const std::vector<ReferenceScan>& references,
                                            const RayImage& own) const;
 
   VotingParameters parameters_;
-  std::vector<std::size_t> gaps_;    // of the earlier scans, increasing
-  std::size_t forward_gap_;          // of the first later one
-  std::deque<RayImage> images_;      // consecutive scans, oldest first
-  std::size_t first_image_ = 0;      // number of the oldest
-  std::deque<PendingScan> pending_;  // scans without proposals yet, oldest first
+  std::vector<std::size_t> gaps_;                 // of the earlier scans, increasing
+  std::size_t forward_gap_;                       // of the first later one
+  std::deque<std::shared_ptr<RayImage>> images_;  // consecutive scans, oldest first
+  std::size_t first_image_ = 0;                   // number of the oldest
+  std::deque<PendingScan> pending_;               // scans without proposals yet, oldest first
 };
 
 // Step 1 gives the trajectory; here every return and ray gets its own pose.
@@ -70,7 +70,8 @@ void VotingPipeline::add(std::shared_ptr<const LidarScan> scan, const Trajectory
       timed(pending.seconds.compensation, [&] { return compensate_locally(std::move(scan), trajectory); });
   pending.scan = compensated.scan;
   pending.points = std::move(points);
-  images_.emplace_back(compensated, images_.empty() ? nullptr : &images_.back());
+  images_.push_back(
+      std::make_shared<RayImage>(compensated, images_.empty() ? nullptr : images_.back().get()));
   pending.column_states = std::move(compensated.column_states);
   pending_.push_back(std::move(pending));
 }
@@ -94,7 +95,8 @@ ObjectProposals VotingPipeline::propose(std::size_t number) {
   PendingScan query = std::move(pending_.front());
   pending_.pop_front();
   ObjectProposals proposed = run_stages(std::move(query), references_of(number), image(number));
-  images_.at(number - first_image_).mark_dynamic(*proposed.scan, proposed.object);
+  proposed.rays = images_.at(number - first_image_);
+  images_.at(number - first_image_)->mark_dynamic(*proposed.scan, proposed.object);
   while (first_image_ + gaps_.back() < number + 1) {  // the oldest reference scan of the next query scan
     images_.pop_front();
     ++first_image_;

@@ -67,7 +67,8 @@ double pruning_bound(double squared_distance) {
 class NearestOne {
  public:
   using DistanceType = double;
-  explicit NearestOne(const std::vector<std::int32_t>& original) : original_(original) {}
+  explicit NearestOne(const std::vector<std::int32_t>& original, const Candidate& known = {})
+      : original_(original), best_(known), bound_(pruning_bound(known.squared_distance)) {}
   [[nodiscard]] bool full() const { return best_.index >= 0; }
   [[nodiscard]] double worstDist() const { return bound_; }
   void sort() const {}
@@ -84,7 +85,7 @@ class NearestOne {
  private:
   const std::vector<std::int32_t>& original_;
   Candidate best_;
-  double bound_ = kInfinity;
+  double bound_;
 };
 
 class NearestSeveral {
@@ -150,7 +151,13 @@ struct NearestNeighbours::Tree {
 
   Points points;
   std::vector<std::int32_t> original;  // index, in the points given, of point i of the tree
-  std::unique_ptr<Index> index;        // whose constructor builds it: nanoflann 1.4.2 cannot do that later
+  // The point that had this index in the points given.
+  [[nodiscard]] const Eigen::Vector3d& given(std::int32_t i) const {
+    const auto place = std::lower_bound(original.begin(), original.end(), i);
+    return points.values[static_cast<std::size_t>(place - original.begin())];
+  }
+
+  std::unique_ptr<Index> index;  // whose constructor builds it: nanoflann 1.4.2 cannot do that later
 };
 
 NearestNeighbours::NearestNeighbours(std::vector<Eigen::Vector3d> points)
@@ -163,6 +170,13 @@ NearestNeighbours::Neighbour NearestNeighbours::nearest(const Eigen::Vector3d& q
   NearestOne result(tree_->original);
   tree_->index->findNeighbors(result, q.data(), {});
   if (!result.full()) return {};
+  return {result.best().index, std::sqrt(result.best().squared_distance)};
+}
+
+NearestNeighbours::Neighbour NearestNeighbours::nearest(const Eigen::Vector3d& q, Neighbour hint) const {
+  if (hint.index < 0) return nearest(q);
+  NearestOne result(tree_->original, {(tree_->given(hint.index) - q).squaredNorm(), hint.index});
+  tree_->index->findNeighbors(result, q.data(), {});
   return {result.best().index, std::sqrt(result.best().squared_distance)};
 }
 

@@ -23,6 +23,9 @@ class NearestNeighbours {
   };
   /// The nearest point; of equally near points the one with the lowest index. Index -1 for an empty set.
   [[nodiscard]] Neighbour nearest(const Eigen::Vector3d& q) const;
+  /// The same. `hint`: index of a finite point of the set that is probably near q; the nearer it is, the
+  /// faster.
+  [[nodiscard]] Neighbour nearest(const Eigen::Vector3d& q, Neighbour hint) const;
   /// The k nearest points (fewer if the set is smaller), nearest first. Throws ParameterError for k < 0.
   [[nodiscard]] std::vector<Neighbour> nearest(const Eigen::Vector3d& q, int k) const;
   /// All points within `radius_m` (inclusive), by increasing index; `out` is overwritten. Throws

@@ -85,8 +85,8 @@ class MdlidarSequence final : public SequenceWriter {
     frame.start = scan.start;
     const auto period = Duration::from_seconds(1 / model_->rotation_rate_hz / model_->columns);
     frame.end = scan.start + Duration::from_nanoseconds((model_->columns - 1) * period.nanoseconds());
-    frame.T_0v_start = trajectory_.at(frame.start).T_v0.inverse();
-    frame.T_0v_end = trajectory_.at(frame.end).T_v0.inverse();
+    frame.pose_p = trajectory_.at(frame.start).T_v0.inverse();
+    frame.pose = trajectory_.at(frame.end).T_v0.inverse();
     frame.points.reserve(scan.records.size());
     for (std::size_t i = 0; i < scan.records.size(); ++i) {
       const LidarRecord& r = scan.records[i];

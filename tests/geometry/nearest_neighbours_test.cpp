@@ -37,6 +37,11 @@ void expect_same_as_exhaustive(const Points& points, const Points& queries, doub
     const auto expected = exhaustive(points, q);
     ASSERT_EQ(tree.nearest(q).index, expected.front().index);
     ASSERT_DOUBLE_EQ(tree.nearest(q).distance_m, expected.front().distance_m);
+    for (const std::size_t hint : {std::size_t{0}, points.size() / 2, points.size() - 1}) {
+      const auto found = tree.nearest(q, {static_cast<std::int32_t>(hint), 0});
+      ASSERT_EQ(found.index, expected.front().index) << "with hint " << hint;
+      ASSERT_DOUBLE_EQ(found.distance_m, expected.front().distance_m);
+    }
     const auto several = tree.nearest(q, 20);
     ASSERT_EQ(several.size(), std::min<std::size_t>(20, points.size()));
     for (std::size_t i = 0; i < several.size(); ++i) {

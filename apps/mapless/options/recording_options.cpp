@@ -25,6 +25,15 @@ CLI::Option* add_choice(CLI::App& verb, const std::string& flag, Enum& value,
       ->default_str(names.at(static_cast<std::size_t>(value)));
 }
 
+template <class Enum>
+CLI::Option* add_choice(CLI::App& verb, const std::string& flag, std::optional<Enum>& value,
+                        const std::vector<std::string>& names, const std::string& help) {
+  const auto assign = [&value, names](const std::string& text) {
+    value = static_cast<Enum>(std::find(names.begin(), names.end(), text) - names.begin());
+  };
+  return verb.add_option_function<std::string>(flag, assign, help)->check(CLI::IsMember(names));
+}
+
 CLI::Option* add_path(CLI::App& verb, const std::string& flag, std::filesystem::path& path,
                       const std::string& help) {
   return verb.add_option_function<std::string>(
@@ -83,7 +92,12 @@ void add_recording_options(CLI::App& verb, RecordingOptions& options) {
            "folder of the true labels (default: the recording's own)");
   add_choice(verb, "--own-pose-direction", options.dataset.pose_direction,
              {"world_from_sensor", "sensor_from_world"},
-             "direction of the poses in an mdlidar recording, which its documentation does not define");
+             "direction of the poses in an mdlidar recording (default: that under which static points move "
+             "less between scans)");
+  add_choice(verb, "--own-pose-instant", options.dataset.pose_instant, {"end", "start"},
+             "instant within its frame of `position` in an mdlidar recording; position_p is the pose at the "
+             "start of the frame with end, and an earlier one with start (default: that under which static "
+             "points move less between scans)");
 }
 
 void add_trajectory_options(CLI::App& verb, TrajectoryRequest& request) {

@@ -20,7 +20,7 @@ struct RecordingOptions {
   [[nodiscard]] std::unique_ptr<Dataset> open() const;
 };
 
-/// Adds IN, --format, --sensor, --labels, --own-pose-direction.
+/// Adds IN, --format, --sensor, --labels, --own-pose-direction, --own-pose-instant.
 void add_recording_options(CLI::App& verb, RecordingOptions& options);
 
 /// Adds --trajectory, --stationary and how a trajectory file is to be read.

@@ -56,13 +56,20 @@ class Dataset {
 /// Meaning of the poses in a file: T_0v (world from sensor) or T_v0 (sensor from world).
 enum class PoseDirection { world_from_sensor, sensor_from_world };
 
+/// Meaning of the two poses of a frame of an mdlidar recording. `end`: position_p is the pose at the start of
+/// the frame, position that at its end. `start`: position is the pose at the start, position_p an earlier
+/// one.
+enum class FramePoseInstant { end, start };
+
 /// Options of open_dataset.
 struct DatasetOptions {
   std::string format;  ///< one of dataset_formats(); empty: recognised from the content of the folder
   std::string sensor;  ///< a named model or calibration file; empty: that of the recording, else estimated
   std::filesystem::path labels;  ///< read true labels from this folder instead of that of the recording
-  /// Meaning of the poses in an mdlidar recording, which its documentation does not define.
-  PoseDirection pose_direction = PoseDirection::world_from_sensor;
+  /// Meaning of the poses in an mdlidar recording, which its documentation does not define. Default: the
+  /// meaning under which static points move less between scans.
+  std::optional<PoseDirection> pose_direction;
+  std::optional<FramePoseInstant> pose_instant;
 };
 
 /// Throws InputError that names the first of the scans [first, first + count) that does not start after the

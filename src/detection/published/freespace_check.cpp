@@ -26,10 +26,15 @@ class FreespaceCheck {
         search_(reference),
         image_(*reference.scan),
         threshold_m_(threshold_m),
-        parameters_(parameters) {}
+        parameters_(parameters) {
+    for (int l = 0; l < scan().rows(); ++l)
+      widest_step_ = std::max(widest_step_, scan().model->elevation_step(l));
+  }
 
   [[nodiscard]] FreespaceVerdict verdict(const Query& query) const {
-    const NearestRay ray = search_.nearest(query.q_0);
+    const NearestRay ray = parameters_.require_near_ray
+                               ? search_.nearest(query.q_0, near_limit(search_.longest_range(query.q_0)))
+                               : search_.nearest(query.q_0);
     if (!ray.found() || (parameters_.require_near_ray && ray.distance_m > near_limit(ray))) {
       return FreespaceVerdict::unobserved;
     }
@@ -56,6 +61,11 @@ class FreespaceCheck {
   [[nodiscard]] double near_limit(const NearestRay& ray) const {
     const double spacing = scan().model->elevation_step(ray.laser);
     return parameters_.max_ray_distance_m + parameters_.max_ray_distance_spacings * spacing * ray.range_m;
+  }
+
+  // At least that of any ray within `range_m`.
+  [[nodiscard]] double near_limit(double range_m) const {
+    return parameters_.max_ray_distance_m + parameters_.max_ray_distance_spacings * widest_step_ * range_m;
   }
 
   // Whether any ray around the nearest one ends right at the point: a surface seen there that its neighbours
@@ -99,6 +109,7 @@ class FreespaceCheck {
   RaySearch search_;
   AlignedImage image_;
   double threshold_m_;
+  double widest_step_ = 0;  // between the elevations of two lasers [rad]
   const FreespaceParameters& parameters_;
 };
 

@@ -63,6 +63,7 @@ class PublishedPipeline final : public DetectionPipeline {
     ObjectProposals out = run_stages(query, reference, other);
     out.seconds = buffer_[number - first_number_].seconds + out.seconds;
     out.column_states = query.compensated.column_states;
+    out.rays = std::make_shared<const RayImage>(query.compensated);
     return out;
   }
 

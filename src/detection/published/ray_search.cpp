@@ -13,9 +13,7 @@ namespace {
 // two.
 constexpr int kMaxIterations = 12;
 
-bool nearer(const NearestRay& a, const NearestRay& b) {
-  return a.found() && (!b.found() || a.distance_m < b.distance_m);
-}
+bool nearer(const NearestRay& a, const NearestRay& b) { return a.distance_m < b.distance_m; }
 
 }  // namespace
 
@@ -33,6 +31,8 @@ RaySearch::RaySearch(const CompensatedScan& scan) : scan_(scan) {
     centre_h_ += laser.origin_h_m / static_cast<double>(model.lasers.size());
   }
   for (const Laser& laser : model.lasers) {
+    cones_.push_back({std::cos(laser.elevation_rad), std::sin(laser.elevation_rad), laser.origin_h_m.z(),
+                      laser.origin_h_m.head<2>().norm()});
     origin_spread_m_ = std::max(origin_spread_m_, (laser.origin_h_m - centre_h_).norm());
   }
   column_T_h0_.reserve(scan.column_states.size());
@@ -64,7 +64,7 @@ RaySearch::Sighting RaySearch::sight(const Eigen::Vector3d& q_0, int laser, int 
   // distance.
   const double horizontal = std::max(q_h.head<2>().norm(), 1e-9);
   const double turn = q_l.x() > 0 ? std::clamp(q_l.y() / horizontal, -1.0, 1.0) : 0.0;
-  return {column, q_l, column + turn * columns_per_rad_};
+  return {column, q_h, q_l, column + turn * columns_per_rad_};
 }
 
 double RaySearch::column_of_direction(const Eigen::Vector3d& q_0) const {
@@ -106,9 +106,23 @@ NearestRay RaySearch::measured_ray(const Sighting& s, int laser) const {
   return {laser, s.at, s.q_l.tail<2>().norm(), s.q_l.x()};
 }
 
-NearestRay RaySearch::nearest_of_laser(const Eigen::Vector3d& q_0, int laser, double hub_column) const {
+// Of the measured rays of the laser from the point, by where it lies from the cone of the beams in this
+// column: from column to column it moves with the sensor, apart from its circle about the hub's axis.
+double RaySearch::least_distance(const Sighting& s, int laser) const {
+  const Cone& cone = cones_[static_cast<std::size_t>(laser)];
+  const Vector6d& varpi_h = column_varpi_h_[static_cast<std::size_t>(s.at)];
+  const double columns = 2 * std::abs(s.column - s.at) + kColumnReach + 2;
+  const double speed = varpi_h.head<3>().norm() + varpi_h.segment<2>(3).norm() * s.q_h.norm();
+  const double moved_m = columns * scan_.scan->column_period.seconds() * speed;
+  return std::abs(s.q_h.head<2>().norm() * cone.sine - (s.q_h.z() - cone.height_m) * cone.cosine) -
+         cone.beside_m - moved_m;
+}
+
+NearestRay RaySearch::nearest_of_laser(const Eigen::Vector3d& q_0, int laser, double hub_column,
+                                       const NearestRay& known) const {
   Sighting s =
       sight(q_0, laser, clamped_column(hub_column + offset_columns_[static_cast<std::size_t>(laser)]));
+  if (least_distance(s, laser) > known.distance_m) return {};
   for (int i = 0; i < kMaxIterations && clamped_column(s.column) != s.at; ++i) {
     s = sight(q_0, laser, clamped_column(s.column));
   }
@@ -149,8 +163,8 @@ void RaySearch::descend(const Eigen::Vector3d& q_0, double hub_column, NearestRa
   const int start = laser_of_elevation(elevation);
   const auto look_from = [&](int first, int step) {
     for (int l = first; l >= 0 && l < static_cast<int>(lasers.size()); l += step) {
-      if (best.found() && least_distance(l) > best.distance_m) return;
-      const NearestRay ray = nearest_of_laser(q_0, l, hub_column);
+      if (least_distance(l) > best.distance_m) return;
+      const NearestRay ray = nearest_of_laser(q_0, l, hub_column, best);
       if (nearer(ray, best)) best = ray;
     }
   };
@@ -158,9 +172,15 @@ void RaySearch::descend(const Eigen::Vector3d& q_0, double hub_column, NearestRa
   look_from(start + 1, +1);
 }
 
-NearestRay RaySearch::nearest(const Eigen::Vector3d& q_0) const {
+double RaySearch::longest_range(const Eigen::Vector3d& q_0) const {
+  if (column_T_h0_.empty()) return 0;
+  return (column_T_h0_.front() * q_0 - centre_h_).norm() + origin_spread_m_ + travel_m_;
+}
+
+NearestRay RaySearch::nearest(const Eigen::Vector3d& q_0, double limit_m) const {
   NearestRay best;
-  if (column_T_h0_.empty() || laser_T_lh_.empty() || !q_0.allFinite()) return best;
+  best.distance_m = limit_m;  // of no laser: only a nearer ray counts
+  if (column_T_h0_.empty() || laser_T_lh_.empty() || !q_0.allFinite()) return {};
   const int columns = scan_.scan->columns;
   const double column = column_of_direction(q_0);
   descend(q_0, column, best);
@@ -172,7 +192,7 @@ NearestRay RaySearch::nearest(const Eigen::Vector3d& q_0) const {
   const double seam = std::min(max_offset_columns_ + wandered + 2, columns / 2.0);
   if (column < seam) descend(q_0, column + columns, best);
   if (column > columns - seam) descend(q_0, column - columns, best);
-  return best;
+  return best.found() ? best : NearestRay{};
 }
 
 }  // namespace mapless

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <vector>
 
 #include <Eigen/Core>
@@ -12,8 +13,8 @@ namespace mapless::inline v1 {
 struct NearestRay {
   int laser = -1;  ///< -1: no ray
   int column = -1;
-  double distance_m = 0;  ///< of the point from the ray's line
-  double range_m = 0;     ///< of the point's foot along the ray, from the ray's own origin
+  double distance_m = std::numeric_limits<double>::infinity();  ///< of the point from the ray's line
+  double range_m = 0;  ///< of the point's foot along the ray, from the ray's own origin
   [[nodiscard]] bool found() const { return laser >= 0; }
 };
 
@@ -30,13 +31,19 @@ class RaySearch {
   /// Keeps a reference to `scan`.
   explicit RaySearch(const CompensatedScan& scan);
 
-  /// `q_0`: a point in the world frame [m].
-  [[nodiscard]] NearestRay nearest(const Eigen::Vector3d& q_0) const;
+  /// `q_0`: a point in the world frame [m]. None if no ray passes within `limit_m` of it; a limit saves the
+  /// search for points that the scan does not observe.
+  [[nodiscard]] NearestRay nearest(const Eigen::Vector3d& q_0,
+                                   double limit_m = std::numeric_limits<double>::infinity()) const;
+
+  /// An upper bound of the range of q_0 from any of the rays' origins.
+  [[nodiscard]] double longest_range(const Eigen::Vector3d& q_0) const;
 
  private:
   // A point in the frame of one laser at the instant of one column: beam along x.
   struct Sighting {
     int at;  // the column
+    Eigen::Vector3d q_h;
     Eigen::Vector3d q_l;
     double column;  // at which the beam would point at it, by the azimuth seen from this column
   };
@@ -46,7 +53,15 @@ class RaySearch {
   [[nodiscard]] int laser_of_elevation(double elevation_rad) const;
   [[nodiscard]] NearestRay measured_ray(const Eigen::Vector3d& q_0, int laser, int column) const;
   [[nodiscard]] NearestRay measured_ray(const Sighting& s, int laser) const;
-  [[nodiscard]] NearestRay nearest_of_laser(const Eigen::Vector3d& q_0, int laser, double hub_column) const;
+  // None where none can be nearer than `known`.
+  [[nodiscard]] NearestRay nearest_of_laser(const Eigen::Vector3d& q_0, int laser, double hub_column,
+                                            const NearestRay& known) const;
+  [[nodiscard]] double least_distance(const Sighting& s, int laser) const;
+  struct Cone {           // of a laser's beams about the hub's axis
+    double cosine, sine;  // of the elevation
+    double height_m;      // of the apex
+    double beside_m;      // of the laser from the axis
+  };
   // Betters `best` over all lasers that can, from the one that points nearest on to both sides.
   void descend(const Eigen::Vector3d& q_0, double hub_column, NearestRay& best) const;
 
@@ -57,6 +72,7 @@ class RaySearch {
   std::vector<SE3> laser_T_lh_;
   std::vector<double> firing_s_;        // of each laser, after its column's instant
   std::vector<double> offset_columns_;  // of each laser's azimuth offset
+  std::vector<Cone> cones_;             // of each laser
   double max_offset_columns_ = 0;       // its largest magnitude
   double max_offset_s_ = 0;             // the longest between hub and laser pointing the same way
   Eigen::Vector3d centre_h_ = Eigen::Vector3d::Zero();  // mean of the lasers' origins

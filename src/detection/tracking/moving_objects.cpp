@@ -18,7 +18,8 @@ Detection MovingObjects::classify(ObjectProposals proposed) {
   detection.seconds = proposed.seconds;
   const Time now = detection.scan->start;
   detection.tracked = timed(detection.seconds.tracking, [&] {
-    return tracker_.process(detection, ScanTrajectory(*detection.scan, std::move(proposed.column_states)));
+    return tracker_.process(detection, ScanTrajectory(*detection.scan, std::move(proposed.column_states)),
+                            proposed.rays);
   });
   if (method_ == DetectionMethod::published) return detection;
   std::vector<bool> moves;

@@ -340,7 +340,8 @@ Eigen::AlignedBox3d ObjectSnapshot::box(const Vector3d& velocity_0) const {
   return out;
 }
 
-std::vector<ObjectSnapshot> take_snapshots(const Detection& detection, const Trajectory& trajectory) {
+std::vector<ObjectSnapshot> take_snapshots(const Detection& detection, const Trajectory& trajectory,
+                                           const std::shared_ptr<const RayImage>& rays) {
   const Members members(detection);
   SnapshotBuilder builder(detection, trajectory);
   std::vector<Neighbour> candidates;
@@ -350,9 +351,8 @@ std::vector<ObjectSnapshot> take_snapshots(const Detection& detection, const Tra
     if (members.of(number).empty()) continue;
     ObjectSnapshot& snapshot =
         out.emplace_back(builder.take(static_cast<std::uint16_t>(number), members.of(number)));
-    const TrajectoryState state = trajectory.at(snapshot.time);
-    snapshot.sight.emplace(detection.scan, state, snapshot.time);
-    add_surface(state.T_v0.inverse().translation(), candidates, snapshot);
+    snapshot.rays = rays;
+    add_surface(trajectory.at(snapshot.time).T_v0.inverse().translation(), candidates, snapshot);
   }
   return out;
 }

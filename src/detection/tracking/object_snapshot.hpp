@@ -3,13 +3,13 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <optional>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include <Eigen/Geometry>
 
-#include "detection/freespace/object_sight.hpp"
+#include "detection/freespace/ray_image.hpp"
 #include <mapless/core/time.hpp>
 #include <mapless/detection/detection.hpp>
 #include <mapless/trajectory/trajectory.hpp>
@@ -49,9 +49,9 @@ struct ObjectSnapshot {
   std::vector<SurfaceSample> surface;                      ///< at most kMaxSurfaceSamples
   std::vector<EdgeSample> edges;                           ///< at most kMaxEdgeSamples, ordered by side
   std::array<std::size_t, kImageSides + 1> edges_begin{};  ///< first of each side among them, and the end
-  double edge_share = 0;            ///< of its outline in the scan image: 1 where no side of it is occluded
-  double patch_m = 0;               ///< radius of the neighbourhoods of the surface samples
-  std::optional<SightLines> sight;  ///< free space observed by its scan, around `time`
+  double edge_share = 0;  ///< of its outline in the scan image: 1 where no side of it is occluded
+  double patch_m = 0;     ///< radius of the neighbourhoods of the surface samples
+  std::shared_ptr<const RayImage> rays;  ///< of its scan; null once released
 
   /// The edges of one side; only edges of the same side correspond.
   [[nodiscard]] std::span<const EdgeSample> edges_of(std::size_t side) const {
@@ -67,9 +67,10 @@ struct ObjectSnapshot {
 inline constexpr std::size_t kMaxSurfaceSamples = 160;
 inline constexpr std::size_t kMaxEdgeSamples = 96;
 
-/// One snapshot for each object of a detection, by number. `trajectory` is of the sensor. Throws
-/// TrajectoryDomainError.
+/// One snapshot for each object of a detection, by number. `trajectory` is of the sensor, `rays` of the
+/// detection's scan. Throws TrajectoryDomainError.
 [[nodiscard]] std::vector<ObjectSnapshot> take_snapshots(const Detection& detection,
-                                                         const Trajectory& trajectory);
+                                                         const Trajectory& trajectory,
+                                                         const std::shared_ptr<const RayImage>& rays);
 
 }  // namespace mapless

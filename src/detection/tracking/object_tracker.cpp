@@ -76,7 +76,7 @@ struct Track {
   }
   // Releases the scan before the last: only the newest free space is used.
   void release_earlier_scan() {
-    if (snapshots.size() > 1) snapshots[1]->sight.reset();
+    if (snapshots.size() > 1) snapshots[1]->rays.reset();
   }
 };
 
@@ -200,10 +200,11 @@ TrackedObject describe(const Track& track, const ObjectSnapshot& snapshot, int a
 
 class ObjectTracker::Implementation {
  public:
-  std::vector<TrackedObject> process(const Detection& detection, const Trajectory& trajectory) {
+  std::vector<TrackedObject> process(const Detection& detection, const Trajectory& trajectory,
+                                     const std::shared_ptr<const RayImage>& rays) {
     const Time start = detection.scan->start;
     require_usable(detection, scans_ == 0 ? std::nullopt : std::optional(newest_start_));
-    std::vector<ObjectSnapshot> snapshots = take_snapshots(detection, trajectory);
+    std::vector<ObjectSnapshot> snapshots = take_snapshots(detection, trajectory, rays);
     newest_start_ = start;
     drop_absent(start);
     const std::vector<Track*> tracks = tracks_of(snapshots, start);
@@ -286,8 +287,9 @@ ObjectTracker::~ObjectTracker() = default;
 ObjectTracker::ObjectTracker(ObjectTracker&&) noexcept = default;
 ObjectTracker& ObjectTracker::operator=(ObjectTracker&&) noexcept = default;
 
-std::vector<TrackedObject> ObjectTracker::process(const Detection& detection, const Trajectory& trajectory) {
-  return implementation_->process(detection, trajectory);
+std::vector<TrackedObject> ObjectTracker::process(const Detection& detection, const Trajectory& trajectory,
+                                                  const std::shared_ptr<const RayImage>& rays) {
+  return implementation_->process(detection, trajectory, rays);
 }
 
 }  // namespace mapless

@@ -3,6 +3,7 @@
 #include <memory>
 #include <vector>
 
+#include "detection/freespace/ray_image.hpp"
 #include <mapless/detection/detection.hpp>
 #include <mapless/trajectory/trajectory.hpp>
 
@@ -27,10 +28,11 @@ class ObjectTracker {
   ObjectTracker& operator=(ObjectTracker&&) noexcept;
 
   /// One element for each object of the next detection, by Detection::object. `trajectory` has to cover the
-  /// instants of its dynamic points. Throws InputError for a scan that does not start after the last one or
-  /// that was compensated for motion before, and TrajectoryDomainError; the tracker is then as it was before
-  /// the call.
-  std::vector<TrackedObject> process(const Detection& detection, const Trajectory& trajectory);
+  /// instants of its dynamic points; `rays` is the image of its scan. Throws InputError for a scan that does
+  /// not start after the last one or that was compensated for motion before, and TrajectoryDomainError; the
+  /// tracker is then as it was before the call.
+  std::vector<TrackedObject> process(const Detection& detection, const Trajectory& trajectory,
+                                     const std::shared_ptr<const RayImage>& rays);
 
  private:
   class Implementation;

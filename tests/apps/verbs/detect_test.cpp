@@ -86,8 +86,8 @@ MdlidarFrame empty_frame(int k) {
   MdlidarFrame frame;
   frame.start = Time::from_nanoseconds(k * kTurn_ns);
   frame.end = frame.start + Duration::from_nanoseconds(kTurn_ns);
-  frame.T_0v_start = SE3(Eigen::Matrix3d::Identity(), {static_cast<double>(k), 0, 0});
-  frame.T_0v_end = SE3(Eigen::Matrix3d::Identity(), {k + 1.0, 0, 0});
+  frame.pose_p = SE3(Eigen::Matrix3d::Identity(), {static_cast<double>(k), 0, 0});
+  frame.pose = SE3(Eigen::Matrix3d::Identity(), {k + 1.0, 0, 0});
   for (int laser = 0; laser < 2; ++laser) {
     for (int c = 0; c < 90; ++c) {
       MdlidarPoint point;

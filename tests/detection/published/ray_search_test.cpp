@@ -141,6 +141,23 @@ TEST(RaySearch, GivesAScansOwnPointsTheirOwnRays) {
   }
 }
 
+// The nearest ray is found within a limit a little beyond it, and none within one a little short of it.
+TEST(RaySearch, FindsRaysWithinALimit) {
+  const auto trajectory = test::drive(15, 0.2);
+  const auto scan = rays_only("HDL-64E-S2");
+  const CompensatedScan compensated = compensate(scan, *trajectory);
+  const RaySearch search(compensated);
+  for (const Vector3d& q : random_points(*scan, *trajectory, 500, 4)) {
+    const NearestRay nearest = search.nearest(q);
+    ASSERT_TRUE(nearest.found());
+    const NearestRay within = search.nearest(q, nearest.distance_m + 1e-6);
+    EXPECT_EQ(within.laser, nearest.laser);
+    EXPECT_EQ(within.column, nearest.column);
+    EXPECT_FALSE(search.nearest(q, nearest.distance_m - 1e-6).found());
+    EXPECT_LE(nearest.range_m, search.longest_range(q));
+  }
+}
+
 // The distance and the foot are those of the ray that is named.
 TEST(RaySearch, MeasuresToTheRayItNames) {
   const auto trajectory = test::drive(15, 1);

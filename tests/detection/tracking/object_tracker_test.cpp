@@ -49,10 +49,16 @@ Detection true_detection(const ToyScene& scene, int number) {
   return detection;
 }
 
+std::vector<TrackedObject> process(ObjectTracker& tracker, const Detection& detection,
+                                   const Trajectory& trajectory) {
+  return tracker.process(detection, trajectory,
+                         std::make_shared<const RayImage>(compensate(detection.scan, trajectory)));
+}
+
 std::vector<TrackedObject> track(ObjectTracker& tracker, const ToyScene& scene, int first, int count) {
   std::vector<TrackedObject> objects;
   for (int k = first; k < first + count; ++k)
-    objects = tracker.process(true_detection(scene, k), *scene.trajectory);
+    objects = process(tracker, true_detection(scene, k), *scene.trajectory);
   return objects;
 }
 
@@ -75,7 +81,7 @@ TEST(ObjectTracker, EstimatesVelocityAndItsUncertainty) {
     ObjectTracker tracker;
     std::vector<TrackedObject> objects;
     const test::MovedTrajectory trajectory(scene.trajectory, T_0w, Duration());
-    for (int k = 0; k < 9; ++k) objects = tracker.process(true_detection(scene, k), trajectory);
+    for (int k = 0; k < 9; ++k) objects = process(tracker, true_detection(scene, k), trajectory);
     ASSERT_EQ(objects.size(), 1u);
     const Vector3d error = objects[0].velocity_0 - T_0w.rotation().transpose() * velocity;
     EXPECT_LT(error.norm(), 0.5) << error.transpose();
@@ -154,7 +160,7 @@ TEST(ObjectTracker, ObjectsThatMergeAndSplitGetTheirIdsBack) {
   for (int k = 8; k < 12; ++k) {
     Detection merged = true_detection(scene, k);
     for (std::uint16_t& number : merged.object) number = number == 0 ? 0 : 1;
-    const auto objects = tracker.process(merged, *scene.trajectory);
+    const auto objects = process(tracker, merged, *scene.trajectory);
     ASSERT_EQ(objects.size(), 1u);
     EXPECT_EQ(objects[0].id, before[0].id) << "the larger keeps its id";
   }
@@ -179,7 +185,7 @@ TEST(ObjectTracker, APartThatSplitsOffIsNewAndStartsWithTheVelocityOfTheWhole) {
     if (split.object[i] != 0 && static_cast<double>(split.scan->returns[i].position_v.y()) > y)
       split.object[i] = 2;
   }
-  const auto parts = tracker.process(split, *scene.trajectory);
+  const auto parts = process(tracker, split, *scene.trajectory);
   ASSERT_EQ(parts.size(), 2u);
   EXPECT_EQ(parts[0].id, whole[0].id);
   EXPECT_EQ(parts[0].age, 7);
@@ -220,7 +226,7 @@ TEST(ObjectTracker, FollowsABrakingCar) {
     place.x() += speed * kScan_s;
     scene.world[0].velocity_0 = {speed, 0, 0};
     scene.world[0].T_0b = SE3(Eigen::Matrix3d::Identity(), place - middle_s * scene.world[0].velocity_0);
-    const auto objects = tracker.process(true_detection(scene, k), *scene.trajectory);
+    const auto objects = process(tracker, true_detection(scene, k), *scene.trajectory);
     ASSERT_EQ(objects.size(), 1u);
     last = objects[0];
     EXPECT_EQ(last.id, 1u);
@@ -246,7 +252,7 @@ TEST(ObjectTracker, RefusesScansOutOfOrderAndCompensatedOnes) {
   auto scan = std::make_shared<LidarScan>(*compensated.scan);
   scan->compensated_to = scan->start;
   compensated.scan = scan;
-  EXPECT_THROW(tracker.process(compensated, *scene.trajectory), InputError);
+  EXPECT_THROW(tracker.process(compensated, *scene.trajectory, nullptr), InputError);
   EXPECT_EQ(track(tracker, scene, 4, 1).at(0).age, 2) << "as it was before the calls";
 }
 

@@ -12,6 +12,7 @@
 
 #include "io/files/numbered_files.hpp"
 #include "io/formats/mdlidar/mdlidar_files.hpp"
+#include "io/formats/mdlidar/pose_reading.hpp"
 #include "mdlidar.pb.h"
 #include <mapless/core/errors.hpp>
 #include <mapless/io/labels.hpp>
@@ -66,30 +67,10 @@ Eigen::Vector3d position_of(const MdlidarLaser& l, double range, double rotation
           range * std::sin(l.vert_correction_rad) + l.vert_offset_m * std::cos(l.vert_correction_rad)};
 }
 
-std::uint32_t label_of(const mdlidar::Point& point) {
-  if (!(point.range() >= 0)) return kLabelUnknown;
-  const std::uint32_t label = point.dynamic() ? kLabelDynamic : kLabelStatic;
-  return label | (static_cast<std::uint32_t>(point.object_id()) << 16);
-}
-
-SampledTrajectory make_trajectory(const std::vector<MdlidarFrameSummary>& frames, PoseDirection direction,
-                                  const std::string& source, double& largest_disagreement_m) {
-  std::vector<TimedPose> poses;
-  const auto add = [&](Time time, const SE3& pose) {
-    poses.push_back({time, direction == PoseDirection::world_from_sensor ? pose.inverse() : pose});
-  };
-  largest_disagreement_m = 0;
-  for (const MdlidarFrameSummary& frame : frames) {
-    if (poses.empty() || frame.start > poses.back().time) {
-      add(frame.start, frame.pose_at_start);
-    } else if (frame.start == poses.back().time) {
-      const SE3& before = (&frame - 1)->pose_at_end;
-      largest_disagreement_m =
-          std::max(largest_disagreement_m, (before.translation() - frame.pose_at_start.translation()).norm());
-    }
-    add(frame.end, frame.pose_at_end);
-  }
-  return {std::move(poses), frames.front().end - frames.front().start, source};
+std::uint32_t label_of(const MdlidarPoint& point) {
+  if (!(point.range_m >= 0)) return kLabelUnknown;
+  const std::uint32_t label = point.dynamic ? kLabelDynamic : kLabelStatic;
+  return label | (static_cast<std::uint32_t>(point.object_id) << 16);
 }
 
 class MdlidarDataset final : public Dataset {
@@ -112,7 +93,7 @@ class MdlidarDataset final : public Dataset {
     for (const auto& [number, file] : files) files_.push_back(file);
     read_summaries();
     model_ = make_model();
-    read_trajectory(folder, options.pose_direction);
+    read_trajectory(folder, options);
     if (const std::string gaps = missing_numbers(files); !gaps.empty())
       notes_.push_back("frames missing: " + gaps);
     find_labels(files, options.labels);
@@ -126,11 +107,13 @@ class MdlidarDataset final : public Dataset {
     return scan_start(k) + Duration::from_nanoseconds(column_period(k).nanoseconds() * columns_);
   }
   [[nodiscard]] fs::path scan_file(std::size_t k) const override { return files_[checked(k)]; }
-  [[nodiscard]] std::shared_ptr<const Trajectory> trajectory() const override { return trajectory_; }
+  [[nodiscard]] std::shared_ptr<const Trajectory> trajectory() const override {
+    if (poses_.refusal) throw InputError(*poses_.refusal);
+    return poses_.trajectory;
+  }
   [[nodiscard]] std::vector<std::string> notes() const override { return notes_; }
 
   [[nodiscard]] LidarScan read(std::size_t k) const override {
-    const mdlidar::Frame frame = read_mdlidar_frame(files_[checked(k)], points_per_frame());
     LidarScan scan;
     scan.model = model_;
     scan.start = scan_start(k);
@@ -138,19 +121,18 @@ class MdlidarDataset final : public Dataset {
     scan.column_period = column_period(k);
     scan.time_source = Provenance::sensor;
     scan.ring_source = Provenance::sensor;
-    std::vector<LidarRecord> records(points_per_frame());
+    std::vector<LidarRecord> records(points_of(k));
     const auto length_ns = static_cast<double>((frames_[k].end - frames_[k].start).nanoseconds());
-    for (std::size_t i = 0; i < records.size(); ++i) {
+    read_mdlidar_points(files_[k], records.size(), [&](std::size_t i, const MdlidarPoint& point) {
       const std::size_t channel = i / static_cast<std::size_t>(columns_);
       const auto column = static_cast<int>(i % static_cast<std::size_t>(columns_));
-      const mdlidar::Point& point = frame.points(static_cast<int>(i));
-      require_rotation(point.rotation(), channel, column, k);
-      const bool hit = point.range() >= 0;
-      records[i] = {position_of(calibration_[channel], point.range(), point.rotation()).cast<float>(),
+      require_rotation(point.rotation_deg, channel, column, k);
+      const bool hit = point.range_m >= 0;
+      records[i] = {position_of(calibration_[channel], point.range_m, point.rotation_deg).cast<float>(),
                     row_of_channel_[channel], column,
                     static_cast<std::int32_t>(std::lround(column * length_ns / (columns_ - 1))),
                     hit ? ReturnCode::hit : ReturnCode::faulty};
-    }
+    });
     return organise(std::move(scan), records, files_[k].string());
   }
 
@@ -159,16 +141,21 @@ class MdlidarDataset final : public Dataset {
       if (label_files_[checked(k)].empty()) return std::nullopt;
       return read_label_file(label_files_[k], points_per_frame());
     }
-    const mdlidar::Frame frame = read_mdlidar_frame(files_[checked(k)], points_per_frame());
-    std::vector<std::uint32_t> labels;
-    labels.reserve(points_per_frame());
-    for (const mdlidar::Point& point : frame.points()) labels.push_back(label_of(point));
+    std::vector<std::uint32_t> labels(points_of(checked(k)));
+    read_mdlidar_points(files_[k], labels.size(),
+                        [&](std::size_t i, const MdlidarPoint& point) { labels[i] = label_of(point); });
     return labels;
   }
 
  private:
   [[nodiscard]] std::size_t points_per_frame() const {
     return calibration_.size() * static_cast<std::size_t>(columns_);
+  }
+
+  // Memory is taken for as many points as the file holds, whatever the header says.
+  [[nodiscard]] std::size_t points_of(std::size_t k) const {
+    require_mdlidar_points(files_[k], frames_[k].points, points_per_frame());
+    return frames_[k].points;
   }
 
   [[nodiscard]] Duration column_period(std::size_t k) const {
@@ -196,10 +183,13 @@ class MdlidarDataset final : public Dataset {
 
   // Rotations of the first frame's first laser give start and step of the columns.
   std::shared_ptr<const LidarModel> make_model() {
-    const mdlidar::Frame first = read_mdlidar_frame(files_.front(), points_per_frame());
+    std::vector<float> rotations_deg(static_cast<std::size_t>(columns_));
+    read_mdlidar_points(files_.front(), points_per_frame(), [&](std::size_t i, const MdlidarPoint& point) {
+      if (i < rotations_deg.size()) rotations_deg[i] = point.rotation_deg;
+    });
     double turned_deg = 0;
-    for (int c = 1; c < columns_; ++c) {
-      turned_deg += std::remainder(first.points(c).rotation() - first.points(c - 1).rotation(), 360.0);
+    for (std::size_t c = 1; c < rotations_deg.size(); ++c) {
+      turned_deg += std::remainder(rotations_deg[c] - rotations_deg[c - 1], 360.0F);
     }
     if (!(turned_deg > 180 && turned_deg < 540)) {
       throw InputError({files_.front().string(), "rotation",
@@ -210,7 +200,7 @@ class MdlidarDataset final : public Dataset {
     model.name = "mdlidar";
     model.columns = static_cast<int>(std::lround(360 * (columns_ - 1) / turned_deg));
     model.direction = SpinDirection::clockwise;
-    model.start_azimuth_rad = -first.points(0).rotation() * kDegree;
+    model.start_azimuth_rad = -rotations_deg.front() * kDegree;
     model.rotation_rate_hz = turned_deg / 360 / (frames_.front().end - frames_.front().start).seconds();
     model.max_range_m = kMaxRange_m;
     std::vector<std::size_t> order(calibration_.size());
@@ -228,18 +218,17 @@ class MdlidarDataset final : public Dataset {
     return std::make_shared<const LidarModel>(std::move(model));
   }
 
-  void read_trajectory(const fs::path& folder, PoseDirection direction) {
-    double disagreement_m = 0;
-    trajectory_ = std::make_shared<const SampledTrajectory>(
-        make_trajectory(frames_, direction, (folder / "frame").string(), disagreement_m));
-    notes_.push_back(fmt::format(
-        "trajectory: the frames' own poses, at the start (_p) and the end of each, read as {}",
-        direction == PoseDirection::world_from_sensor ? "world from sensor" : "sensor from world"));
-    if (disagreement_m > 0.01) {
-      notes_.push_back(fmt::format(
-          "trajectory: a frame's first pose differs from the last one of the frame before by up to {:.3f} m",
-          disagreement_m));
-    }
+  void read_trajectory(const fs::path& folder, const DatasetOptions& options) {
+    const auto readable = [this](std::size_t k) -> std::shared_ptr<const LidarScan> {
+      try {
+        return std::make_shared<const LidarScan>(read(k));
+      } catch (const InputError&) {  // whoever wants this scan is told then
+        return nullptr;
+      }
+    };
+    poses_ = choose_pose_reading(frames_, options.pose_direction, options.pose_instant,
+                                 (folder / "frame").string(), readable);
+    notes_.insert(notes_.end(), poses_.notes.begin(), poses_.notes.end());
   }
 
   void find_labels(const std::map<int, fs::path>& files, const fs::path& folder) {
@@ -260,7 +249,7 @@ class MdlidarDataset final : public Dataset {
   std::vector<MdlidarFrameSummary> frames_;
   std::vector<std::int32_t> row_of_channel_;
   std::shared_ptr<const LidarModel> model_;
-  std::shared_ptr<const Trajectory> trajectory_;
+  PoseReadingChoice poses_;
   std::vector<fs::path> label_files_;
   std::vector<std::string> notes_;
 };

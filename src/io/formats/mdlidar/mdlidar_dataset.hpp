@@ -16,8 +16,8 @@ namespace mapless::inline v1 {
 /// row per laser: horizontal offset [m], vertical offset [m], rotational correction [rad], vertical
 /// correction [rad]). Points are sorted by laser, then column; range -1 is a missing return of unknown
 /// reason. Rotation is in degrees clockwise, times in nanoseconds, column c of n at start + c / (n - 1) (end
-/// - start). Poses are taken as: `_p` at the start of the frame, the other at its end; their direction is not
-/// documented (DatasetOptions::pose_direction).
+/// - start). Direction and instants of the poses are not documented and are found from the scans
+/// (choose_pose_reading), unless `options` give them; trajectory() throws InputError where no reading fits.
 [[nodiscard]] bool looks_mdlidar(const std::filesystem::path& path);
 [[nodiscard]] std::unique_ptr<Dataset> open_mdlidar(const std::filesystem::path& path,
                                                     const DatasetOptions& options);

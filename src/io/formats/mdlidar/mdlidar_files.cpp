@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <string>
+#include <string_view>
 
 #include <fmt/format.h>
 #include <google/protobuf/io/coded_stream.h>
@@ -60,11 +61,26 @@ SE3 pose_of(const mdlidar::Vector3D& position, const mdlidar::Orientation& orien
   return {so3_exp(axis.normalized() * angle), p};
 }
 
-// The fields of a frame but its points, which are 128,000 messages to build and none of them wanted.
-bool parse_without_points(const std::string& bytes, mdlidar::Frame& frame) {
+// Reads the length of an embedded message and goes to its end; `bytes` is its content.
+bool read_embedded(CodedInputStream& in, std::string_view& bytes) {
+  std::uint32_t size = 0;
+  if (!in.ReadVarint32(&size)) return false;
+  const void* data = nullptr;
+  int available = 0;
+  if (size > 0 && !in.GetDirectBufferPointer(&data, &available)) return false;
+  if (size > static_cast<std::uint32_t>(available)) return false;
+  bytes = {static_cast<const char*>(data), size};
+  return in.Skip(static_cast<int>(size));
+}
+
+// Reads a frame. Its points are handed over one by one and not kept in `frame`: as messages, 128,000 of them
+// would take many times the size of the file.
+bool parse_frame(const std::string& bytes, mdlidar::Frame& frame,
+                 const std::function<bool(std::string_view)>& take_point) {
   CodedInputStream in(reinterpret_cast<const std::uint8_t*>(bytes.data()), static_cast<int>(bytes.size()));
   while (const std::uint32_t tag = in.ReadTag()) {
     std::uint64_t number = 0;
+    std::string_view point;
     switch (tag) {
       case WireFormatLite::MakeTag(mdlidar::Frame::kStartTimeFieldNumber, WireFormatLite::WIRETYPE_VARINT):
         if (!in.ReadVarint64(&number)) return false;
@@ -77,6 +93,10 @@ bool parse_without_points(const std::string& bytes, mdlidar::Frame& frame) {
       case WireFormatLite::MakeTag(mdlidar::Frame::kStateFieldNumber,
                                    WireFormatLite::WIRETYPE_LENGTH_DELIMITED):
         if (!WireFormatLite::ReadMessage(&in, frame.mutable_state())) return false;
+        break;
+      case WireFormatLite::MakeTag(mdlidar::Frame::kPointsFieldNumber,
+                                   WireFormatLite::WIRETYPE_LENGTH_DELIMITED):
+        if (!read_embedded(in, point) || !take_point(point)) return false;
         break;
       default:
         if (!WireFormatLite::SkipField(&in, tag)) return false;
@@ -127,20 +147,36 @@ mdlidar::Header read_mdlidar_header(const fs::path& file) {
   return header;
 }
 
-mdlidar::Frame read_mdlidar_frame(const fs::path& file, std::size_t points) {
-  auto frame = parse<mdlidar::Frame>(file);
-  if (static_cast<std::size_t>(frame.points_size()) != points) {
-    throw InputError({file.string(), "points", std::to_string(frame.points_size()),
-                      fmt::format("the header has {}", points), "fetch the file again"});
-  }
-  return frame;
+void read_mdlidar_points(const fs::path& file, std::size_t points,
+                         const std::function<void(std::size_t, const MdlidarPoint&)>& visit) {
+  const std::string bytes = read_whole_file(file);
+  mdlidar::Frame frame;
+  mdlidar::Point message;
+  std::size_t count = 0;
+  const auto take_point = [&](std::string_view point) {
+    if (!message.ParseFromArray(point.data(), static_cast<int>(point.size()))) return false;
+    if (count < points) {
+      visit(count, {message.range(), message.rotation(), message.object_id(), message.dynamic()});
+    }
+    ++count;
+    return true;
+  };
+  if (bytes.empty() || !parse_frame(bytes, frame, take_point)) refuse_corrupt(file, bytes.size());
+  require_mdlidar_points(file, count, points);
+}
+
+void require_mdlidar_points(const fs::path& file, std::size_t points, std::size_t of_header) {
+  if (points == of_header) return;
+  throw InputError({file.string(), "points", std::to_string(points),
+                    fmt::format("the header has {}", of_header), "fetch the file again"});
 }
 
 MdlidarFrameSummary read_mdlidar_summary(const fs::path& file) {
   const std::string bytes = read_whole_file(file);
   mdlidar::Frame frame;
-  if (bytes.empty() || !parse_without_points(bytes, frame)) refuse_corrupt(file, bytes.size());
   MdlidarFrameSummary summary;
+  const auto count_point = [&summary](std::string_view) { return ++summary.points > 0; };
+  if (bytes.empty() || !parse_frame(bytes, frame, count_point)) refuse_corrupt(file, bytes.size());
   summary.start = Time::from_nanoseconds(frame.start_time());
   summary.end = Time::from_nanoseconds(frame.end_time());
   require_time(frame.start_time(), "start_time", file);
@@ -155,8 +191,8 @@ MdlidarFrameSummary read_mdlidar_summary(const fs::path& file) {
     throw InputError({file.string(), "state", "", "missing: the pose of the sensor", "fetch the file again"});
   }
   const mdlidar::State& state = frame.state();
-  summary.pose_at_start = pose_of(state.position_p(), state.orientation_p(), file, "state_p");
-  summary.pose_at_end = pose_of(state.position(), state.orientation(), file, "state");
+  summary.pose_p = pose_of(state.position_p(), state.orientation_p(), file, "state_p");
+  summary.pose = pose_of(state.position(), state.orientation(), file, "state");
   return summary;
 }
 

@@ -80,10 +80,10 @@ void MdlidarWriter::write(const MdlidarFrame& frame) {
     point.set_dynamic(p.dynamic);
   }
   mdlidar::State& state = *message.mutable_state();
-  set(frame.T_0v_end.translation(), *state.mutable_position());
-  set(frame.T_0v_end.rotation(), *state.mutable_orientation());
-  set(frame.T_0v_start.translation(), *state.mutable_position_p());
-  set(frame.T_0v_start.rotation(), *state.mutable_orientation_p());
+  set(frame.pose.translation(), *state.mutable_position());
+  set(frame.pose.rotation(), *state.mutable_orientation());
+  set(frame.pose_p.translation(), *state.mutable_position_p());
+  set(frame.pose_p.rotation(), *state.mutable_orientation_p());
   write_file_atomically(file, message_bytes(message, file));
   ++frames_;
 }

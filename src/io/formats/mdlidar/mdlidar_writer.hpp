@@ -31,8 +31,8 @@ struct MdlidarFrame {
   Time start;
   Time end;
   std::vector<MdlidarPoint> points;
-  SE3 T_0v_start;  ///< world from sensor
-  SE3 T_0v_end;
+  SE3 pose_p;  ///< position_p, orientation_p; the simulator's: world from sensor at `start`
+  SE3 pose;    ///< position, orientation; the simulator's: world from sensor at `end`
 };
 
 /// Writes a recording in the format of the mdlidar dataset: `header`, `frame/data_<i>`, `vel_64_calib.csv`.

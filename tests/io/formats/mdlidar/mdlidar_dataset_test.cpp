@@ -42,8 +42,8 @@ MdlidarFrame make_frame(int k) {
   MdlidarFrame frame;
   frame.start = Time::from_nanoseconds(1'000'000'000 + k * kTurn_ns);
   frame.end = frame.start + Duration::from_nanoseconds(kTurn_ns);
-  frame.T_0v_start = T_0v_at(k * 0.099);
-  frame.T_0v_end = T_0v_at((k + 1) * 0.099);
+  frame.pose_p = T_0v_at(k * 0.099);
+  frame.pose = T_0v_at((k + 1) * 0.099);
   std::mt19937 random(static_cast<unsigned>(k));
   for (int l = 0; l < kLasers; ++l) {
     for (int c = 0; c < kColumns; ++c) {
@@ -196,7 +196,7 @@ TEST_F(Mdlidar, RefusesFramesOfAnotherNumberOfPoints) {
 TEST_F(Mdlidar, RefusesPosesThatAreNotFiniteAndTimesThatDoNotIncrease) {
   MdlidarWriter writer(town(), kCalibration, kColumns, Duration::from_nanoseconds(kTurn_ns));
   MdlidarFrame frame = make_frame(0);
-  frame.T_0v_end = SE3(Eigen::Matrix3d::Identity(), {std::nan(""), 0, 0});
+  frame.pose = SE3(Eigen::Matrix3d::Identity(), {std::nan(""), 0, 0});
   writer.write(frame);
   EXPECT_EQ(error().field, "state");
   frame = make_frame(1);
