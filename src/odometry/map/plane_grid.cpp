@@ -186,7 +186,7 @@ void PlaneGrid::add_run(const std::vector<MapPoint>& points, const Run& run, uns
   for (std::uint32_t i = run.begin; i < run.begin + run.count; ++i) {
     const MapPoint& point = points[i];
     sums.add(point.p_0[0] - corner_0[0], point.p_0[1] - corner_0[1], point.p_0[2] - corner_0[2], 1);
-    cube.lines |= std::uint64_t{1} << (point.line & 63U);
+    cube.lasers |= std::uint64_t{1} << (point.laser & 63U);
     grids[i] |= bit;
   }
   cube.sums = sums;
@@ -201,7 +201,7 @@ void PlaneGrid::add_run(const std::vector<MapPoint>& points, const Run& run, uns
 void PlaneGrid::fit_planes() {
   for (const std::uint32_t i : grown_) {
     cubes_[i].refit_pending = false;
-    if (std::popcount(cubes_[i].lines) >= kMinLines) fit(i);
+    if (std::popcount(cubes_[i].lasers) >= kMinLasers) fit(i);
   }
   grown_.clear();
 }
@@ -246,7 +246,7 @@ void PlaneGrid::fit(std::size_t i) {
   Cube& cube = cubes_[i];
   cube.fitted = cube.count;
   planes_[i] = {};
-  if (cube.count < kMinPoints || std::popcount(cube.lines) < kMinLines) return;
+  if (cube.count < kMinPoints || std::popcount(cube.lasers) < kMinLasers) return;
   const double n = cube.count;
   const Vector3d mean = Eigen::Map<const Vector3d>(cube.sums.first.data()) / n;
   Eigen::Matrix3d scatter;

@@ -27,8 +27,7 @@ struct MapPlane {
 
 struct MapPoint {
   Eigen::Vector3d p_0;  ///< [m]
-  /// A number shared by the points of one laser in one scan, which lie on a line whatever surface they hit.
-  unsigned line;
+  unsigned laser;
   double range_m;     ///< from the sensor
   unsigned pass = 0;  ///< a cube without room for all points takes those of lower passes first
 };
@@ -44,9 +43,12 @@ class PlaneGrid {
   /// of the noise. Measured with 600: of two flying VLP-16 one errs by 0.073 for 0.107 deg per scan, the
   /// other by 0.094 for 0.061 (docs/notebook/odometry.md, "How it starts").
   static constexpr int kMaxPoints = 120;
-  /// Fewest lines (MapPoint::line) of a plane: two parallel lines always lie on a plane, whatever they are
-  /// of.
-  static constexpr int kMinLines = 3;
+  /// Fewest lasers of a plane, over all scans. The points of one laser in one scan lie on a line. The lines
+  /// of one laser in several scans span a surface whose tilt is decided by the motion estimated between them:
+  /// such a plane confirms any motion, also a wrong one. Measured: with three lines
+  /// of any laser, 11 of 41 recordings of a VLP-16 are lost; with two lasers, 2 (docs/notebook/odometry.md,
+  /// "Planes of one laser").
+  static constexpr int kMinLasers = 2;
 
   /// Cubes with sides of `cube_m`, one corner at (offset_m, offset_m, offset_m). `sigma_m` is the expected
   /// noise of a point; it enters the thickness of a plane with the weight of six points.
@@ -63,7 +65,7 @@ class PlaneGrid {
   void keep_within(const Eigen::Vector3d& centre_0, double radius_m);
   void clear();
 
-  /// The plane of the cube of `q_0`. None if its points are too few, on too few lines, along one line or
+  /// The plane of the cube of `q_0`. None if its points are too few, of too few lasers, along one line or
   /// scattered in all directions, or if a face of the cube cuts through the noise of the plane.
   [[nodiscard]] std::optional<MapPlane> plane_at(const Eigen::Vector3d& q_0) const;
 
@@ -122,7 +124,7 @@ class PlaneGrid {
   };
   struct Cube {
     std::uint64_t key;
-    std::uint64_t lines = 0;    // bit (line modulo 64) is set for each line
+    std::uint64_t lasers = 0;   // bit (laser modulo 64) is set for each laser
     std::uint32_t pending = 0;  // points that the running insert() has yet to add
     std::int16_t count = 0;
     std::int16_t fitted = 0;     // `count` when the plane was fitted

@@ -7,8 +7,8 @@ namespace mapless::inline v1 {
 namespace {
 
 // Largest range at which a grid accepts points, in cube sides. Derived: a cube is 1 / 80 rad = 0.7 deg wide
-// there, so that one scan of lasers 0.4 deg or more apart puts at most two lines into it, fewer than a plane
-// needs.
+// there, so that one scan of lasers 0.4 deg or more apart puts at most two lines into it, the fewest of a
+// plane, and little of a surface between them.
 constexpr double kMaxRangeCubes = 80;
 // Offset of each grid [m]. Chosen: no two grids share a face, so that a plane cut by one grid lies within the
 // cubes of another.

@@ -24,8 +24,7 @@ struct Step {
 }  // namespace
 
 std::vector<MapPoint> points_in_world(const std::vector<ScanPoint>& points, Time scan_start,
-                                      const TrajectoryKnot& k1, const TrajectoryKnot& k2,
-                                      unsigned first_line) {
+                                      const TrajectoryKnot& k1, const TrajectoryKnot& k2) {
   std::int64_t first_ns = 0;
   std::int64_t last_ns = 0;
   for (const ScanPoint& p : points) {
@@ -49,7 +48,7 @@ std::vector<MapPoint> points_in_world(const std::vector<ScanPoint>& points, Time
       const double dt = static_cast<double>(p.time_ns - middle_of(s)) * 1e-9;
       const Eigen::Vector3d p_v = p.position_v.cast<double>();
       out[i].p_0 = step.T_0v * (p_v - dt * (step.varpi.head<3>() + step.varpi.tail<3>().cross(p_v)));
-      out[i].line = first_line + static_cast<unsigned>(p.laser);
+      out[i].laser = static_cast<unsigned>(p.laser);
       out[i].range_m = p.range_m;
       out[i].pass = p.pass;
     }

@@ -11,9 +11,8 @@
 namespace mapless::inline v1 {
 
 /// Transforms the points of a scan to the world frame, each with the pose at its own instant between knots
-/// `k1` and `k2`. MapPoint::line is `first_line` plus the number of the laser.
+/// `k1` and `k2`.
 [[nodiscard]] std::vector<MapPoint> points_in_world(const std::vector<ScanPoint>& points, Time scan_start,
-                                                    const TrajectoryKnot& k1, const TrajectoryKnot& k2,
-                                                    unsigned first_line = 0);
+                                                    const TrajectoryKnot& k1, const TrajectoryKnot& k2);
 
 }  // namespace mapless

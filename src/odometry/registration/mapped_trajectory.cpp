@@ -104,8 +104,8 @@ void MappedTrajectory::restart_window_at(std::size_t interval) {
 }
 
 void MappedTrajectory::insert(const UsableScan& scan, double map_radius_m) {
-  const auto points = points_in_world(scan.points, scan.start, knots[scan.interval], knots[scan.interval + 1],
-                                      kLineStride * inserted_scans_++);
+  const auto points =
+      points_in_world(scan.points, scan.start, knots[scan.interval], knots[scan.interval + 1]);
   const std::vector<unsigned> grids = map.insert(points);
   InsertedScan& kept = inserted_.emplace_back();
   kept.start = scan.start;

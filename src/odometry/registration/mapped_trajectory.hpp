@@ -11,11 +11,6 @@
 
 namespace mapless::inline v1 {
 
-/// Offset between the line numbers (MapPoint::line) of consecutive scans. A cube keeps the numbers modulo 64,
-/// so that the offset must be odd: 64 scans then give one laser 64 different numbers. Chosen: 29 lines
-/// between a laser and itself one scan later.
-inline constexpr unsigned kLineStride = 29;
-
 /// The part of a scan that the odometry uses.
 struct UsableScan {
   std::vector<ScanPoint> points;                     ///< for the map
@@ -84,7 +79,6 @@ struct MappedTrajectory {
   void forget_edge(const Eigen::Vector3d& centre_0, double map_radius_m);
 
   Eigen::Vector3d map_cleared_at_0_ = Eigen::Vector3d::Zero();
-  unsigned inserted_scans_ = 0;
   std::deque<InsertedScan> inserted_;  // the last ones
 };
 

@@ -34,11 +34,8 @@ using WorldPoints = std::vector<std::vector<MapPoint>>;  // one element per scan
 
 WorldPoints all_in_world(const std::vector<UsableScan>& scans, const std::vector<TrajectoryKnot>& knots) {
   WorldPoints out;
-  for (std::size_t s = 0; s < scans.size(); ++s) {
-    const UsableScan& scan = scans[s];
-    out.push_back(points_in_world(scan.points, scan.start, knots[scan.interval], knots[scan.interval + 1],
-                                  kLineStride * static_cast<unsigned>(s)));
-  }
+  for (const UsableScan& scan : scans)
+    out.push_back(points_in_world(scan.points, scan.start, knots[scan.interval], knots[scan.interval + 1]));
   return out;
 }
 

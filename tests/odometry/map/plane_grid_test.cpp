@@ -17,7 +17,7 @@ namespace MAPLESS_FILE {
 using Eigen::Vector3d;
 
 constexpr double kSigma = 0.02;
-unsigned next_line = 0;  // every point on one of its own
+unsigned next_laser = 0;  // every point of one of its own
 
 struct Patch {
   Vector3d centre, u, v, normal;
@@ -48,10 +48,25 @@ int next_fit(int count) {
   return fitted;
 }
 
-bool insert(PlaneGrid& grid, const Vector3d& p, unsigned line) {
+bool insert(PlaneGrid& grid, const Vector3d& p, unsigned laser) {
   std::vector<unsigned> taken = {0};
-  grid.insert({{p, line, 1}}, 10, 1, taken);
+  grid.insert({{p, laser, 1}}, 10, 1, taken);
   return taken[0] != 0;
+}
+
+// Lines of one laser, from a sensor that approaches a wall: a motion that is 5 % too short tilts the surface
+// that they span.
+TEST(PlaneGrid, HasNoPlaneOfOneLaserAlone) {
+  PlaneGrid one(1, 0, kSigma), two(1, 0, kSigma);
+  for (unsigned scan = 0; scan < 10; ++scan) {
+    for (double y = 0.1; y < 1; y += 0.1) {
+      const Vector3d p(0.4 + 0.02 * scan, y, 0.4 + 0.04 * scan);
+      (void)insert(one, p, 7);
+      (void)insert(two, p, 7 + scan % 2);
+    }
+  }
+  EXPECT_FALSE(one.plane_at({0.5, 0.5, 0.5}));
+  EXPECT_TRUE(two.plane_at({0.5, 0.5, 0.5}));
 }
 
 TEST(PlaneGrid, GivesTheLeastSquaresPlaneOfTheCube) {
@@ -63,7 +78,7 @@ TEST(PlaneGrid, GivesTheLeastSquaresPlaneOfTheCube) {
     const Patch patch = random_patch(generator, centre);
     const auto points = points_on(patch, next_fit(6 + static_cast<int>(seed)), 0.2, generator);
     PlaneGrid grid(1, 0, kSigma);
-    for (const Vector3d& p : points) ASSERT_TRUE(insert(grid, p, next_line++));
+    for (const Vector3d& p : points) ASSERT_TRUE(insert(grid, p, next_laser++));
     const Vector3d q = centre + 0.1 * patch.u - 0.15 * patch.v + 0.05 * patch.normal;
     const auto plane = grid.plane_at(q);
     ASSERT_TRUE(plane);
@@ -82,17 +97,17 @@ void expect_many_at_once_as_one_by_one(bool shuffled) {
   for (int i = 0; i < 12; ++i) {
     const Patch patch = random_patch(generator, {0.5 + i % 4, 0.5 + i / 4, 0.5});
     for (const Vector3d& p : points_on(patch, next_fit(20 + i), 0.2, generator))
-      points.push_back({p, next_line++, 1});
+      points.push_back({p, next_laser++, 1});
   }
   if (shuffled) std::shuffle(points.begin(), points.end(), generator);
   for (std::size_t i = 0; i < points.size(); i += 40)
-    points.insert(points.begin() + static_cast<std::ptrdiff_t>(i), {{500, 0, 0}, next_line++, 11});
+    points.insert(points.begin() + static_cast<std::ptrdiff_t>(i), {{500, 0, 0}, next_laser++, 11});
   PlaneGrid together(1, 0, kSigma), one_by_one(1, 0, kSigma);
   std::vector<unsigned> taken(points.size(), 4);
   together.insert(points, 10, 1, taken);
   for (std::size_t i = 0; i < points.size(); ++i) {
     EXPECT_EQ(taken[i], points[i].range_m > 10 ? 4u : 5u);
-    if (points[i].range_m < 10) (void)insert(one_by_one, points[i].p_0, points[i].line);
+    if (points[i].range_m < 10) (void)insert(one_by_one, points[i].p_0, points[i].laser);
   }
   EXPECT_EQ(together.cubes(), 12u);
   for (int i = 0; i < 12; ++i) {
@@ -117,11 +132,11 @@ TEST(PlaneGrid, ACubeWithoutRoomForAllAcceptsTheLowestPasses) {
   for (const int before : {0, 100}) {
     SCOPED_TRACE(before);
     PlaneGrid grid(1, 0, kSigma);
-    for (int i = 0; i < before; ++i) ASSERT_TRUE(insert(grid, {0.5, 0.5, 0.5}, next_line++));
+    for (int i = 0; i < before; ++i) ASSERT_TRUE(insert(grid, {0.5, 0.5, 0.5}, next_laser++));
     std::vector<MapPoint> points;
     for (unsigned i = 0; i < 480; ++i) {
-      points.push_back({{0.5, 0.5, 0.002 * i + 0.01}, next_line++, 1, i % 9});
-      if (i % 7 == 0) points.push_back({{1.5, 0.5 + i, 0.5}, next_line++, 1, i % 9});
+      points.push_back({{0.5, 0.5, 0.002 * i + 0.01}, next_laser++, 1, i % 9});
+      if (i % 7 == 0) points.push_back({{1.5, 0.5 + i, 0.5}, next_laser++, 1, i % 9});
     }
     std::vector<unsigned> taken(points.size(), 0);
     grid.insert(points, 10, 1, taken);
@@ -134,7 +149,7 @@ TEST(PlaneGrid, ACubeWithoutRoomForAllAcceptsTheLowestPasses) {
         if (!beside) --room;
       }
     }
-    EXPECT_FALSE(insert(grid, {0.5, 0.5, 0.5}, next_line++));
+    EXPECT_FALSE(insert(grid, {0.5, 0.5, 0.5}, next_laser++));
   }
 }
 
@@ -144,9 +159,9 @@ TEST(PlaneGrid, RemovedPointsLeaveNoTrace) {
   const auto points = points_on(patch, next_fit(30), 0.2, generator);
   const auto others = points_on(random_patch(generator, {2.5, 0.5, 0.5}), 20, 0.3, generator);
   PlaneGrid plain(1, 0, kSigma), changed(1, 0, kSigma);
-  for (const Vector3d& p : points) (void)insert(plain, p, next_line++);
-  for (const Vector3d& p : others) (void)insert(changed, p, next_line++);
-  for (const Vector3d& p : points) (void)insert(changed, p, next_line++);
+  for (const Vector3d& p : points) (void)insert(plain, p, next_laser++);
+  for (const Vector3d& p : others) (void)insert(changed, p, next_laser++);
+  for (const Vector3d& p : points) (void)insert(changed, p, next_laser++);
   changed.remove(others);
   const auto expected = plain.plane_at(patch.centre);
   const auto found = changed.plane_at(patch.centre);
@@ -164,10 +179,10 @@ TEST(PlaneGrid, HasNoPlaneOfFewPointsALineOrACloud) {
   std::mt19937 generator(8);
   std::uniform_real_distribution<double> uniform(0.1, 0.9);
   for (int i = 0; i + 1 < PlaneGrid::kMinPoints; ++i)
-    (void)insert(few, {0.15 * i + 0.05, 0.3 * (i % 3) + 0.1, 0.5}, next_line++);
+    (void)insert(few, {0.15 * i + 0.05, 0.3 * (i % 3) + 0.1, 0.5}, next_laser++);
   for (int i = 0; i < 60; ++i) {
-    (void)insert(line, {uniform(generator), 0.5, 0.5}, next_line++);
-    (void)insert(cloud, {uniform(generator), uniform(generator), uniform(generator)}, next_line++);
+    (void)insert(line, {uniform(generator), 0.5, 0.5}, next_laser++);
+    (void)insert(cloud, {uniform(generator), uniform(generator), uniform(generator)}, next_laser++);
   }
   for (const PlaneGrid* grid : {&few, &line, &cloud}) EXPECT_FALSE(grid->plane_at({0.5, 0.5, 0.5}));
 }
@@ -178,49 +193,37 @@ TEST(PlaneGrid, HasNoPlaneThatAFaceOfTheCubeCuts) {
   const Patch floor = {{0.5, 0.5, 1}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   PlaneGrid cut(1, 0, kSigma), shifted(1, 0.4, kSigma);
   for (const Vector3d& p : points_on(floor, 200, 0.4, generator)) {
-    (void)insert(cut, p, next_line++);
-    (void)insert(shifted, p, next_line++);
+    (void)insert(cut, p, next_laser++);
+    (void)insert(shifted, p, next_laser++);
   }
   EXPECT_FALSE(cut.plane_at({0.5, 0.5, 1.01}));
   EXPECT_FALSE(cut.plane_at({0.5, 0.5, 0.99}));
   EXPECT_TRUE(shifted.plane_at({0.5, 0.5, 0.99}));
 }
 
-// A ring on the road and a ring on the wall beside it.
-TEST(PlaneGrid, HasNoPlaneOfTwoLines) {
-  PlaneGrid grid(1, 0, kSigma);
-  for (int i = 0; i < 20; ++i) {
-    (void)insert(grid, {0.1 + 0.04 * i, 0.3, 0.2}, 1);
-    (void)insert(grid, {0.1 + 0.04 * i, 0.7, 0.6}, 2);
-  }
-  EXPECT_FALSE(grid.plane_at({0.5, 0.5, 0.4}));
-  for (int i = 0; i < 5; ++i) (void)insert(grid, {0.1 + 0.2 * i, 0.5, 0.4}, 3);
-  EXPECT_TRUE(grid.plane_at({0.5, 0.5, 0.4}));
-}
-
 TEST(PlaneGrid, CubesAtTheOriginAreAsWideAsOthers) {
   PlaneGrid grid(1, 0, kSigma);
-  for (const double x : {-0.5, 0.5, 1.5}) (void)insert(grid, {x, 0.5, 0.5}, next_line++);
+  for (const double x : {-0.5, 0.5, 1.5}) (void)insert(grid, {x, 0.5, 0.5}, next_laser++);
   EXPECT_EQ(grid.cubes(), 3u);
 }
 
 TEST(PlaneGrid, AFullCubeAcceptsNoMore) {
   PlaneGrid grid(1, 0, kSigma);
-  for (int i = 0; i < PlaneGrid::kMaxPoints; ++i) EXPECT_TRUE(insert(grid, {0.5, 0.5, 0.5}, next_line++));
-  EXPECT_FALSE(insert(grid, {0.5, 0.5, 0.5}, next_line++));
+  for (int i = 0; i < PlaneGrid::kMaxPoints; ++i) EXPECT_TRUE(insert(grid, {0.5, 0.5, 0.5}, next_laser++));
+  EXPECT_FALSE(insert(grid, {0.5, 0.5, 0.5}, next_laser++));
   grid.remove({{0.5, 0.5, 0.5}});
-  EXPECT_TRUE(insert(grid, {0.5, 0.5, 0.5}, next_line++));
-  EXPECT_FALSE(insert(grid, {0.5, 0.5, 0.5}, next_line++));
+  EXPECT_TRUE(insert(grid, {0.5, 0.5, 0.5}, next_laser++));
+  EXPECT_FALSE(insert(grid, {0.5, 0.5, 0.5}, next_laser++));
 }
 
 TEST(PlaneGrid, RemovesCubesThatAreFar) {
   PlaneGrid grid(1, 0, kSigma);
-  for (int x = 0; x < 3000; ++x) (void)insert(grid, {x + 0.5, 0.5, 0.5}, next_line++);
+  for (int x = 0; x < 3000; ++x) (void)insert(grid, {x + 0.5, 0.5, 0.5}, next_laser++);
   grid.keep_within({1000, 0, 0}, 100);
   EXPECT_EQ(grid.cubes(), 201u);
-  (void)insert(grid, {1000.9, 0.5, 0.5}, next_line++);
+  (void)insert(grid, {1000.9, 0.5, 0.5}, next_laser++);
   EXPECT_EQ(grid.cubes(), 201u) << "the table still finds the others";
-  for (int x = -3000; x < 0; ++x) (void)insert(grid, {x + 0.5, -0.5, 0.5}, next_line++);
+  for (int x = -3000; x < 0; ++x) (void)insert(grid, {x + 0.5, -0.5, 0.5}, next_laser++);
   grid.keep_within({-1000, 0, 0}, 100);
   EXPECT_EQ(grid.cubes(), 199u) << "on the negative side, whose corners are 1 m farther";
 }
@@ -228,9 +231,9 @@ TEST(PlaneGrid, RemovesCubesThatAreFar) {
 TEST(PlaneGrid, IgnoresPointsWithoutACube) {
   PlaneGrid grid(1, 0, kSigma);
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_FALSE(insert(grid, {nan, 0, 0}, next_line++));
-  EXPECT_FALSE(insert(grid, {0, 1e300, 0}, next_line++));
-  EXPECT_FALSE(insert(grid, {0, 0, -std::numeric_limits<double>::infinity()}, next_line++));
+  EXPECT_FALSE(insert(grid, {nan, 0, 0}, next_laser++));
+  EXPECT_FALSE(insert(grid, {0, 1e300, 0}, next_laser++));
+  EXPECT_FALSE(insert(grid, {0, 0, -std::numeric_limits<double>::infinity()}, next_laser++));
   EXPECT_EQ(grid.cubes(), 0u);
   EXPECT_FALSE(grid.plane_at({nan, 0, 0}));
 }
@@ -248,7 +251,7 @@ TEST(PlaneMap, ACachedPlaneEqualsTheOneFoundAgain) {
   std::vector<Vector3d> queries;
   for (int i = 0; i < 40; ++i) {
     const Patch patch = random_patch(generator, 6 * Vector3d(uniform(generator), uniform(generator), 0.1));
-    for (const Vector3d& p : points_on(patch, 300, 1, generator)) (void)map.insert({{p, next_line++, 10}});
+    for (const Vector3d& p : points_on(patch, 300, 1, generator)) (void)map.insert({{p, next_laser++, 10}});
     for (const Vector3d& p : points_on(patch, 30, 1, generator)) queries.push_back(p);
   }
   std::vector<CachedPlane> kept(queries.size());
@@ -280,10 +283,10 @@ TEST(PlaneMap, AFarSparseWallHasACoarsePlaneAndANearOneAFinePlane) {
   PlaneMap map(kSigma);
   const Patch wall = {{41.8, 1.8, 1.8}, {0, 1, 0}, {0, 0, 1}, {1, 0, 0}};
   for (const Vector3d& p : points_on(wall, 8, 0.8, generator))
-    EXPECT_EQ(map.insert({{p, next_line++, 90}}), std::vector{12u});
+    EXPECT_EQ(map.insert({{p, next_laser++, 90}}), std::vector{12u});
   EXPECT_TRUE(plane_near(map, wall.centre));
   for (const Vector3d& p : points_on(wall, 60, 0.8, generator))
-    EXPECT_EQ(map.insert({{p, next_line++, 10}}), std::vector{15u});
+    EXPECT_EQ(map.insert({{p, next_laser++, 10}}), std::vector{15u});
   const auto plane = plane_near(map, wall.centre);
   ASSERT_TRUE(plane);
   EXPECT_LT(plane->variance, 2.25 * kSigma * kSigma);

@@ -91,7 +91,7 @@ TEST(StartUp, UnregisteredScansAreRegisteredLater) { expect_right(SimulatedStart
 // Above a hill hardly any point has a plane in the scan before: from pairs alone, no scan is registered for a
 // second.
 TEST(StartUp, ScansThatNoPairConstrainsAreRegisteredFromRest) {
-  const SimulatedStart flyer("flyer", 801, 0);
+  const SimulatedStart flyer("flyer", 300, 0);
   EXPECT_EQ(flyer.started_with, 8);
   expect_right(flyer);
   for (std::size_t k = 0; k + 4 < flyer.starts.size(); ++k)
