@@ -211,8 +211,8 @@ void add_paper_option(CLI::App& verb, bool& paper) {
       "repeat the evaluation of the paper: town1 and town2 for five minutes each (20 s with --quick), 64 x "
       "2000 rays a scan; error thresholds from 0.05 to 2 m at three levels of noise; after each stage; "
       "within a range limit; without motion compensation; without forward check; times. The published and "
-      "the default method beside each other. Takes hours of processor time; keeps nothing but figures on "
-      "disk");
+      "the default method beside each other. Takes about an hour of processor time; keeps nothing but "
+      "figures on disk");
   for (const char* other : {"--scenes", "--sensors", "--noise", "--faulty", "--odometry", "--speed",
                             "--profile", "--config", "--set", "--recordings"})
     flag->excludes(verb.get_option(other));

@@ -13,6 +13,8 @@ namespace {
 constexpr float kBankHeight_m = 0.03F;
 // Steps of a bank's table: with 8 a laser, `below` mostly steps once or not at all.
 constexpr int kStepsPerLaser = 8;
+// Lasers of one elevation have no range of slopes; at least this one keeps the table's step finite.
+constexpr float kMinSlopeRange = 1e-3F;
 constexpr float kHub_m = 0.5F;      // larger than any sensor: its lasers lie within this of its axis
 constexpr float kBeyond_m = 1e30F;  // beyond any return: the search never steps past the last beam
 
@@ -57,7 +59,7 @@ BeamFan::Turn BeamFan::turn_at(const LidarModel& model, int column) {
 
 void BeamFan::Bank::close() {
   const std::size_t steps = kStepsPerLaser * slopes.size();
-  const float range = std::max(slopes.back() - slopes.front(), 1e-3F);
+  const float range = std::max(slopes.back() - slopes.front(), kMinSlopeRange);
   steps_per_slope = static_cast<float>(steps) / range;
   for (std::size_t k = 0; k <= steps; ++k) {
     const float slope = slopes.front() + static_cast<float>(k) / steps_per_slope;

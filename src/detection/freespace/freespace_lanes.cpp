@@ -20,6 +20,8 @@ namespace {
 constexpr int kPasses = 4;
 // Up to this angle [rad] the series of lane_numbers.inc is exact to 1e-6 rad: 0.15^9 / 9 is 4e-9.
 constexpr float kSteadyAngle = 0.15F;
+// Of atan(u), about u / (1 + 0.28 u^2) for |u| <= 1: the rational approximation errs by less than 0.005 rad.
+constexpr float kArctanCoefficient = 0.28F;
 // From here on a laser's place in the hub turns its beam by so little that its cosine is 1 within 2e-4.
 constexpr float kFar_m = 2;
 // Least cosine of a beam's elevation, with what a drift of the sensor changes: the height of a point above a

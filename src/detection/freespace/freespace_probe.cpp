@@ -17,10 +17,15 @@ constexpr int kMaxIterations = 12;
 // Poses that observe of many points uses; 4 degrees of turn change no linearised term noticeably.
 constexpr int kPosesPerTurn = 256;
 
-// atan2(y, x) [rad]. The guess is mostly good and the angle small: below 0.15 four terms of the series err by
-// less than 0.15^9 / 9, 4e-9 rad.
+// Tangent below which four terms of the series of atan err by less than 0.15^9 / 9 = 4e-9 rad.
+constexpr float kSmallTangent = 0.15F;
+// Horizontal distance from the spin axis is taken to be at least this, so that columns per metre stay finite.
+// No spinning lidar measures as near as that.
+constexpr float kMinHorizontal_m = 0.1F;
+
+// atan2(y, x) [rad]. The guess is mostly good, and the angle small.
 float angle_of(float y, float x) {
-  if (x > 0 && std::abs(y) < 0.15F * x) {
+  if (x > 0 && std::abs(y) < kSmallTangent * x) {
     const float t = y / x;
     const float t2 = t * t;
     return t * (1 - t2 * (1 / 3.0F - t2 * (1 / 5.0F - t2 / 7.0F)));
@@ -112,12 +117,13 @@ FreespaceProbe::Sighting FreespaceProbe::sight(const Vector3f& q, const Beam& be
 }
 
 FreespaceProbe::Bracket FreespaceProbe::bracket(const Vector3f& q, float column, const Vector3f& q_h) const {
-  const float horizontal = std::max(std::sqrt(q_h.x() * q_h.x() + q_h.y() * q_h.y()), 0.1F);
+  const float horizontal = std::max(std::sqrt(q_h.x() * q_h.x() + q_h.y() * q_h.y()), kMinHorizontal_m);
   const float columns_per_m = fan_.columns_per_rad / horizontal;
   Bracket bracket;
   for (const Bank& bank : fan_.banks) {
     const int size = static_cast<int>(bank.beams.size()) - 2;
-    const int first = bank.below((q_h.z() - bank.centre_z_m) / std::max(horizontal - bank.centre_x_m, 0.1F));
+    const int first =
+        bank.below((q_h.z() - bank.centre_z_m) / std::max(horizontal - bank.centre_x_m, kMinHorizontal_m));
     const auto passes_above = [&](int k) {
       const Sighting s = sight(q, bank.beams[static_cast<std::size_t>(k + 1)], column, columns_per_m);
       bracket.take(s);
