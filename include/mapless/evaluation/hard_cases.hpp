@@ -23,8 +23,8 @@ struct SightReport {
   /// laser has a static return that is nearer by more than kGapDepth_m.
   Found through_gap;
   /// Points with only sky behind: on either side, the first cell of the laser that is not of the same true
-  /// object observed nothing within range. Cells that are faulty or absent are passed over. Recordings that
-  /// do not tell ReturnCode::nothing from faulty have none.
+  /// object has no return within range. Faulty and absent cells are skipped. Zero for recordings that do not
+  /// distinguish ReturnCode::nothing from ReturnCode::faulty.
   Found before_sky;
 };
 /// Chosen: slats up to 0.17 m apart, seen from 10 m, hide the next point on either side.
@@ -54,12 +54,14 @@ class SightEvaluator {
 struct Delays {
   std::int64_t events = 0;
   std::int64_t never = 0;  ///< not noticed within 25 scans
-  /// Within so many scans at least half of all events, and 90 % of them, are noticed; absent where fewer are.
+  /// Smallest delay [scans] within which at least 50 % (median) or 90 % (p90) of all events are noticed.
+  /// Absent if fewer events than that are noticed at all.
   std::optional<double> median_scans, p90_scans;
 };
 
-/// How late the labels follow a true object that starts or stops. Counted are the scans in which the object
-/// has points of known truth and a true speed (object_states.csv); "next" and "last" mean these.
+/// Delays between the start or stop of a true object and the labels that show it. Only scans in which the
+/// object has points with a true label, and a true speed (object_states.csv), are counted; "next" and "last"
+/// refer to these scans.
 struct DelayReport {
   /// From the first scan above 0.2 m/s to the first one with half of the object's points labelled dynamic. A
   /// start: below 0.1 m/s in the scans six to two before, at most 0.2 m/s in the last; 0.5 m/s within the

@@ -15,7 +15,7 @@ using Eigen::Vector3d;
 // Slots of an empty table; it doubles when half full. Chosen: 64 kB; affects speed alone.
 constexpr std::size_t kInitialSlots = 4096;
 // Weight, in points, of the expected noise in the thickness of a plane. Chosen: as many as the fewest points
-// of a plane, because a plane of three lines looks far thinner than it is (method.md section 6, "Map").
+// of a plane, because a plane of a few scan lines looks far thinner than it is (method.md section 6, "Map").
 constexpr double kNoisePriorPoints = 6;
 // Fewest times its thickness that a plane's medium extent must be (both are variances, [m^2]): points on a
 // line, or scattered in all directions, have no normal. Chosen: 1.6 times in length; scattered points have

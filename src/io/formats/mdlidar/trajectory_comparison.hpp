@@ -35,7 +35,7 @@ struct TrajectoryComparison {
   [[nodiscard]] bool measured() const;
 };
 
-/// Farther than this apart, two points are not taken to be of one surface.
+/// Largest distance [m] at which two points are taken to lie on the same surface.
 inline constexpr double kMaxDisplacement_m = 1;
 
 /// Reads scan k. Null: it cannot be read.
