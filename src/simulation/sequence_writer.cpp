@@ -103,7 +103,7 @@ class MdlidarSequence final : public SequenceWriter {
     }
     writer_.write(frame);
   }
-  void finish() override {}
+  void finish() override { writer_.finish(); }
 
  private:
   static std::vector<MdlidarLaser> rows(const LidarModel& model) {

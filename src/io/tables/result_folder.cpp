@@ -52,7 +52,9 @@ bool begins_with(const fs::path& file, std::string_view text) {
 
 bool is_empty_folder(const fs::path& path) {
   std::error_code error;
-  const bool empty = fs::is_empty(path, error);
+  bool empty = true;
+  for (fs::directory_iterator it(path, error), end; !error && it != end; it.increment(error))
+    empty = empty && it->path().filename() == kLockFile;
   check(path, error, "look into it");
   return empty;
 }
@@ -89,9 +91,10 @@ void ResultFolder::require_free(bool overwrite) const {
   if (status.type() == fs::file_type::not_found) return;
   check(path_, error, "look at it");
   if (!fs::is_directory(status)) refuse(path_, "is there and not a folder", "choose another name");
+  if (is_empty_folder(path_)) return;
   if (!overwrite)
     refuse(path_, "exists already", "choose another folder, or give --overwrite to replace its result");
-  if (!is_empty_folder(path_) && !begins_with(summary(), kSummaryBegin)) {
+  if (!begins_with(summary(), kSummaryBegin)) {
     refuse(path_, "is neither empty nor the result of an earlier run: nothing in it is overwritten",
            "choose another folder");
   }

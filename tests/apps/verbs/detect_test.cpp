@@ -250,6 +250,7 @@ TEST_F(DetectTest, ReadsThePosesOfMdlidarEitherWay) {
   MdlidarWriter writer(folder / "town_1", {{0.02, 0.2, 0, 0.03}, {-0.02, 0.1, 0, -0.2}}, 90,
                        Duration::from_nanoseconds(100'000'000));
   for (int k = 0; k < 3; ++k) writer.write(empty_frame(k));
+  writer.finish();
   const auto path_with = [&](const std::string& direction) {
     const auto r = run_command(
         {"detect", folder / "town_1", "-o", out(), "--overwrite", "--own-pose-direction", direction});
