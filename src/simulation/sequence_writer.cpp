@@ -126,7 +126,8 @@ class KittiSequence final : public SequenceWriter {
       std::error_code error;
       fs::create_directories(folder_ / name, error);
       if (error)
-        throw OutputError({(folder_ / name).string(), "", "", error.message(), "choose another folder"});
+        throw_write_error({(folder_ / name).string(), "", "", error.message(), "choose another folder"},
+                          error);
     }
     std::string calibration;
     for (const char* name : {"P0", "P1", "P2", "P3", "Tr"})

@@ -63,7 +63,11 @@ class OutputFiles {
   void write(const std::vector<TimedPose>& at_instants, const std::vector<TimedPose>& rows) const {
     std::error_code error;
     fs::create_directories(folder_, error);
-    if (error) refuse(folder_, "cannot be created: " + error.message(), "choose a folder you may write to");
+    if (error) {
+      throw_write_error({folder_.string(), "", "", "cannot be created: " + error.message(),
+                         "choose a folder you may write to"},
+                        error);
+    }
     write_kitti_poses(kitti_, at_instants);
     write_tum_trajectory(tum_, rows);
   }

@@ -37,8 +37,10 @@ std::optional<std::size_t> scan_of_name(const fs::path& file, const char* extens
 }
 
 void check(const fs::path& path, const std::error_code& error, const char* what) {
-  if (error)
-    refuse(path, fmt::format("cannot {}: {}", what, error.message()), "choose a folder you may write to");
+  if (!error) return;
+  throw_write_error({path.string(), "output folder", "", fmt::format("cannot {}: {}", what, error.message()),
+                     "choose a folder you may write to"},
+                    error);
 }
 
 bool begins_with(const fs::path& file, std::string_view text) {
@@ -123,9 +125,10 @@ std::vector<std::size_t> ResultFolder::labelled_scans() const {
     if (const auto scan = scan_of_name(it->path(), ".label")) scans.push_back(*scan);
   }
   if (error) {
-    throw InputError({path_.string(), "labels", "",
-                      "cannot list the folder of label files: " + error.message(),
-                      "give a folder written by mapless detect, or one with labels/NNNNNN.label"});
+    throw_read_error(
+        {path_.string(), "labels", "", "cannot list the folder of label files: " + error.message(),
+         "give a folder written by mapless detect, or one with labels/NNNNNN.label"},
+        error);
   }
   std::sort(scans.begin(), scans.end());
   return scans;

@@ -47,7 +47,8 @@ MdlidarWriter::MdlidarWriter(std::filesystem::path folder, const std::vector<Mdl
   std::error_code error;
   std::filesystem::create_directories(folder_ / "frame", error);
   if (error)
-    throw OutputError({(folder_ / "frame").string(), "", "", error.message(), "choose another folder"});
+    throw_write_error({(folder_ / "frame").string(), "", "", error.message(), "choose another folder"},
+                      error);
   mdlidar::Header header;
   header.set_delta_time(static_cast<float>(frame_period.seconds()));
   header.set_channels_count(static_cast<int>(lasers.size()));
