@@ -1,0 +1,23 @@
+#include "run/lost_motion.hpp"
+
+#include <fmt/format.h>
+
+namespace mapless::app {
+
+MotionRow motion_row(std::size_t scan, const TimedPose& pose, double duration_s,
+                     const OdometryUpdate& update) {
+  return {scan,
+          pose,
+          name_of(update.state),
+          update.inlier_ratio,
+          update.violation_ratio,
+          update.motion_covariance_v(duration_s)};
+}
+
+std::string motion_lost_line(std::size_t lost, std::size_t scans) {
+  return fmt::format(
+      "finished; {} of {} scans are without motion: give the poses of another source (--trajectory FILE)", lost,
+      scans);
+}
+
+}  // namespace mapless::app
