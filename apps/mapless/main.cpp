@@ -3,17 +3,16 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include "terminal/exit_codes.hpp"
 #include "verbs/command.hpp"
 
 namespace {
-
-constexpr int kFailure = 1;
 
 // A descriptor that is closed would be given to the next file that is opened, and what is printed end up in a
 // result. This one is held, and writing to it fails.
 void hold_standard_descriptors() {
   for (int fd = STDIN_FILENO; fd <= STDERR_FILENO; ++fd) {
-    if (fcntl(fd, F_GETFD) == -1 && open("/dev/null", O_RDONLY) != fd) std::_Exit(kFailure);
+    if (fcntl(fd, F_GETFD) == -1 && open("/dev/null", O_RDONLY) != fd) std::_Exit(mapless::app::kFailure);
   }
 }
 

@@ -6,20 +6,28 @@ import json
 import os
 import subprocess
 import sys
+import warnings
 from typing import Any
 
 from mapless._result import Result
 
 
+NOT_TRUSTED = 4  # exit code: finished, but the result is not trustworthy
+
+
 class CommandError(RuntimeError):
-    """A verb has failed; its message says what to do."""
+    """A verb has failed; its message says what to do. `exit_code` is that of the command (docs/reliability.md)."""
+
+    def __init__(self, message: str, exit_code: int) -> None:
+        super().__init__(message)
+        self.exit_code = exit_code
 
 
 def detect(recording: str | os.PathLike[str], output: str | os.PathLike[str], **options: Any) -> Result:
     """Labels a recording: `mapless detect RECORDING -o OUTPUT`. Options are those of the command with _ for -:
     `overwrite=True`, `count=50`, `trajectory="poses.txt"`, `topic="/points"`, `set=["forward_gap=0"]`.
 
-    Raises CommandError with the message of the command."""
+    Raises CommandError with the message of the command; warns where the result is not trustworthy."""
     run_verb("detect", os.fspath(recording), "--output", os.fspath(output), **options)
     return Result(output)
 
@@ -40,10 +48,12 @@ def run_verb(verb: str, *arguments: str, **options: Any) -> str:
     """What the verb prints. In a process of its own, so that Ctrl-C ends the verb and not Python."""
     command = [sys.executable, "-m", "mapless", verb, *arguments, *_flags(options)]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
-    if done.returncode != 0:
+    if done.returncode == NOT_TRUSTED:
+        warnings.warn(f"mapless {verb}: the result is not trustworthy\n{done.stderr.strip()}", RuntimeWarning, stacklevel=3)
+    elif done.returncode != 0:
         lines = [line for line in done.stderr.splitlines() if line.startswith("mapless: error: ")]
         message = lines[-1].removeprefix("mapless: error: ") if lines else done.stderr.strip()
-        raise CommandError(message or f"mapless {verb}: exit code {done.returncode}")
+        raise CommandError(message or f"mapless {verb}: exit code {done.returncode}", done.returncode)
     return done.stdout
 
 

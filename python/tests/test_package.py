@@ -29,7 +29,7 @@ def test_the_command_is_that_of_the_library_with_more_formats(drive):
 
 def test_info_of_a_bag_that_is_not_there():
     missing = command("info", "no.mcap")
-    assert missing.returncode == 1
+    assert missing.returncode == 3
     assert "no.mcap" in missing.stderr
 
 

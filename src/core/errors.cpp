@@ -1,3 +1,4 @@
+#include <cerrno>
 #include <cstddef>
 #include <utility>
 
@@ -46,8 +47,28 @@ std::string one_line(const ErrorDetail& detail) {
   return line;
 }
 
+bool is_absent(const std::error_code& reason) {
+  return reason == std::errc::no_such_file_or_directory || reason == std::errc::not_a_directory ||
+         reason == std::errc::is_a_directory;
+}
+
+bool is_full(const std::error_code& reason) {
+  return reason == std::errc::no_space_on_device ||
+         reason == std::error_code(EDQUOT, std::generic_category());
+}
+
 }  // namespace
 
 Error::Error(ErrorDetail detail) : std::runtime_error(one_line(detail)), detail_(std::move(detail)) {}
+
+void throw_read_error(ErrorDetail detail, const std::error_code& reason) {
+  if (is_absent(reason)) throw InputError(std::move(detail));
+  throw AccessError(std::move(detail));
+}
+
+void throw_write_error(ErrorDetail detail, const std::error_code& reason) {
+  if (is_full(reason)) throw TemporaryError(std::move(detail));
+  throw OutputError(std::move(detail));
+}
 
 }  // namespace mapless

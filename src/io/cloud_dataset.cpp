@@ -3,6 +3,7 @@
 #include <set>
 #include <utility>
 
+#include "core/time_check.hpp"
 #include "lidar/scan_builder/raw_points.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/io/dataset.hpp>
@@ -38,6 +39,13 @@ std::vector<Cloud> scans_for_sensor(const CloudSource& source) {
   return scans;
 }
 
+std::shared_ptr<const CloudSource> with_sane_starts(std::shared_ptr<const CloudSource> source) {
+  const std::vector<Time>& starts = source->starts();
+  for (std::size_t k = 0; k < starts.size(); ++k)
+    require_time(source->scan_file(k).string(), "start", starts[k]);
+  return source;
+}
+
 ScanBuilder builder_for(const CloudSource& source, const std::string& sensor) {
   if (!sensor.empty()) return ScanBuilder(model_from_name_or_file(sensor));
   const std::vector<Cloud> clouds = scans_for_sensor(source);
@@ -49,7 +57,9 @@ ScanBuilder builder_for(const CloudSource& source, const std::string& sensor) {
 class CloudDataset final : public Dataset {
  public:
   CloudDataset(std::shared_ptr<const CloudSource> source, const std::string& sensor)
-      : source_(std::move(source)), builder_(builder_for(*source_, sensor)), notes_(source_->notes()) {
+      : source_(with_sane_starts(std::move(source))),
+        builder_(builder_for(*source_, sensor)),
+        notes_(source_->notes()) {
     for (std::string& note : builder_.notes()) notes_.push_back(std::move(note));
     find_turn();
   }

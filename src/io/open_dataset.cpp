@@ -86,8 +86,9 @@ std::unique_ptr<Dataset> open_dataset(const fs::path& path, const DatasetOptions
   const Format& format = options.format.empty() ? recognised_format(path) : named_format(options.format);
   return format.open(path, options);
 } catch (const fs::filesystem_error& error) {
-  throw InputError({error.path1().string(), "", "", "cannot be looked at: " + error.code().message(),
-                    "check the path and its permissions"});
+  throw_read_error({error.path1().string(), "", "", "cannot be looked at: " + error.code().message(),
+                    "check the path and its permissions"},
+                   error.code());
 }
 
 const std::vector<std::string>& dataset_formats() {

@@ -21,29 +21,43 @@ namespace {
 constexpr int kMostColumns = 1'000'000;
 constexpr double kFastest_hz = 10'000, kSlowest_hz = 0.001;
 constexpr double kFarthest_m = 1e6;
-constexpr double kFarthestOrigin_m = 100;  // of a laser from the hub's axis
+constexpr double kFarthestOrigin_m = 10;  // of a laser from the origin of the hub
+// Two turns: a scan may begin a turn after the start of its model.
+constexpr double kLargestAngle_rad = 4 * std::numbers::pi;
+// 400 MB of cells: eight times the largest scan of a named model.
+constexpr double kMostCells = 1e8;
+
+void require_angle(double angle_rad, const std::string& field, const std::string& source) {
+  if (std::abs(angle_rad) <= kLargestAngle_rad) return;  // false for NaN
+  refuse(source, field, fmt::format("{:g} degrees", angle_rad * 180 / std::numbers::pi),
+         "not from -720 to 720 degrees");
+}
 
 void require_positive(double value, const std::string& field, const std::string& source) {
   if (!(std::isfinite(value) && value > 0))
     refuse(source, field, fmt::format("{}", value), "not a positive number");
 }
 
-void validate_laser(const Laser& laser, std::size_t index, const std::string& source) {
+void validate_laser(const Laser& laser, std::size_t index, double turn_s, const std::string& source) {
   const std::string name = fmt::format("laser {}", index);
   const auto require_finite = [&](double value, const char* field) {
     if (!std::isfinite(value)) refuse(source, name + " " + field, fmt::format("{}", value), "not finite");
   };
   require_finite(laser.elevation_rad, "elevation");
-  require_finite(laser.azimuth_offset_rad, "azimuth offset");
+  require_angle(laser.azimuth_offset_rad, name + " azimuth offset", source);
   for (const double coordinate : laser.origin_h_m) {
     require_finite(coordinate, "origin");
     if (std::abs(coordinate) > kFarthestOrigin_m)
       refuse(source, name + " origin", fmt::format("{} m", coordinate),
-             fmt::format("more than {} m from the hub's axis", kFarthestOrigin_m));
+             fmt::format("more than {} m from the origin of the hub", kFarthestOrigin_m));
   }
   if (std::abs(laser.elevation_rad) >= std::numbers::pi / 2) {
     refuse(source, name + " elevation", fmt::format("{} rad", laser.elevation_rad),
            "not between straight down and straight up");
+  }
+  if (std::abs(laser.firing_offset.seconds()) > turn_s) {
+    refuse(source, name + " firing offset", fmt::format("{} s", laser.firing_offset.seconds()),
+           fmt::format("longer than a turn of {} s", turn_s));
   }
 }
 
@@ -94,6 +108,9 @@ void validate(const LidarModel& model, const std::string& source) {
   if (model.columns <= 0) refuse(source, "columns", std::to_string(model.columns), "not a positive number");
   if (model.columns > kMostColumns)
     refuse(source, "columns", std::to_string(model.columns), fmt::format("more than {}", kMostColumns));
+  if (static_cast<double>(model.columns) * static_cast<double>(model.lasers.size()) > kMostCells)
+    refuse(source, "columns x lasers", fmt::format("{} x {}", model.columns, model.lasers.size()),
+           fmt::format("more than {:g}", kMostCells));
   require_positive(model.rotation_rate_hz, "rate_hz", source);
   if (model.rotation_rate_hz < kSlowest_hz || model.rotation_rate_hz > kFastest_hz)
     refuse(source, "rate_hz", fmt::format("{}", model.rotation_rate_hz),
@@ -106,11 +123,9 @@ void validate(const LidarModel& model, const std::string& source) {
     refuse(source, "min_range_m", fmt::format("{}", model.min_range_m),
            fmt::format("not between 0 and max_range_m = {}", model.max_range_m));
   }
-  if (!std::isfinite(model.start_azimuth_rad)) {
-    refuse(source, "start_azimuth", fmt::format("{}", model.start_azimuth_rad), "not finite");
-  }
+  require_angle(model.start_azimuth_rad, "start_azimuth", source);
   for (std::size_t i = 0; i < model.lasers.size(); ++i) {
-    validate_laser(model.lasers[i], i, source);
+    validate_laser(model.lasers[i], i, 1 / model.rotation_rate_hz, source);
     if (i > 0 && model.lasers[i].elevation_rad < model.lasers[i - 1].elevation_rad) {
       refuse(source, fmt::format("laser {} elevation", i),
              fmt::format("{} rad", model.lasers[i].elevation_rad),

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "core/argument_checks.hpp"
+#include "core/time_check.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/lidar/lidar_scan.hpp>
 
@@ -13,6 +14,8 @@ namespace {
 // Nearer points lie inside the sensor: drivers store "no return" as 0 0 0. The blind zone of every named
 // model is at least 0.3 m.
 constexpr float kMinRange_m = 0.01f;
+// No spinning lidar measures as far. Points in millimetres do from 10 m on, and damaged bytes.
+constexpr float kFarthestPoint_m = 10'000.0f;
 // More columns than validate() allows a model would not fit memory.
 constexpr int kMaxColumns = 1'000'000;
 // Bounds of a record's time, in turns before and after the start of the scan. A laser may fire before the
@@ -25,6 +28,13 @@ constexpr std::int64_t kMaxTurnsBefore = 1, kMaxTurnsAfter = 2;
   throw InputError({source, fmt::format("record {} {}", record, field), std::to_string(value),
                     fmt::format("not from {} to {}", first, last),
                     "the sensor's description does not fit this scan"});
+}
+
+[[noreturn]] void refuse_far(const std::string& source, std::size_t record, const LidarRecord& r) {
+  throw InputError({source, fmt::format("record {} range", record),
+                    fmt::format("{:g} m", r.position_v.cast<double>().norm()),
+                    fmt::format("farther than {:g} m, which no spinning lidar measures", kFarthestPoint_m),
+                    "give points in metres; if they are, the file is damaged"});
 }
 
 void require_in(std::int64_t value, std::int64_t first, std::int64_t last, const char* field,
@@ -67,7 +77,8 @@ class BeamOrigins {
 
 // The records that are returns, in input order. The codes of the others go into their cells. Of several codes
 // the weakest claim is kept: faulty, then nothing within range.
-std::vector<LidarReturn> usable_returns(LidarScan& scan, const std::vector<LidarRecord>& records) {
+std::vector<LidarReturn> usable_returns(LidarScan& scan, const std::vector<LidarRecord>& records,
+                                        const std::string& source) {
   const BeamOrigins origins(scan);
   std::vector<LidarReturn> returns;
   returns.reserve(records.size());
@@ -76,6 +87,7 @@ std::vector<LidarReturn> usable_returns(LidarScan& scan, const std::vector<Lidar
     ReturnCode code = r.code;
     if (code == ReturnCode::hit) {
       const float range_m = (r.position_v - origins.at(r.laser, r.column)).norm();
+      if (r.position_v.allFinite() && range_m > kFarthestPoint_m) refuse_far(source, i, r);
       if (std::isfinite(range_m) && range_m >= kMinRange_m) {
         returns.push_back(
             {r.position_v, range_m, r.time_ns, r.column, r.laser, static_cast<std::uint32_t>(i)});
@@ -122,11 +134,12 @@ LidarScan organise(LidarScan scan, const std::vector<LidarRecord>& records, cons
                       fmt::format("not 1 to {} columns of a positive period", kMaxColumns),
                       "correct the times of the recording"});
   }
+  require_time(source, "start", scan.start);
   validate_records(scan, records, source);
   scan.input_size = records.size();
   scan.cells.assign(static_cast<std::size_t>(scan.rows()) * static_cast<std::size_t>(scan.columns),
                     empty_cell(ReturnCode::absent));
-  const std::vector<LidarReturn> returns = usable_returns(scan, records);
+  const std::vector<LidarReturn> returns = usable_returns(scan, records, source);
   place(scan, returns);
   return scan;
 }

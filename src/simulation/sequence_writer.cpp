@@ -103,7 +103,7 @@ class MdlidarSequence final : public SequenceWriter {
     }
     writer_.write(frame);
   }
-  void finish() override {}
+  void finish() override { writer_.finish(); }
 
  private:
   static std::vector<MdlidarLaser> rows(const LidarModel& model) {
@@ -126,7 +126,8 @@ class KittiSequence final : public SequenceWriter {
       std::error_code error;
       fs::create_directories(folder_ / name, error);
       if (error)
-        throw OutputError({(folder_ / name).string(), "", "", error.message(), "choose another folder"});
+        throw_write_error({(folder_ / name).string(), "", "", error.message(), "choose another folder"},
+                          error);
     }
     std::string calibration;
     for (const char* name : {"P0", "P1", "P2", "P3", "Tr"})

@@ -160,8 +160,9 @@ SimulatedScan SimulatedSensor::scan(int number) {
   return out;
 }
 
-std::shared_ptr<const LidarScan> SimulatedSensor::lidar_scan(int number) {
-  const SimulatedScan cast = scan(number);
+std::shared_ptr<const LidarScan> SimulatedSensor::lidar_scan(int number) { return lidar_scan(scan(number)); }
+
+std::shared_ptr<const LidarScan> SimulatedSensor::lidar_scan(const SimulatedScan& cast) const {
   LidarScan out;
   out.model = model_;
   out.start = cast.start;

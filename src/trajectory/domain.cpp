@@ -4,6 +4,7 @@
 
 #include "core/number_text.hpp"
 #include "core/rotation_check.hpp"
+#include "core/time_check.hpp"
 #include <mapless/core/errors.hpp>
 
 namespace mapless::inline v1 {
@@ -29,6 +30,7 @@ void require_period(Duration period) {
 }
 
 void PoseChecks::add(Time t, const SE3& T_v0) {
+  require_time(source_, fmt::format("time of {} {}", item_, count_), t);
   require_later(t);
   require_rigid(T_v0);
   require_near(T_v0);

@@ -15,6 +15,10 @@ SampledTrajectory::SampledTrajectory(std::vector<TimedPose> poses, Duration max_
     throw ParameterError({source_, "max_extrapolation", fmt::format("{} s", max_extrapolation_.seconds()),
                           "is negative", "give 0 to forbid any extrapolation"});
   }
+  if (max_extrapolation_.nanoseconds() > Time::kLargestOutside_ns) {
+    throw ParameterError({source_, "max_extrapolation", fmt::format("{} s", max_extrapolation_.seconds()),
+                          "is more than 126 years", "give seconds"});
+  }
   PoseChecks checks(source_, "pose");
   for (const TimedPose& pose : poses_) checks.add(pose.time, pose.T_v0);
   checks.finish();

@@ -44,10 +44,9 @@ TEST(PointOddities, FindsNoneInPlausiblePoints) {
   EXPECT_THAT(oddities_of([](LidarRecord&) {}), IsEmpty());
 }
 
-TEST(PointOddities, FindsRangesInMillimetres) {
-  EXPECT_THAT(
-      oddities_of([](LidarRecord& r) { r.position_v *= 1000; }),
-      ElementsAre(AllOf(HasSubstr("scan 4 (and 1 others)"), HasSubstr("20000 m"), HasSubstr("unit"))));
+TEST(PointOddities, FindsRangesInCentimetres) {
+  EXPECT_THAT(oddities_of([](LidarRecord& r) { r.position_v *= 100; }),
+              ElementsAre(AllOf(HasSubstr("scan 4 (and 1 others)"), HasSubstr("2000 m"), HasSubstr("unit"))));
 }
 
 TEST(PointOddities, FindsTimesInMicroseconds) {

@@ -126,6 +126,17 @@ TEST(LidarModel, ValidationNamesTheInvalidMember) {
               HasSubstr("laser 2 origin = inf"));
   EXPECT_THAT(broken([&](LidarModel& m) { m.lasers[0].azimuth_offset_rad = nan; }),
               HasSubstr("azimuth offset = nan"));
+  EXPECT_THAT(broken([](LidarModel& m) { m.lasers[0].azimuth_offset_rad = 1e300; }),
+              AllOf(HasSubstr("laser 0 azimuth offset"), HasSubstr("-720 to 720 degrees")));
+  EXPECT_THAT(broken([](LidarModel& m) { m.start_azimuth_rad = 1e17; }), HasSubstr("start_azimuth"));
+  EXPECT_THAT(broken([](LidarModel& m) { m.lasers[1].origin_h_m.z() = 50; }), HasSubstr("laser 1 origin"));
+  EXPECT_THAT(broken([](LidarModel& m) { m.lasers[1].firing_offset = Duration::from_seconds(0.2); }),
+              AllOf(HasSubstr("laser 1 firing offset = 0.2 s"), HasSubstr("a turn of 0.1 s")));
+  EXPECT_THAT(broken([](LidarModel& m) {
+                m.columns = 1'000'000;
+                m.lasers.resize(101);
+              }),
+              HasSubstr("columns x lasers = 1000000 x 101"));
   EXPECT_THAT(broken([](LidarModel& m) { m.lasers[2].elevation_rad = 2; }),
               HasSubstr("laser 2 elevation = 2 rad"));
   EXPECT_THAT(broken([](LidarModel& m) { m.lasers[2].elevation_rad = -0.2; }),

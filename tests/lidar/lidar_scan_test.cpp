@@ -131,6 +131,17 @@ TEST(Organise, RefusesRecordsOutsideTheImage) {
   EXPECT_THROW((void)organise(scan, {}, "test.pcd"), InputError);
 }
 
+TEST(Organise, RefusesPointsBeyondAnyLidarAndTimesBeyondArithmetic) {
+  EXPECT_EQ(refusal(record(0, 1, 9'999)), "accepted");
+  EXPECT_THAT(refusal(record(0, 1, 60'000)),
+              ::testing::AllOf(::testing::HasSubstr("test.pcd: record 1 range = 60000 m"),
+                               ::testing::HasSubstr("in metres")));
+  EXPECT_THAT(refusal(record(0, 1, 1e38f)), ::testing::HasSubstr("record 1 range = 1e+38 m"));
+  LidarScan late = empty_scan();
+  late.start = Time::from_nanoseconds(std::numeric_limits<std::int64_t>::max() - 1);
+  EXPECT_THROW((void)organise(late, {}, "test.pcd"), InputError);
+}
+
 TEST(Organise, EqualsAStableSortOfRandomRecords) {
   for (unsigned seed = 0; seed < 5; ++seed) {
     SCOPED_TRACE(seed);

@@ -122,6 +122,15 @@ TEST(SampledTrajectory, RefusesPosesThatAreNoRotationAndANegativeExtrapolation) 
       ParameterError);
 }
 
+TEST(SampledTrajectory, TimesNearTheEndOfTheClockAreRefused) {
+  const auto at = [](std::int64_t ns) { return TimedPose{Time::from_nanoseconds(ns), {}}; };
+  const std::int64_t last = std::numeric_limits<std::int64_t>::max();
+  EXPECT_THROW(SampledTrajectory({at(0), at(last)}, Duration(), "poses.txt"), InputError);
+  EXPECT_THROW(SampledTrajectory({at(-last), at(0)}, Duration(), "poses.txt"), InputError);
+  EXPECT_THROW(SampledTrajectory({at(0), at(1)}, Duration::from_nanoseconds(last), "poses.txt"),
+               ParameterError);
+}
+
 TEST(Trajectory, RefusesToSampleBackwardsInTime) {
   const SampledTrajectory sampled({{ms(0), SE3()}, {ms(100), SE3()}}, Duration(), "test");
   const GaussianProcessTrajectory process(

@@ -91,7 +91,8 @@ class FolderInTheMaking {
     std::error_code error;
     fs::remove_all(name, error);
     if (!error) fs::rename(path_, name, error);
-    if (error) throw OutputError({name.string(), "", "", error.message(), "check the folder and the disk"});
+    if (error)
+      throw_write_error({name.string(), "", "", error.message(), "check the folder and the disk"}, error);
     kept_ = true;
   }
 
@@ -133,7 +134,8 @@ bool RecordingStore::make(const RecordingKey& key, const std::function<void()>& 
   std::error_code error;
   fs::create_directories(folder_, error);
   if (error)
-    throw OutputError({folder_.string(), "", "", "cannot be made: " + error.message(), "check the folder"});
+    throw_write_error({folder_.string(), "", "", "cannot be made: " + error.message(), "check the folder"},
+                      error);
   FolderInTheMaking folder(folder_ / fmt::format(".{}.partial-{}", key.name(), getpid()));
   Simulation simulation(key);
   const auto writer = simulation.writer(folder.path());

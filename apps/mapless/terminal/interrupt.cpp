@@ -3,6 +3,8 @@
 #include <atomic>
 #include <csignal>
 
+#include "terminal/exit_codes.hpp"
+
 namespace mapless::app {
 namespace {
 
@@ -36,6 +38,6 @@ void handle(void (*handler)(int), int flags) {
 InterruptGuard::InterruptGuard() { handle(remember, static_cast<int>(SA_RESTART | SA_RESETHAND)); }
 InterruptGuard::~InterruptGuard() { handle(SIG_DFL, 0); }
 bool InterruptGuard::requested() { return first_signal != 0; }
-int InterruptGuard::exit_code() { return 128 + first_signal; }
+int InterruptGuard::exit_code() { return kSignalBase + first_signal; }
 
 }  // namespace mapless::app

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
-#include <cstring>
 #include <exception>
 #include <filesystem>
 #include <new>
@@ -13,6 +12,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "terminal/exit_codes.hpp"
 #include "terminal/stderr.hpp"
 #include "verbs/verbs.hpp"
 #include <mapless/core/errors.hpp>
@@ -22,38 +22,35 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kFailure = 1;
-constexpr int kUsage = 2;
-
 int report(std::string message, int exit_code) {
   std::replace(message.begin(), message.end(), '\n', ' ');
   say("mapless: error: {}\n", message);
   return exit_code;
 }
 
-[[noreturn]] void refuse_output(const std::string& reason) {
-  throw OutputError(
-      {"standard output", "", "", "cannot be written: " + reason, "check the disk or the pipe it goes to"});
+[[noreturn]] void refuse_output(const std::error_code& reason) {
+  throw_write_error({"standard output", "", "", "cannot be written: " + reason.message(),
+                     "check the disk or the pipe it goes to"},
+                    reason);
 }
 
 // What was printed may still be in the buffer, and a full disk only show now.
 void require_printed() {
-  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) refuse_output(std::strerror(errno));
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) refuse_output({errno, std::generic_category()});
 }
 
 int run_verb(CLI::App& command, const int& exit_code, int argc, char** argv) {
   try {
     command.parse(argc, argv);
   } catch (const fs::filesystem_error& error) {
-    throw InputError({error.path1().string(), "", "", "cannot be accessed: " + error.code().message(),
-                      "check the path and its permissions"});
+    throw AccessError({error.path1().string(), "", "", "cannot be accessed: " + error.code().message(),
+                       "check the path and its permissions"});
   } catch (const std::system_error& error) {
     // As fmt::print says it, which prints to standard output alone.
-    if (std::string_view(error.what()).starts_with("cannot write to file"))
-      refuse_output(error.code().message());
+    if (std::string_view(error.what()).starts_with("cannot write to file")) refuse_output(error.code());
     throw;
   } catch (const std::bad_alloc&) {
-    throw InputError({"", "", "", "not enough memory", "use fewer threads"});
+    throw Error({"", "", "", "not enough memory", "use fewer threads"});
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return command.exit(error);  // --help, --version
     return report(std::string(error.what()) + "; see mapless --help", kUsage);
@@ -71,9 +68,7 @@ int run_command(int argc, char** argv) {
       "mapless"};
   command.set_version_flag("--version", "mapless " MAPLESS_VERSION);
   command.require_subcommand(0, 1);
-  command.footer(
-      "Exit codes: 0 success, 1 failure, 2 wrong usage, 128 + N ended by signal N (130: interrupted). "
-      "'mapless VERB --help' lists the options of a verb.");
+  command.footer(exit_code_table());
   int exit_code = 0;
   add_detect(command, exit_code);
   add_odometry(command, exit_code);
@@ -87,10 +82,8 @@ int run_command(int argc, char** argv) {
     const int code = run_verb(command, exit_code, argc, argv);
     require_printed();
     return code;
-  } catch (const ParameterError& error) {
-    return report(error.what(), kUsage);
   } catch (const std::exception& error) {
-    return report(error.what(), kFailure);
+    return report(error.what(), exit_code_of(error));
   }
 }
 

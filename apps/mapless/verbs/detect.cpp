@@ -10,6 +10,7 @@
 #include "options/parameter_options.hpp"
 #include "options/recording_options.hpp"
 #include "run/detection_run.hpp"
+#include "run/folder_lock.hpp"
 #include "run/given_motion.hpp"
 #include "run/lost_motion.hpp"
 #include "run/run_summary.hpp"
@@ -109,6 +110,7 @@ int detect(const DetectOptions& options) {
   std::optional<tbb::global_control> threads;
   if (options.threads) threads.emplace(tbb::global_control::max_allowed_parallelism, *options.threads);
   const ResultFolder result(options.output);
+  const FolderLock lock(options.output, std::string(kProgramName));
   result.require_free(options.overwrite);
   const OnlineDetectorOptions detector{options.parameters.chosen(), options.parameters.odometry(),
                                        options.threads != 1};
@@ -157,7 +159,7 @@ void add_detect(CLI::App& app, int& exit_code) {
   const auto options = std::make_shared<DetectOptions>();
   add_recording_options(*verb, options->recording);
   verb->add_option("-o,--output", options->output,
-                   "folder for the result; must not exist, unless --overwrite is given")
+                   "folder for the result; must be new or empty, unless --overwrite is given")
       ->required();
   verb->add_flag("--overwrite", options->overwrite, "replace an earlier result in the folder");
   add_trajectory_options(*verb, options->trajectory);

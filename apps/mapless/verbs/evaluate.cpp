@@ -33,8 +33,27 @@ struct EvaluateOptions {
   std::string result;
   TrajectoryComparison trajectory;
   std::optional<double> max_range_m;
+  bool partial = false;
   std::string json;
 };
+
+// Of a result of mapless detect; other folders of labels do not say what belongs to them.
+void require_whole(const ResultFolder& result) {
+  if (!std::filesystem::exists(result.summary())) return;
+  const Json summary = Json::parse(read_whole_file(result.summary()), nullptr, false);
+  if (!summary.is_object() || summary.value("program", Json()) != kProgramName) return;
+  const auto refuse = [&result](const std::string& field, const std::string& value,
+                                const std::string& problem) {
+    throw InputError(
+        {result.summary().string(), field, value, problem,
+         "run mapless detect to its end, or give --partial to evaluate the scans that are there"});
+  };
+  if (summary.value("complete", Json()) != true)
+    refuse("complete", "false", "the run was ended before its last scan");
+  const std::size_t files = result.labelled_scans().size();
+  if (summary.value("scans", Json()) != files)
+    refuse("scans", summary.value("scans", Json()).dump(), fmt::format("there are {} label files", files));
+}
 
 // The stages of the result's method. Only that line of config.yaml is read: other versions have other keys.
 const StageNames& stage_names_of(const ResultFolder& result) {
@@ -127,6 +146,7 @@ bool has_labels_to_evaluate(const Dataset& dataset, const std::filesystem::path&
 int evaluate(const EvaluateOptions& options) {
   const auto dataset = options.recording.open();
   const std::filesystem::path result = options.result;
+  if (!options.partial) require_whole(ResultFolder(result));
   if (std::filesystem::exists(result) && !std::filesystem::is_directory(result) &&
       options.trajectory.reference.file.empty() && !dataset->trajectory()) {
     throw InputError({options.recording.path, "trajectory", "",
@@ -172,6 +192,9 @@ void add_evaluate(CLI::App& app, int& exit_code) {
   verb->add_option("--max-range", options->max_range_m,
                    "leave out points farther than this from their laser [m]")
       ->check(positive_number());
+  verb->add_flag(
+      "--partial", options->partial,
+      "evaluate a result of mapless detect that was ended before its last scan, or has lost label files");
   add_reference_trajectory_options(*verb, options->trajectory.reference);
   add_pose_instant_option(
       *verb, options->trajectory.result_instant,

@@ -18,6 +18,7 @@
 #include "options/parameter_options.hpp"
 #include "options/recording_options.hpp"
 #include "reports/json_text.hpp"
+#include "run/folder_lock.hpp"
 #include "run/given_motion.hpp"
 #include "run/lost_motion.hpp"
 #include "run/scan_poses.hpp"
@@ -68,7 +69,11 @@ class OutputFiles {
              const std::vector<MotionRow>& motions) const {
     std::error_code error;
     fs::create_directories(folder_, error);
-    if (error) refuse(folder_, "cannot be created: " + error.message(), "choose a folder you may write to");
+    if (error) {
+      throw_write_error({folder_.string(), "", "", "cannot be created: " + error.message(),
+                         "choose a folder you may write to"},
+                        error);
+    }
     write_kitti_poses(kitti_, at_instants);
     write_tum_trajectory(tum_, rows);
     write_motion_table(table_, motions);
@@ -171,6 +176,7 @@ int odometry(const OdometryOptions& options) {
   std::optional<tbb::global_control> threads;
   if (options.threads) threads.emplace(tbb::global_control::max_allowed_parallelism, *options.threads);
   const OutputFiles files(options.output);
+  const FolderLock lock(options.output, "mapless odometry");
   files.require_free(options.overwrite);
   const auto dataset = options.recording.open();
   (void)motion_by_odometry(*dataset, 0);  // refuses a compensated recording

@@ -2,6 +2,7 @@
 
 #include <stdexcept>
 #include <string>
+#include <system_error>
 
 /// The library is compiled with hidden symbols. Exceptions need visible type information to be caught by type
 /// outside a shared library.
@@ -34,6 +35,12 @@ class MAPLESS_EXCEPTION InputError : public Error {
   using Error::Error;
 };
 
+/// A file or folder that is there and that the system does not hand over: no permission, an error of the
+/// disk.
+class MAPLESS_EXCEPTION AccessError : public InputError {
+  using InputError::InputError;
+};
+
 /// A parameter, argument or option that is unknown, of the wrong type, or out of bounds.
 class MAPLESS_EXCEPTION ParameterError : public Error {
   using Error::Error;
@@ -48,5 +55,15 @@ class MAPLESS_EXCEPTION TrajectoryDomainError : public Error {
 class MAPLESS_EXCEPTION OutputError : public Error {
   using Error::Error;
 };
+
+/// A result that cannot be written now and perhaps later: the disk is full, another run uses the folder.
+class MAPLESS_EXCEPTION TemporaryError : public OutputError {
+  using OutputError::OutputError;
+};
+
+/// Throws InputError where `reason` says that there is no such file, else AccessError.
+[[noreturn]] void throw_read_error(ErrorDetail detail, const std::error_code& reason);
+/// Throws TemporaryError where `reason` is a full disk or quota, else OutputError.
+[[noreturn]] void throw_write_error(ErrorDetail detail, const std::error_code& reason);
 
 }  // namespace mapless

@@ -53,6 +53,10 @@ class Time {
     return Time(Duration::from_seconds(s).nanoseconds());
   }
 
+  /// Times from outside are at most this far from 0 (126 years, [ns]): the difference of any two fits an
+  /// int64.
+  static constexpr std::int64_t kLargestOutside_ns = 4'000'000'000'000'000'000;
+
   [[nodiscard]] constexpr std::int64_t nanoseconds() const { return ns_; }
   [[nodiscard]] constexpr double seconds() const { return static_cast<double>(ns_) * 1e-9; }
 

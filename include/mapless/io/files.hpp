@@ -17,8 +17,8 @@ namespace mapless::inline v1 {
 
 /// Writes `bytes` to a temporary file in the same folder and renames it to `file`: a reader sees the old file
 /// or the complete new one. A symbolic link is kept and its target replaced. Throws OutputError with the
-/// reason of the system, and leaves nothing behind, if that fails or if `file` is not a regular file (a
-/// folder, a device).
+/// reason of the system (TemporaryError where the disk is full), and leaves nothing behind, if that fails or
+/// if `file` is not a regular file (a folder, a device).
 void write_file_atomically(const std::filesystem::path& file, std::string_view bytes);
 
 /// Appends `bytes` to an existing file. Throws OutputError with the reason of the system, and leaves the file
@@ -26,7 +26,7 @@ void write_file_atomically(const std::filesystem::path& file, std::string_view b
 void append_to_file(const std::filesystem::path& file, std::string_view bytes);
 
 /// Content of a file of at most 1 GiB, or of a pipe or device of at most 64 MiB. Throws InputError with the
-/// reason.
+/// reason: AccessError where the file is there and cannot be read.
 [[nodiscard]] std::string read_whole_file(const std::filesystem::path& file);
 
 /// Sets parameters from a YAML file. A group of parameters is a map: "freespace.backward_threshold_m" is the

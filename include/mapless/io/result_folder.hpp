@@ -52,9 +52,9 @@ class ResultFolder {
   [[nodiscard]] std::filesystem::path config() const { return path_ / "config.yaml"; }
   [[nodiscard]] std::filesystem::path summary() const { return path_ / "summary.json"; }
 
-  /// Throws OutputError if a new result cannot be written here: the folder exists and `overwrite` is false,
-  /// the path is a file, or the folder is neither empty nor an earlier result (which has a summary.json).
-  /// Changes nothing.
+  /// Throws OutputError if a new result cannot be written here: the path is a file, or the folder is not
+  /// empty and `overwrite` is false or it is no earlier result (which has a summary.json). A folder with
+  /// nothing but the lock of a run is empty. Changes nothing.
   void require_free(bool overwrite) const;
 
   /// Creates the folder and writes `summary`. With `overwrite`, removes the files of an earlier result listed
@@ -68,6 +68,9 @@ class ResultFolder {
  private:
   std::filesystem::path path_;
 };
+
+/// The file in an output folder that a run holds locked (apps/mapless/run/folder_lock.hpp).
+inline constexpr std::string_view kLockFile = ".lock";
 
 /// Start of summary.json, by which require_free recognises an earlier result.
 inline constexpr std::string_view kProgramName = "mapless detect";

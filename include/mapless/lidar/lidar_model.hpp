@@ -59,9 +59,10 @@ struct LidarModel {
 };
 
 /// Throws InputError that names `source`, the member, its value and its bound for an invalid model: no
-/// lasers, lasers not by increasing elevation, values not finite, columns not in [1, 1e6], rotation rate not
-/// in [0.001, 10000] Hz, maximum range not in (0, 1e6] m, minimum range not in [0, maximum range), laser
-/// origins beyond 100 m.
+/// lasers, lasers not by increasing elevation, values not finite, columns not in [1, 1e6], more than 1e8
+/// columns x lasers, rotation rate not in [0.001, 10000] Hz, maximum range not in (0, 1e6] m, minimum range
+/// not in [0, maximum range), start azimuth or azimuth offsets beyond 720 degrees, laser origins beyond 10 m,
+/// firing offsets longer than a turn.
 void validate(const LidarModel& model, const std::string& source);
 
 /// The model of a sensor by its name: HDL-64E-S2, HDL-64E-S3, VLP-16, HDL-32E, OS1-64, OS1-128, Pandar64,

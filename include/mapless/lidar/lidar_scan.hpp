@@ -95,7 +95,7 @@ struct LidarRecord {
 /// cells and input_size. A record with code hit whose position is not finite, or less than 1 cm from its
 /// laser, counts as faulty. A cell without a record is absent. Throws ParameterError for a scan without
 /// model, InputError naming `source` for an invalid model (validate), a scan of no columns or no duration,
-/// and a laser, column or time out of range.
+/// a start beyond Time::kLargestOutside_ns, a laser, column or time out of range, and a point beyond 10 km.
 [[nodiscard]] LidarScan organise(LidarScan scan, const std::vector<LidarRecord>& records,
                                  const std::string& source);
 

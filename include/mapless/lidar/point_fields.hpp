@@ -49,9 +49,12 @@ enum class TimeUnit : std::uint8_t { seconds, milliseconds, microseconds, nanose
 
 /// What the times of the points are counted from.
 enum class TimeReference : std::uint8_t {
-  stamp,     ///< the scan's stamp; times may be negative
-  epoch,     ///< the epoch of the stamps (Unix for most recordings)
-  automatic  ///< the epoch where the earliest is 1e15 ns (eleven days) or more, else the stamp
+  stamp,  ///< the scan's stamp; times may be negative
+  epoch,  ///< the epoch of the stamps (Unix for most recordings)
+  /// the epoch where the earliest is 1e15 ns (eleven days) or more; else the stamp where the earliest is
+  /// within 10 s of 0; else the clock of the stamps, where it is within 10 s of the stamp (InputError where
+  /// it is not)
+  automatic
 };
 
 /// The points of one scan, as a driver or a file has them: one turn of a spinning lidar, or a little more or

@@ -46,6 +46,8 @@ class SimulatedSensor {
   [[nodiscard]] SimulatedScan scan(int number);
   /// The same scan as the input of odometry and detection, without its truth.
   [[nodiscard]] std::shared_ptr<const LidarScan> lidar_scan(int number);
+  /// `cast` of this sensor, as above.
+  [[nodiscard]] std::shared_ptr<const LidarScan> lidar_scan(const SimulatedScan& cast) const;
 
  private:
   void cast_column(int number, int column, SimulatedScan& out) const;

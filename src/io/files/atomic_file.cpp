@@ -1,7 +1,7 @@
 #include <atomic>
 #include <cerrno>
 #include <cstdio>
-#include <cstring>
+#include <system_error>
 #include <utility>
 
 #include <fcntl.h>
@@ -39,7 +39,13 @@ class FileDescriptor {
 constexpr std::size_t kLargestFile = std::size_t{1} << 30;
 constexpr std::size_t kLargestStream = std::size_t{1} << 26;
 
-std::string system_reason() { return std::strerror(errno); }
+std::error_code system_reason() { return {errno, std::generic_category()}; }
+
+[[noreturn]] void refuse_write(const fs::path& file, const std::error_code& reason) {
+  throw_write_error(
+      {file.string(), "", "", "cannot be written: " + reason.message(), "check the folder and the disk"},
+      reason);
+}
 
 fs::path beside(const fs::path& file) {
   static std::atomic<unsigned> count = 0;
@@ -75,49 +81,47 @@ std::string why_not_replaceable(const fs::path& file) {
 }  // namespace
 
 void write_file_atomically(const fs::path& file, std::string_view bytes) {
-  const auto refuse = [&file](const std::string& reason) {
-    throw OutputError(
-        {file.string(), "", "", "cannot be written: " + reason, "check the folder and the disk"});
-  };
   const fs::path target = followed(file);
-  if (const std::string problem = why_not_replaceable(target); !problem.empty()) refuse(problem);
+  if (const std::string problem = why_not_replaceable(target); !problem.empty()) {
+    throw OutputError(
+        {file.string(), "", "", "cannot be written: " + problem, "check the folder and the disk"});
+  }
   const fs::path partial = beside(target);
   FileDescriptor out(partial, O_WRONLY | O_CREAT | O_EXCL);
-  if (!out.valid()) refuse(system_reason());
+  if (!out.valid()) refuse_write(file, system_reason());
   if (write_all(out.get(), bytes) && out.close_checked() && std::rename(partial.c_str(), target.c_str()) == 0)
     return;
-  const std::string reason = system_reason();
+  const std::error_code reason = system_reason();
   unlink(partial.c_str());
-  refuse(reason);
+  refuse_write(file, reason);
 }
 
 void append_to_file(const fs::path& file, std::string_view bytes) {
-  const auto refuse = [&file] {
-    throw OutputError(
-        {file.string(), "", "", "cannot be written: " + system_reason(), "check the folder and the disk"});
-  };
   FileDescriptor out(file, O_WRONLY | O_APPEND);
   struct stat before = {};
-  if (!out.valid() || fstat(out.get(), &before) != 0) refuse();
+  if (!out.valid() || fstat(out.get(), &before) != 0) refuse_write(file, system_reason());
   if (write_all(out.get(), bytes)) {
-    if (!out.close_checked()) refuse();
+    if (!out.close_checked()) refuse_write(file, system_reason());
     return;
   }
-  const int reason = errno;
-  if (ftruncate(out.get(), before.st_size) != 0) errno = reason;
-  errno = reason;
-  refuse();
+  const std::error_code reason = system_reason();
+  (void)!ftruncate(out.get(), before.st_size);  // the first error is the one to report
+  refuse_write(file, reason);
 }
 
 std::string read_whole_file(const fs::path& file) {
-  const auto refuse = [&file](const std::string& reason) {
-    throw InputError(
-        {file.string(), "", "", "cannot be read: " + reason, "check the path and its permissions"});
+  const auto detail = [&file](const std::string& reason) -> ErrorDetail {
+    return {file.string(), "", "", "cannot be read: " + reason, "check the path and its permissions"};
+  };
+  const auto refuse = [&](const std::string& reason) { throw InputError(detail(reason)); };
+  const auto refuse_access = [&] {
+    const std::error_code reason = system_reason();
+    throw_read_error(detail(reason.message()), reason);
   };
   const FileDescriptor in(file, O_RDONLY);
-  if (!in.valid()) refuse(system_reason());
+  if (!in.valid()) refuse_access();
   struct stat status {};
-  if (fstat(in.get(), &status) != 0) refuse(system_reason());
+  if (fstat(in.get(), &status) != 0) refuse_access();
   if (S_ISDIR(status.st_mode)) refuse("it is a folder");
   const std::size_t largest = S_ISREG(status.st_mode) ? kLargestFile : kLargestStream;
   const auto require_fitting = [&](std::size_t size) {
@@ -131,7 +135,7 @@ std::string read_whole_file(const fs::path& file) {
     if (size == bytes.size()) bytes.resize(2 * size);
     const ssize_t got = read(in.get(), bytes.data() + size, bytes.size() - size);
     if (got < 0 && errno == EINTR) continue;
-    if (got < 0) refuse(system_reason());
+    if (got < 0) refuse_access();
     if (got == 0) break;
     size += static_cast<std::size_t>(got);
     require_fitting(size);

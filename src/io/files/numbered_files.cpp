@@ -42,7 +42,8 @@ std::map<int, fs::path> numbered_files(const fs::path& folder, const std::string
                         "keep one of them"});
     }
   }
-  if (error) throw InputError({folder.string(), "", "", error.message(), "give a folder that can be read"});
+  if (error)
+    throw_read_error({folder.string(), "", "", error.message(), "give a folder that can be read"}, error);
   return files;
 }
 

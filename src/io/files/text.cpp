@@ -43,9 +43,6 @@ std::optional<Decimal> parse_unsigned_decimal(std::string_view text) {
   return decimal;
 }
 
-// Of any two times within, the difference fits an int64 of nanoseconds.
-constexpr std::int64_t kLargestNs = 4'000'000'000'000'000'000;
-
 // Rounds half up.
 std::optional<std::int64_t> to_integer(Decimal decimal) {
   if (decimal.digits.empty()) return 0;
@@ -69,7 +66,7 @@ std::optional<Time> parse_decimal_seconds(std::string_view text) {
   if (!decimal) return std::nullopt;
   decimal->exponent += 9;
   const std::optional<std::int64_t> ns = to_integer(std::move(*decimal));
-  if (!ns || *ns > kLargestNs) return std::nullopt;
+  if (!ns || *ns > Time::kLargestOutside_ns) return std::nullopt;
   return Time::from_nanoseconds(negative ? -*ns : *ns);
 }
 

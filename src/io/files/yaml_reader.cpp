@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -61,8 +62,11 @@ void YamlMap::refuse(const std::string& key, const std::string& problem) const {
 }
 
 void YamlMap::require_only(std::initializer_list<std::string_view> keys) const {
+  std::set<std::string> seen;
   for (const auto& entry : node_) {
     const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "";
+    if (!seen.insert(key).second)
+      throw InputError({where(entry.first), field(key), "", "there twice", "keep one of them"});
     if (std::find(keys.begin(), keys.end(), key) != keys.end()) continue;
     throw InputError(
         {where(entry.first), field(key), "", "unknown key", fmt::format("use {}", fmt::join(keys, ", "))});

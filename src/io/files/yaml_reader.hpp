@@ -18,7 +18,7 @@ class YamlMap {
   YamlMap(const YAML::Node& node, std::string file, std::string name);
 
   [[nodiscard]] bool has(const std::string& key) const;
-  /// Throws for a key that is not in the list.
+  /// Throws for a key that is not in the list, and for one that is there twice.
   void require_only(std::initializer_list<std::string_view> keys) const;
   [[nodiscard]] std::string text(const std::string& key) const;
   [[nodiscard]] double number(const std::string& key) const;

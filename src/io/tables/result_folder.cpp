@@ -37,8 +37,10 @@ std::optional<std::size_t> scan_of_name(const fs::path& file, const char* extens
 }
 
 void check(const fs::path& path, const std::error_code& error, const char* what) {
-  if (error)
-    refuse(path, fmt::format("cannot {}: {}", what, error.message()), "choose a folder you may write to");
+  if (!error) return;
+  throw_write_error({path.string(), "output folder", "", fmt::format("cannot {}: {}", what, error.message()),
+                     "choose a folder you may write to"},
+                    error);
 }
 
 bool begins_with(const fs::path& file, std::string_view text) {
@@ -50,7 +52,9 @@ bool begins_with(const fs::path& file, std::string_view text) {
 
 bool is_empty_folder(const fs::path& path) {
   std::error_code error;
-  const bool empty = fs::is_empty(path, error);
+  bool empty = true;
+  for (fs::directory_iterator it(path, error), end; !error && it != end; it.increment(error))
+    empty = empty && it->path().filename() == kLockFile;
   check(path, error, "look into it");
   return empty;
 }
@@ -87,9 +91,10 @@ void ResultFolder::require_free(bool overwrite) const {
   if (status.type() == fs::file_type::not_found) return;
   check(path_, error, "look at it");
   if (!fs::is_directory(status)) refuse(path_, "is there and not a folder", "choose another name");
+  if (is_empty_folder(path_)) return;
   if (!overwrite)
     refuse(path_, "exists already", "choose another folder, or give --overwrite to replace its result");
-  if (!is_empty_folder(path_) && !begins_with(summary(), kSummaryBegin)) {
+  if (!begins_with(summary(), kSummaryBegin)) {
     refuse(path_, "is neither empty nor the result of an earlier run: nothing in it is overwritten",
            "choose another folder");
   }
@@ -123,9 +128,10 @@ std::vector<std::size_t> ResultFolder::labelled_scans() const {
     if (const auto scan = scan_of_name(it->path(), ".label")) scans.push_back(*scan);
   }
   if (error) {
-    throw InputError({path_.string(), "labels", "",
-                      "cannot list the folder of label files: " + error.message(),
-                      "give a folder written by mapless detect, or one with labels/NNNNNN.label"});
+    throw_read_error(
+        {path_.string(), "labels", "", "cannot list the folder of label files: " + error.message(),
+         "give a folder written by mapless detect, or one with labels/NNNNNN.label"},
+        error);
   }
   std::sort(scans.begin(), scans.end());
   return scans;

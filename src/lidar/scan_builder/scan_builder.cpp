@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "core/time_check.hpp"
 #include "lidar/nearest_beam.hpp"
 #include "lidar/ring_recovery.hpp"
 #include "lidar/scan_builder/raw_points.hpp"
@@ -24,6 +25,9 @@ constexpr double kLargestMisfitStated = 1.0;
 constexpr int kMostTurns = 3;
 // Points that all have one time, over more of a turn than this, have no times of their own.
 constexpr double kLargestShareAtOnce = 0.1;
+// Chosen: stamps are of the start, the end or the arrival of a scan, within seconds of its points. Another
+// clock (since boot, another epoch) is minutes and more away.
+constexpr std::int64_t kFarthestFromStamp_ns = 10'000'000'000;
 
 // Rows for rings counted from 0, from the lowest or the highest laser: whichever fits the points better.
 std::vector<std::int32_t> stated_lasers(const RawPoints& points, const LidarModel& model,
@@ -96,6 +100,21 @@ void require_own_times(const std::vector<LidarRecord>& records, const RawPoints&
   throw InputError({source, "time", fmt::format("{} ns", *time_ns),
                     fmt::format("all points have it, over {} columns of {}", last - first + 1, columns),
                     "leave the times out where the driver gives none: the azimuths tell them"});
+}
+
+// Times that are not plainly of the epoch (RawPoints) count from the stamp, or on the clock of the stamps:
+// whichever places the scan near its stamp.
+void find_time_reference(RawPoints& points, Time stamp, const std::string& source) {
+  const auto first_ns = points.first_time_ns();
+  if (!first_ns || points.times_are_absolute || std::abs(*first_ns) <= kFarthestFromStamp_ns) return;
+  const std::int64_t from_stamp_ns = *first_ns - stamp.nanoseconds();
+  if (std::abs(from_stamp_ns) > kFarthestFromStamp_ns) {
+    throw InputError({source, "time", fmt::format("{} ns", *first_ns),
+                      fmt::format("neither since the scan's start nor on its clock: the scan starts at {} ns",
+                                  stamp.nanoseconds()),
+                      "give the start of the scan and the times of its points on one clock"});
+  }
+  points.times_are_absolute = true;
 }
 
 // The scan then starts with its earliest point.
@@ -194,7 +213,9 @@ ScanBuilder ScanBuilder::recover(std::span<const PointFields> scans, std::span<c
 void ScanBuilder::set_turn_duration(Duration turn) { state_->turn = turn; }
 
 LidarScan ScanBuilder::build(const PointFields& fields, Time stamp, const std::string& source) const {
-  const RawPoints points = read_points(fields, source);
+  require_time(source, "stamp", stamp);
+  RawPoints points = read_points(fields, source);
+  if (fields.time_reference == TimeReference::automatic) find_time_reference(points, stamp, source);
   LidarScan scan;
   scan.model = state_->model;
   scan.start = stamp;

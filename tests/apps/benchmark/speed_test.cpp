@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "benchmark/speed/speed_drive.hpp"
 #include "benchmark/speed/speed_plots.hpp"
+#include "benchmark/speed/speed_sensor.hpp"
 #include "support/command.hpp"
 #include "support/temporary_folder.hpp"
 #include <mapless/core/errors.hpp>
@@ -72,11 +72,11 @@ TEST(BenchmarkSpeed, ADriveTooShortIsRefused) {
 }
 
 TEST(BenchmarkSpeed, AnOusterHasAsManyColumnsAsAsked) {
-  EXPECT_EQ(app::sensor_of("OS1-128x2048").columns, 2048);
-  EXPECT_EQ(app::sensor_of("OS1-128x2048").lasers.size(), 128u);
-  EXPECT_EQ(app::sensor_of("OS1-128").columns, 1024);
+  EXPECT_EQ(app::speed_sensor("OS1-128x2048").columns, 2048);
+  EXPECT_EQ(app::speed_sensor("OS1-128x2048").lasers.size(), 128u);
+  EXPECT_EQ(app::speed_sensor("OS1-128").columns, 1024);
   for (const char* name : {"OS1-128x", "OS1-128x0", "OS1-128x12k", "VLP-16x900", "OS2x12"})
-    EXPECT_THROW((void)app::sensor_of(name), ParameterError) << name;
+    EXPECT_THROW((void)app::speed_sensor(name), ParameterError) << name;
 }
 
 // Two sensors, the larger first.

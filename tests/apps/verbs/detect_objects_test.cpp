@@ -43,7 +43,7 @@ class DetectObjectsTest : public testing::Test {
   }
   void expect_one_line(const std::string& part) const {
     const CommandResult r = run_command({"evaluate", street(), out()});
-    EXPECT_EQ(r.exit_code, 1);
+    EXPECT_EQ(r.exit_code, 3);
     const std::size_t at = r.err.find("mapless: error: ");
     ASSERT_NE(at, std::string::npos) << r.err;
     EXPECT_EQ(std::count(r.err.begin() + static_cast<std::ptrdiff_t>(at), r.err.end(), '\n'), 1) << r.err;

@@ -105,7 +105,7 @@ TEST(Evaluate, PrintsWhatTheTruthAllows) {
   EXPECT_THAT(with_classes.out, Not(HasSubstr("true speed")));
   std::ofstream(folder / "elsewhere/object_states.csv") << "scan,id\n";
   const CommandResult broken = run_command(command);
-  EXPECT_EQ(broken.exit_code, 1);
+  EXPECT_EQ(broken.exit_code, 3);
   EXPECT_THAT(broken.err, HasSubstr("object_states.csv:1"));
 }
 
@@ -163,16 +163,16 @@ TEST_F(EvaluateTrajectory, AgainstAGivenTruth) {
   EXPECT_NEAR(of["trajectory"]["absolute_from_first"]["translation_m"]["max"], 0, 1e-9);
   fs::remove(recording + "/trajectory.txt");
   const CommandResult r = run_command({"evaluate", recording, result + "/trajectory.txt"});
-  EXPECT_EQ(r.exit_code, 1);
+  EXPECT_EQ(r.exit_code, 3);
   EXPECT_THAT(r.err, HasSubstr("--reference-trajectory"));
   fs::create_directories(result + "/labels");
-  EXPECT_EQ(run_command({"evaluate", recording, result}).exit_code, 1) << "neither labels nor a truth";
+  EXPECT_EQ(run_command({"evaluate", recording, result}).exit_code, 3) << "neither labels nor a truth";
 }
 
 // A run that was given the recording's own trajectory has no error of its own to be judged.
 TEST_F(EvaluateTrajectory, NotAgainstItself) {
   write_file_atomically(result + "/summary.json", R"({"trajectory": {"source": "recording"}})");
-  EXPECT_EQ(run_command({"evaluate", recording, result}).exit_code, 1);
+  EXPECT_EQ(run_command({"evaluate", recording, result}).exit_code, 3);
   write_file_atomically(result + "/summary.json", R"({"trajectory": {"source": "estimated"}})");
   EXPECT_EQ(run_command({"evaluate", recording, result}).exit_code, 0);
 }

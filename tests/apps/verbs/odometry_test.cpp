@@ -123,7 +123,7 @@ TEST(Odometry, OfCompensatedPointsNamesTheScan) {
     std::vector<std::string> arguments = verb;
     arguments.insert(arguments.end(), {recording, "-o", out});
     const auto r = run_command(arguments);
-    EXPECT_EQ(r.exit_code, 1);
+    EXPECT_EQ(r.exit_code, 3);
     EXPECT_THAT(r.err,
                 testing::AllOf(HasSubstr("velodyne/000000.bin"), HasSubstr("mapless detect --trajectory")));
   }

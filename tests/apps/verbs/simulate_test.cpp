@@ -104,7 +104,7 @@ TEST(Simulate, WhatIsFinishedWhenTheDiskIsFullIsARecording) {
       const fs::path out = folder.path() / "disk" / "out";
       const CommandResult result = run_command({"simulate", "flyer", "-o", out.string(), "--sensor", sensor,
                                                 "--format", format, "--duration-s", "30"});
-      EXPECT_EQ(result.exit_code, 1);
+      EXPECT_EQ(result.exit_code, 75);
       EXPECT_THAT(result.err, HasSubstr("No space left on device"));
       EXPECT_GE(open_dataset(out)->size(), 1u);
       EXPECT_TRUE(open_dataset(out)->read_labels(0));

@@ -104,6 +104,8 @@ TEST(SensorYaml, BadFilesNameFileLineKeyAndValue) {
   EXPECT_THAT(broken("rate_hz: 10\n", ""), HasSubstr("rate_hz: missing"));
   EXPECT_THAT(broken("rate_hz: 10", "rate_hz: 0"), HasSubstr("rate_hz = 0"));
   EXPECT_THAT(broken("rate_hz", "rate"), AllOf(HasSubstr("s.yaml:2: rate"), HasSubstr("unknown key")));
+  EXPECT_THAT(broken("direction: -1", "rate_hz: 20\ndirection: -1"),
+              AllOf(HasSubstr("s.yaml:3: rate_hz"), HasSubstr("there twice")));
   EXPECT_THAT(broken("direction: -1", "direction: 0"), HasSubstr("direction = 0"));
   EXPECT_THAT(broken("columns: 360", "columns: 36.5"), HasSubstr("columns = 36.5"));
   EXPECT_THAT(broken("columns: 360", "columns: 99999999999999999999"), HasSubstr("not an integer"));

@@ -64,10 +64,11 @@ TEST_F(ResultFolderTest, NeverOverwritesAnotherFolder) {
   EXPECT_TRUE(fs::exists(result.label_file(0)));
 }
 
-TEST_F(ResultFolderTest, AnEmptyFolderMayBeOverwritten) {
+TEST_F(ResultFolderTest, AFolderThatIsEmptyButForALockIsFree) {
   fs::create_directories(result.path());
-  EXPECT_THROW(result.require_free(false), OutputError);
-  EXPECT_NO_THROW(result.create(true, summary_text()));
+  EXPECT_NO_THROW(result.require_free(false));
+  write_file_atomically(result.path() / kLockFile, "");
+  EXPECT_NO_THROW(result.create(false, summary_text()));
 }
 
 TEST_F(ResultFolderTest, AFileInItsPlaceIsRefused) {

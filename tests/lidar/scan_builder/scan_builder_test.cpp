@@ -189,6 +189,32 @@ TEST(ScanBuilder, TimesMayBeAbsolute) {
   }
 }
 
+// Seconds since boot, 14 hours after it: less than eleven days, so not plainly of an epoch.
+TEST(ScanBuilder, TimesOnTheClockOfTheStampsAreNotAddedToTheStamp) {
+  const test::ToyScene scene = room("VLP-16", 90);
+  Points points = shuffled(scene);
+  const std::int64_t boot_ns = 14 * 3600 * std::int64_t{1'000'000'000};
+  for (std::int64_t& t : points.time_ns) t += boot_ns;
+  PointFields fields = points.fields();
+  fields.time_reference = TimeReference::automatic;
+  const ScanBuilder builder(*scene.model);
+  const LidarScan scan = builder.build(fields, Time::from_nanoseconds(boot_ns), "f");
+  EXPECT_LT(std::abs((scan.start - Time::from_nanoseconds(boot_ns)).seconds()), 1.0);
+  try {
+    (void)builder.build(fields, Time(), "f");  // the stamps count from 0
+    ADD_FAILURE() << "accepted";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("f: time"), HasSubstr("on one clock")));
+  }
+}
+
+TEST(ScanBuilder, StampsNearTheEndOfTheClockAreRefused) {
+  const test::ToyScene scene = room("VLP-16", 90);
+  const Points points = shuffled(scene);
+  const Time late = Time::from_nanoseconds(std::numeric_limits<std::int64_t>::max() - 1);
+  EXPECT_THROW((void)ScanBuilder(*scene.model).build(points.fields(), late), InputError);
+}
+
 // As of a driver that stamps a scan with its last packet.
 TEST(ScanBuilder, TimesBeforeTheStampAreNegative) {
   const test::ToyScene scene = room("VLP-16", 600);

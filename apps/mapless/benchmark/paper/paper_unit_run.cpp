@@ -10,8 +10,8 @@
 #include "benchmark/ablated_motion.hpp"
 #include "benchmark/movers/mover_gallery.hpp"
 #include "benchmark/movers/mover_views.hpp"
-#include "benchmark/paper/paper_drive.hpp"
 #include "benchmark/recording_store.hpp"
+#include "benchmark/simulated_drive.hpp"
 #include "reports/evaluation_json.hpp"
 #include "run/run_summary.hpp"
 #include "terminal/interrupt.hpp"
@@ -133,15 +133,21 @@ std::size_t end_of(const PaperUnit& unit) {
   return std::min(RecordingStore::scans(unit.recording), unit.first + unit.count + latest_wait(unit));
 }
 
+SimulatedDrive drive_of(const PaperUnit& unit) {
+  const RecordingKey& key = unit.recording;
+  return {
+      key.scene, {key.seed, key.duration_s, true}, unit.sensor(), {key.range_noise_m, key.faulty, key.seed}};
+}
+
 // The scans of a sweep are held, and its many detectors, which hold scans of their own, run one by one.
 std::optional<nlohmann::ordered_json> run_sweep(const PaperUnit& unit,
                                                 const std::function<void()>& step_done) {
-  PaperDrive drive(unit);
+  SimulatedDrive drive = drive_of(unit);
   std::map<std::size_t, std::shared_ptr<const LidarScan>> scans;
   Truths truths;
   for (std::size_t k = unit.first - longest_lead(unit); k < end_of(unit); ++k) {
     if (InterruptGuard::requested()) return std::nullopt;
-    TrueScan scan = drive.scan(k);
+    TrueScan scan = drive.scan(static_cast<int>(k));
     scans[k] = std::move(scan.scan);
     truths[k] = std::move(scan.truth);
   }
@@ -171,13 +177,13 @@ nlohmann::ordered_json pictures_of(const RunOfUnit& detector, const PaperUnit& u
 std::optional<nlohmann::ordered_json> run_every_scan(const PaperUnit& unit,
                                                      const std::filesystem::path& pictures,
                                                      const std::function<void()>& step_done) {
-  PaperDrive drive(unit);
+  SimulatedDrive drive = drive_of(unit);
   std::vector<std::unique_ptr<RunOfUnit>> detectors;
   for (const PaperRun& run : unit.runs) detectors.push_back(std::make_unique<RunOfUnit>(unit, run));
   Truths truths;
   for (std::size_t k = unit.first - longest_lead(unit); k < end_of(unit); ++k) {
     if (InterruptGuard::requested()) return std::nullopt;
-    TrueScan scan = drive.scan(k);
+    TrueScan scan = drive.scan(static_cast<int>(k));
     truths[k] = std::move(scan.truth);
     std::size_t next = k + 1;
     for (const auto& detector : detectors) {

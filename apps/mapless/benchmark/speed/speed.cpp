@@ -9,8 +9,10 @@
 #include <fmt/format.h>
 #include <tbb/task_arena.h>
 
-#include "benchmark/speed/speed_drive.hpp"
+#include "benchmark/simulated_drive.hpp"
 #include "benchmark/speed/speed_pipeline.hpp"
+#include "benchmark/speed/speed_sensor.hpp"
+#include "benchmark/speed/yardstick.hpp"
 #include "run/busy_time.hpp"
 #include "terminal/interrupt.hpp"
 #include "terminal/progress.hpp"
@@ -28,6 +30,8 @@ using Json = nlohmann::ordered_json;
 constexpr int kFirstScan = 33;  // the reference scans of the default detector: up to 32 before, and one after
 constexpr int kYardstickEvery = 5;  // scans; it takes longer than the detection
 
+constexpr double kRangeNoise_m = SensorOptions().range_noise_m;
+
 struct Times {
   std::vector<StageSeconds> stages;
   std::vector<BusyTime> detection, odometry, yardstick;
@@ -38,8 +42,9 @@ struct Times {
 class SensorRun {
  public:
   SensorRun(const SpeedOptions& options, const std::string& sensor)
-      : drive_(options.scene, options.duration_s, options.seed, sensor),
-        scans_(static_cast<int>(options.duration_s * drive_.rotation_rate_hz())),
+      : drive_(options.scene, {options.seed, options.duration_s, true}, speed_sensor(sensor),
+               {kRangeNoise_m, true, options.seed}),
+        scans_(static_cast<int>(options.duration_s * drive_.model().rotation_rate_hz)),
         detector_(options.detector),
         odometry_(options.odometry) {
     if (scans_ < kFirstScan + 2 * kYardstickEvery) {
@@ -59,14 +64,16 @@ class SensorRun {
   void run() {
     Progress progress("scans");
     for (int k = 0; k < scans_ && !InterruptGuard::requested(); ++k) {
-      const auto scan = drive_.scan(k);
+      const auto scan = drive_.scan(k).scan;
       one_thread_.execute([&] { measure_steps(scan, k); });
       for (const auto& pipeline : pipelines_) pipeline->add(scan, k >= kFirstScan);
       progress.update(static_cast<std::size_t>(k + 1), static_cast<std::size_t>(scans_));
     }
   }
 
-  [[nodiscard]] std::size_t rays() const { return drive_.rays(); }
+  [[nodiscard]] std::size_t rays() const {
+    return drive_.model().lasers.size() * static_cast<std::size_t>(drive_.model().columns);
+  }
   [[nodiscard]] const Times& times() const { return times_; }
   /// One after the other on one thread, side by side on two, and the others.
   [[nodiscard]] const std::vector<std::unique_ptr<SpeedPipeline>>& pipelines() const { return pipelines_; }
@@ -75,7 +82,7 @@ class SensorRun {
   // Detection along the true trajectory, and odometry, each by itself.
   void measure_steps(const std::shared_ptr<const LidarScan>& scan, int k) {
     std::vector<Detection> found;
-    const BusyTime detection = busy_time_of([&] { found = detector_.process(scan, drive_.trajectory()); });
+    const BusyTime detection = busy_time_of([&] { found = detector_.process(scan, *drive_.trajectory()); });
     const BusyTime odometry = busy_time_of([&] { odometry_.process(scan); });
     if (k < kFirstScan) return;
     times_.odometry.push_back(odometry);
@@ -85,12 +92,12 @@ class SensorRun {
   }
 
   void take_yardstick(const std::shared_ptr<const LidarScan>& scan) {
-    auto points = compensate(scan, drive_.trajectory()).points_0;
+    auto points = compensate(scan, *drive_.trajectory()).points_0;
     if (!before_.empty()) times_.yardstick.push_back(yardstick(before_, points));
     before_ = std::move(points);
   }
 
-  SpeedDrive drive_;
+  SimulatedDrive drive_;
   int scans_;
   Detector detector_;
   LidarOdometry odometry_;

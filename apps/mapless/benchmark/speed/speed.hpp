@@ -25,10 +25,10 @@ struct SpeedOptions {
 /// odometry, and an OnlineDetector, each on one thread; an OnlineDetector on two threads; and the yardstick,
 /// the time nanoflann takes to build a k-d tree of one compensated scan and to find the nearest neighbour of
 /// every point of another. Counts scans once the detector has all its reference scans. One entry per sensor
-/// (sensor_of): sensor, scans, rays, rows of name, median_ms, p95_ms, p99_ms, ns_per_ray, share_of_detection
-/// (of the median), yardsticks (the same), and the median of the OnlineDetector on up to `most_threads`
-/// threads, with and without side_by_side. Throws ParameterError where the scene is too short. Where
-/// interrupted, returns the figures so far.
+/// (speed_sensor): sensor, scans, rays, rows of name, median_ms, p95_ms, p99_ms, ns_per_ray,
+/// share_of_detection (of the median), yardsticks (the same), and the median of the OnlineDetector on up to
+/// `most_threads` threads, with and without side_by_side. Throws ParameterError where the scene is too short.
+/// Where interrupted, returns the figures so far.
 [[nodiscard]] nlohmann::ordered_json measure_speed(const SpeedOptions& options);
 
 /// The same as a table.

@@ -57,8 +57,8 @@ std::optional<Time> date_time(std::string_view text) {
   const std::chrono::year_month_day date{std::chrono::year(static_cast<int>(*year)),
                                          std::chrono::month(static_cast<unsigned>(*month)),
                                          std::chrono::day(static_cast<unsigned>(*day))};
-  // Years an int64 of nanoseconds can hold.
-  if (!text.empty() || !date.ok() || *year < 1700 || *year > 2200) return std::nullopt;
+  // Within 126 years of 1970 (Time::kLargestOutside_ns).
+  if (!text.empty() || !date.ok() || *year < 1850 || *year > 2090) return std::nullopt;
   const std::int64_t days = std::chrono::sys_days(date).time_since_epoch().count();
   const std::int64_t seconds = ((days * 24 + *hour) * 60 + *minute) * 60 + *second;
   return Time::from_nanoseconds(seconds * 1'000'000'000 + nanoseconds);

@@ -3,6 +3,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <numbers>
 #include <string>
 #include <string_view>
 
@@ -10,6 +11,7 @@
 #include <google/protobuf/io/coded_stream.h>
 #include <google/protobuf/wire_format_lite.h>
 
+#include "core/time_check.hpp"
 #include "io/files/text.hpp"
 #include "mdlidar.pb.h"
 #include <mapless/core/errors.hpp>
@@ -27,14 +29,6 @@ using google::protobuf::io::CodedInputStream;
                     "fetch the file again"});
 }
 
-// Of any two times within, the difference fits.
-void require_time(std::int64_t ns, const char* field, const fs::path& file) {
-  constexpr std::int64_t kLargest = 4'000'000'000'000'000'000;
-  if (ns >= -kLargest && ns <= kLargest) return;
-  throw InputError({file.string(), field, std::to_string(ns),
-                    "not a time in nanoseconds within 126 years of 0", "fetch the file again"});
-}
-
 template <class Message>
 Message parse(const fs::path& file) {
   const std::string bytes = read_whole_file(file);
@@ -50,7 +44,8 @@ SE3 pose_of(const mdlidar::Vector3D& position, const mdlidar::Orientation& orien
   const Eigen::Vector3d p = vector_of(position);
   const Eigen::Vector3d axis = vector_of(orientation.axis());
   const double angle = orientation.angle();
-  const bool finite = p.allFinite() && axis.allFinite() && std::isfinite(angle);
+  constexpr double kLargestAngle_rad = 4 * std::numbers::pi;  // two turns: another unit, or damage
+  const bool finite = p.allFinite() && axis.allFinite() && std::abs(angle) <= kLargestAngle_rad;
   if (!finite || (axis.norm() < 1e-6 && angle != 0)) {
     throw InputError({file.string(), field,
                       fmt::format("position {} {} {}, axis {} {} {}, angle {}", p.x(), p.y(), p.z(), axis.x(),
@@ -179,8 +174,8 @@ MdlidarFrameSummary read_mdlidar_summary(const fs::path& file) {
   if (bytes.empty() || !parse_frame(bytes, frame, count_point)) refuse_corrupt(file, bytes.size());
   summary.start = Time::from_nanoseconds(frame.start_time());
   summary.end = Time::from_nanoseconds(frame.end_time());
-  require_time(frame.start_time(), "start_time", file);
-  require_time(frame.end_time(), "end_time", file);
+  require_time(file.string(), "start_time", summary.start);
+  require_time(file.string(), "end_time", summary.end);
   const std::int64_t length = frame.end_time() - frame.start_time();
   if (length <= 0 || length > 1'000'000'000) {
     throw InputError({file.string(), "end_time", std::to_string(frame.end_time()),

@@ -39,7 +39,9 @@ std::string message_bytes(const google::protobuf::MessageLite& message, const st
 MdlidarWriter::MdlidarWriter(std::filesystem::path folder, const std::vector<MdlidarLaser>& lasers,
                              int points_per_laser, Duration frame_period)
     : folder_(std::move(folder)),
-      points_per_frame_(lasers.size() * static_cast<std::size_t>(points_per_laser)) {
+      lasers_(lasers.size()),
+      points_per_laser_(points_per_laser),
+      frame_period_(frame_period) {
   constexpr double kMost = 1e6;  // as of a LidarModel
   require_between("MdlidarWriter", "lasers.size()", static_cast<double>(lasers.size()), 1, kMost);
   require_between("MdlidarWriter", "points_per_laser", points_per_laser, 2, kMost);
@@ -47,12 +49,8 @@ MdlidarWriter::MdlidarWriter(std::filesystem::path folder, const std::vector<Mdl
   std::error_code error;
   std::filesystem::create_directories(folder_ / "frame", error);
   if (error)
-    throw OutputError({(folder_ / "frame").string(), "", "", error.message(), "choose another folder"});
-  mdlidar::Header header;
-  header.set_delta_time(static_cast<float>(frame_period.seconds()));
-  header.set_channels_count(static_cast<int>(lasers.size()));
-  header.set_points_count_by_channel(static_cast<std::uint32_t>(points_per_laser));
-  write_file_atomically(folder_ / "header", message_bytes(header, folder_ / "header"));
+    throw_write_error({(folder_ / "frame").string(), "", "", error.message(), "choose another folder"},
+                      error);
   std::string rows;
   for (const MdlidarLaser& l : lasers) {
     rows += fmt::format("{},{},{},{}\n", l.horiz_offset_m, l.vert_offset_m, l.rot_correction_rad,
@@ -63,9 +61,9 @@ MdlidarWriter::MdlidarWriter(std::filesystem::path folder, const std::vector<Mdl
 
 void MdlidarWriter::write(const MdlidarFrame& frame) {
   const std::filesystem::path file = folder_ / "frame" / fmt::format("data_{}", frames_);
-  if (frame.points.size() != points_per_frame_) {
+  if (frame.points.size() != points_per_frame()) {
     throw InputError({file.string(), "points", std::to_string(frame.points.size()),
-                      fmt::format("a frame has {}", points_per_frame_),
+                      fmt::format("a frame has {}", points_per_frame()),
                       "give one for every laser and column"});
   }
   mdlidar::Frame message;
@@ -86,6 +84,14 @@ void MdlidarWriter::write(const MdlidarFrame& frame) {
   set(frame.pose_p.rotation(), *state.mutable_orientation_p());
   write_file_atomically(file, message_bytes(message, file));
   ++frames_;
+}
+
+void MdlidarWriter::finish() const {
+  mdlidar::Header header;
+  header.set_delta_time(static_cast<float>(frame_period_.seconds()));
+  header.set_channels_count(static_cast<int>(lasers_));
+  header.set_points_count_by_channel(static_cast<std::uint32_t>(points_per_laser_));
+  write_file_atomically(folder_ / "header", message_bytes(header, folder_ / "header"));
 }
 
 }  // namespace mapless

@@ -44,10 +44,18 @@ class MdlidarWriter {
                 Duration frame_period);
   /// Writes the next frame. Throws OutputError if that fails, InputError for a wrong number of points.
   void write(const MdlidarFrame& frame);
+  /// Writes `header`: until then readers refuse the folder. Throws OutputError.
+  void finish() const;
 
  private:
+  [[nodiscard]] std::size_t points_per_frame() const {
+    return lasers_ * static_cast<std::size_t>(points_per_laser_);
+  }
+
   std::filesystem::path folder_;
-  std::size_t points_per_frame_;
+  std::size_t lasers_;
+  int points_per_laser_;
+  Duration frame_period_;
   int frames_ = 0;
 };
 

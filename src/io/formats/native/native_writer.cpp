@@ -27,7 +27,8 @@ void make_folder(const fs::path& folder) {
   std::error_code error;
   if (!fs::create_directories(folder, error) && !error) error = std::make_error_code(std::errc::file_exists);
   if (error) {
-    throw OutputError({folder.string(), "", "", "cannot be made: " + error.message(), "choose a new folder"});
+    throw_write_error({folder.string(), "", "", "cannot be made: " + error.message(), "choose a new folder"},
+                      error);
   }
 }
 

@@ -18,13 +18,27 @@ namespace {
 
 namespace fs = std::filesystem;
 
+bool is_numbered(const fs::path& file) {
+  return file.stem().string().find_first_not_of("0123456789") == std::string::npos;
+}
+
+// The number in a name of digits as what orders it: its length without leading zeros, and its digits.
+std::pair<std::size_t, std::string> number_of(const fs::path& file) {
+  std::string digits = file.stem().string();
+  digits.erase(0, digits.find_first_not_of('0'));
+  return {digits.size(), digits};
+}
+
 std::vector<fs::path> pcd_files(const fs::path& folder) {
   std::vector<fs::path> files;
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder, error)) {
     if (entry.path().extension() == ".pcd" && entry.is_regular_file()) files.push_back(entry.path());
   }
-  std::sort(files.begin(), files.end());
+  const bool numbered = std::all_of(files.begin(), files.end(), is_numbered);
+  std::sort(files.begin(), files.end(), [numbered](const fs::path& a, const fs::path& b) {
+    return numbered && number_of(a) != number_of(b) ? number_of(a) < number_of(b) : a < b;
+  });
   return files;
 }
 

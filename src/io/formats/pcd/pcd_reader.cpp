@@ -232,6 +232,15 @@ void read_ascii_point(PcdCloud& cloud, std::size_t point, const Words& words) {
   }
 }
 
+// Every number takes a digit and a separator. COUNT could claim gigabytes for rows of one number.
+void require_room_for_numbers(const PcdCloud& cloud, std::string_view body) {
+  std::size_t numbers = 0;
+  for (const PcdField& field : cloud.fields) numbers += field.count;
+  if (2 * numbers * cloud.size() <= body.size() + 1) return;
+  refuse_body(cloud, "DATA", fmt::format("{} bytes", body.size()),
+              fmt::format("no room for {} points of {} numbers", cloud.size(), numbers));
+}
+
 void read_ascii(PcdCloud& cloud, std::string_view body) {
   std::vector<Words> rows;
   for (const std::string_view line : split_lines(body)) {
@@ -242,6 +251,7 @@ void read_ascii(PcdCloud& cloud, std::string_view body) {
     refuse_body(cloud, "DATA", fmt::format("{} rows", rows.size()),
                 fmt::format("not POINTS = {}", cloud.size()));
   }
+  require_room_for_numbers(cloud, body);
   cloud.bytes.assign(cloud.size() * cloud.stride, '\0');
   for (std::size_t i = 0; i < rows.size(); ++i) read_ascii_point(cloud, i, rows[i]);
 }

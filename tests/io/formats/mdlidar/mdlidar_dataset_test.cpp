@@ -64,6 +64,7 @@ class Mdlidar : public ::testing::Test {
   void SetUp() override {
     MdlidarWriter writer(town(), kCalibration, kColumns, Duration::from_nanoseconds(kTurn_ns));
     for (int k = 0; k < 11; ++k) writer.write(make_frame(k));
+    writer.finish();
   }
   [[nodiscard]] fs::path town() const { return folder_ / "town_1"; }
 
@@ -185,6 +186,7 @@ TEST_F(Mdlidar, RefusesACorruptHeaderOrCalibration) {
 TEST_F(Mdlidar, RefusesFramesOfAnotherNumberOfPoints) {
   const MdlidarWriter other(town() / "other", {kCalibration[0]}, kColumns,
                             Duration::from_nanoseconds(kTurn_ns));
+  other.finish();
   MdlidarWriter writer(town(), kCalibration, kColumns, Duration::from_nanoseconds(kTurn_ns));
   MdlidarFrame frame = make_frame(0);
   frame.points.pop_back();
@@ -204,6 +206,15 @@ TEST_F(Mdlidar, RefusesPosesThatAreNotFiniteAndTimesThatDoNotIncrease) {
   MdlidarWriter again(town(), kCalibration, kColumns, Duration::from_nanoseconds(kTurn_ns));
   again.write(frame);
   EXPECT_EQ(error().field, "end_time");
+}
+
+TEST_F(Mdlidar, IsRefusedWhileItIsWritten) {
+  const fs::path half = folder_ / "half";
+  MdlidarWriter writer(half, kCalibration, kColumns, Duration::from_nanoseconds(kTurn_ns));
+  for (int k = 0; k < 11; ++k) writer.write(make_frame(k));
+  EXPECT_THROW((void)open_dataset(half), InputError);
+  writer.finish();
+  EXPECT_EQ(open_dataset(half)->size(), 11u);
 }
 
 TEST_F(Mdlidar, RefusesAnUnwritableFolder) {

@@ -102,6 +102,7 @@ void write_recording(const fs::path& folder, const ToyScene& scene, const PosesO
     }
     writer.write(frame);
   }
+  writer.finish();
 }
 
 // The trajectory of the recording moves the sensor as the drive did.

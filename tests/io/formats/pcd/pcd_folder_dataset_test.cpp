@@ -203,6 +203,17 @@ TEST(PcdFolder, TakesStartsFromNamesOrPointsWithoutATimesFile) {
   EXPECT_NEAR(open_pcd_folder(points.path(), vlp16())->scan_start(0).seconds(), 1.7e9, 1e-6);
 }
 
+TEST(PcdFolder, NumbersNeedNoLeadingZeros) {
+  const auto fired = firings(0, 1808);
+  const test::TemporaryFolder folder;
+  for (const char* name : {"10.pcd", "9.pcd", "100.pcd"}) write_scan(folder / name, fired, {kRing});
+  write_file_atomically(folder / "times.txt", "0.0\n0.1\n0.2\n");
+  const auto dataset = open_pcd_folder(folder.path(), vlp16());
+  EXPECT_EQ(dataset->scan_file(0).filename(), "9.pcd");
+  EXPECT_EQ(dataset->scan_file(1).filename(), "10.pcd");
+  EXPECT_EQ(dataset->scan_file(2).filename(), "100.pcd");
+}
+
 TEST(PcdFolder, PointsWithoutPositionKeepTheirInputIndex) {
   const test::TemporaryFolder folder;
   const auto fired = firings(0, 1808);

@@ -195,6 +195,21 @@ TEST(Pcd, BadHeadersNameFileKeyAndValue) {
   EXPECT_THAT(broken("DATA ascii", "DATA hex"), HasSubstr("DATA = hex"));
 }
 
+// 4,000 rows of one number each, of points of 512 kB: 2 GB where the header is believed.
+TEST(Pcd, AsciiBodiesHaveRoomForTheirNumbers) {
+  const test::TemporaryFolder folder;
+  std::string text =
+      "VERSION 0.7\nFIELDS x\nSIZE 8\nTYPE F\nCOUNT 65536\nWIDTH 4000\nHEIGHT 1\nPOINTS 4000\nDATA ascii\n";
+  for (int i = 0; i < 4000; ++i) text += "1\n";
+  write_file_atomically(folder / "f.pcd", text);
+  try {
+    (void)read_pcd(folder / "f.pcd");
+    ADD_FAILURE() << "accepted";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("no room for 4000 points of 65536 numbers"), std::string::npos);
+  }
+}
+
 TEST(Pcd, TruncatedBodiesAreRefused) {
   const std::string ascii = std::string(kHeader) + kAsciiBody, binary = kHeader + binary_body();
   EXPECT_EQ(refusal(binary), "accepted");

@@ -1,11 +1,10 @@
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
-#include "benchmark/paper/paper_plan.hpp"
 #include <mapless/io/labels.hpp>
 #include <mapless/lidar/lidar_scan.hpp>
 #include <mapless/simulation/scene.hpp>
@@ -20,12 +19,15 @@ struct TrueScan {
   std::vector<std::uint32_t> truth;
 };
 
-/// The drive of a unit, simulated in memory. Any scan can be made in any order.
-class PaperDrive {
+/// A scene with a sensor in it, simulated in memory. Any scan can be made in any order.
+class SimulatedDrive {
  public:
-  explicit PaperDrive(const PaperUnit& unit);
+  /// Throws as make_scene and SimulatedSensor do.
+  SimulatedDrive(const std::string& scene, const SceneOptions& scene_options, const LidarModel& model,
+                 const SensorOptions& sensor_options);
 
-  [[nodiscard]] TrueScan scan(std::size_t number);
+  [[nodiscard]] TrueScan scan(int number);
+  [[nodiscard]] const LidarModel& model() const { return *model_; }
   [[nodiscard]] const std::shared_ptr<const Trajectory>& trajectory() const { return trajectory_; }
   /// Classes of the movers, without states.
   [[nodiscard]] ObjectTruth objects() const;
