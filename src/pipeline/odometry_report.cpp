@@ -49,8 +49,8 @@ std::string trouble_of(const OdometryUpdate& update) {
       return "the points of the scan before, delivered again: the motion is extrapolated";
     case ScanOutcome::unmatched:
       return "the points do not match the map: the motion is extrapolated";
-    case ScanOutcome::contradicted:
-      return "rays of other scans passed through the places of its points: the motion is wrong";
+    case ScanOutcome::unsupported:
+      return "too few points support the motion";
   }
   if (update.state == MotionState::lost) return "the motion of the first scans is not known";
   return update.state == MotionState::degenerate ? "the points leave a direction of the motion open" : "";

@@ -209,8 +209,7 @@ std::vector<LabelledScan> OnlineDetector::State::labelled(std::vector<Detection>
     }
     if (!scan.given) dynamic_points.push_back({detection.scan, detection.object});
     auto update = scan.odometry ? std::make_shared<const OdometryUpdate>(*std::move(scan.odometry)) : nullptr;
-    out.push_back(
-        {std::move(detection), scan.given ? std::move(scan.given) : estimated, std::move(update)});
+    out.push_back({std::move(detection), scan.given ? std::move(scan.given) : estimated, std::move(update)});
     unlabelled.pop_front();
   }
   return out;

@@ -12,10 +12,8 @@ namespace mapless::app {
 [[nodiscard]] MotionRow motion_row(std::size_t scan, const TimedPose& pose, double duration_s,
                                    const OdometryUpdate& update);
 
-/// The exit code of a run that finished, but some scans of which are without motion.
-inline constexpr int kMotionLost = 4;
-
-/// "finished; 3 of 60 scans are without motion: ..." with the remedy.
+/// "finished; 3 of 60 scans are without motion: ..." with the remedy. The run
+/// then ends with kNotTrusted.
 [[nodiscard]] std::string motion_lost_line(std::size_t lost, std::size_t scans);
 
 }  // namespace mapless::app

@@ -14,6 +14,7 @@
 #include "run/given_motion.hpp"
 #include "run/lost_motion.hpp"
 #include "run/run_summary.hpp"
+#include "terminal/exit_codes.hpp"
 #include "terminal/interrupt.hpp"
 #include "terminal/stderr.hpp"
 #include "verbs/verbs.hpp"
@@ -146,7 +147,7 @@ int detect(const DetectOptions& options) {
   const std::size_t lost = odometry.count(MotionState::lost);
   if (code != 0 || lost == 0) return code;
   say("mapless: {}\n", motion_lost_line(lost, odometry.scans()));
-  return kMotionLost;
+  return kNotTrusted;
 }
 
 }  // namespace

@@ -22,6 +22,7 @@
 #include "run/given_motion.hpp"
 #include "run/lost_motion.hpp"
 #include "run/scan_poses.hpp"
+#include "terminal/exit_codes.hpp"
 #include "terminal/interrupt.hpp"
 #include "terminal/progress.hpp"
 #include "terminal/stderr.hpp"
@@ -147,7 +148,8 @@ std::optional<Estimate> estimate(const Dataset& dataset, const OdometryOptions& 
   const Trajectory& trajectory = lidar_odometry.trajectory();
   for (std::size_t k = 0; k < scans.size(); ++k) {
     const auto& [instant, length] = scans[k];
-    out.motions.push_back(motion_row(k, {instant, trajectory.at(instant).T_v0}, length.seconds(), updates[k]));
+    out.motions.push_back(
+        motion_row(k, {instant, trajectory.at(instant).T_v0}, length.seconds(), updates[k]));
     out.motions.back().state = name_of(out.report.states()[k]);
     out.at_instants.push_back({instant, trajectory.at(instant).T_v0});
     append_poses(out.rows, scan_poses(trajectory, instant, instant + length, options.poses_per_scan));
@@ -192,7 +194,7 @@ int odometry(const OdometryOptions& options) {
   files.write(found.at_instants, found.rows, found.motions);
   const std::size_t lost = found.report.count(MotionState::lost);
   if (lost > 0) say("mapless: {}\n", motion_lost_line(lost, found.report.scans()));
-  const int code = lost > 0 ? kMotionLost : 0;
+  const int code = lost > 0 ? kNotTrusted : kSuccess;
   if (options.json) {
     fmt::print("{}", summary_json(options, found, trouble));
     return code;
@@ -210,10 +212,10 @@ void add_odometry(CLI::App& app, int& exit_code) {
   const auto options = std::make_shared<OdometryOptions>();
   add_recording_options(*verb, options->recording);
   add_parameter_options(*verb, options->parameters);
-  verb->add_option(
-          "-o,--output", options->output,
-          "folder for poses_kitti.txt (KITTI rows), trajectory.txt (TUM rows) and poses.csv (with the state of "
-          "the motion: good, degenerate or lost), all world from sensor")
+  verb->add_option("-o,--output", options->output,
+                   "folder for poses_kitti.txt (KITTI rows), trajectory.txt (TUM rows) and poses.csv (with "
+                   "the state of "
+                   "the motion: good, degenerate or lost), all world from sensor")
       ->required();
   verb->add_option("--pose-instant", options->instant, "the instant within each scan whose pose is written")
       ->check(CLI::IsMember({"start", "middle", "end"}))

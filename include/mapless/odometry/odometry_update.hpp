@@ -18,20 +18,20 @@ using Matrix12d = Eigen::Matrix<double, 12, 12>;
 enum class MotionState : std::uint8_t {
   good,        ///< the points determine every direction of the motion
   degenerate,  ///< the points leave a direction of the motion open: OdometryUpdate::motion_covariance_v
-  lost,        ///< no motion: the pose is extrapolated, or the scans contradict it
+  lost,        ///< no motion: the pose is extrapolated, or too few points support it
 };
 /// "good", "degenerate" or "lost".
 [[nodiscard]] std::string_view name_of(MotionState state);
 
 /// How the pose at the end of a scan was estimated.
 enum class ScanOutcome {
-  first,         ///< no earlier scan to register to: the sensor is taken to stand still until the next scan
-  registered,    ///< registered to the map
-  few_points,    ///< too few usable returns: extrapolated with the motion prior
-  repeated,      ///< the same returns as the scan before, delivered again: extrapolated with the motion prior
-  unmatched,     ///< too few inliers, or no solution: extrapolated with the motion prior
-  contradicted,  ///< registered, but the rays of other scans passed through the places of its points
-  restarted,     ///< after a loss: its pose is extrapolated, and a new map begins with this scan
+  first,        ///< no earlier scan to register to: the sensor is taken to stand still until the next scan
+  registered,   ///< registered to the map
+  few_points,   ///< too few usable returns: extrapolated with the motion prior
+  repeated,     ///< the same returns as the scan before, delivered again: extrapolated with the motion prior
+  unmatched,    ///< too few inliers, or no solution: extrapolated with the motion prior
+  unsupported,  ///< registered, but too few points agree for how weakly they constrain the motion
+  restarted,    ///< after a loss: its pose is extrapolated, and a new map begins with this scan
 };
 
 /// How well the inliers of a scan constrain each direction of translation (Zhang, Kaess and Singh, ICRA 2016,
@@ -60,9 +60,9 @@ struct OdometryUpdate {
   std::size_t decided_scans = 1;
   int iterations = 0;       ///< Gauss-Newton steps
   double inlier_ratio = 0;  ///< keypoints within the gate of a plane of the map, over all keypoints
-  /// Keypoints at places through which rays of earlier scans passed, over all keypoints: the points of moving
-  /// objects, and many more where the motion is wrong.
-  double violation_ratio = 0;
+  /// Mean weight of the keypoints in the robust loss: 1 on a plane of the map, towards 0 far from it, 0 for
+  /// an outlier.
+  double mean_robust_weight = 0;
   Degeneracy degeneracy;
 
   /// Covariance of the sensor's translation from the start of the scan to its end, `duration_s` later, in the
