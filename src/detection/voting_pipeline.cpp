@@ -6,6 +6,7 @@
 #include "detection/evidence/collect_evidence.hpp"
 #include "detection/evidence/reference_gaps.hpp"
 #include "detection/freespace/range_noise.hpp"
+#include "detection/own_vehicle.hpp"
 #include "detection/segmentation/evidence_growth.hpp"
 #include <mapless/core/time.hpp>
 
@@ -20,6 +21,14 @@ CandidateVerdict candidate(const PointEvidence& e) {
 FreespaceVerdict sign_of(int votes) {
   if (votes == 0) return FreespaceVerdict::unobserved;
   return votes > 0 ? FreespaceVerdict::inside : FreespaceVerdict::border;
+}
+
+// Of a point at which every reference scan saw a surface.
+PointEvidence of_static_point(std::size_t references) {
+  PointEvidence evidence;
+  evidence.past = static_cast<std::int16_t>(-kMaxSurfaceVotes * static_cast<int>(references));
+  evidence.surface_seen = true;
+  return evidence;
 }
 
 std::vector<StageTrace> trace_of(const std::vector<PointEvidence>& evidence,
@@ -48,7 +57,9 @@ class VotingPipeline final : public DetectionPipeline {
     std::shared_ptr<const LidarScan> scan;
     LocalPoints points;
     std::vector<TrajectoryState> column_states;
-    StageSeconds seconds;  // of its preparation
+    std::vector<std::int32_t> own_vehicle;  // returns on it
+    VotingParameters parameters;            // with the tolerance for its noise
+    StageSeconds seconds;                   // of its preparation
   };
   [[nodiscard]] const RayImage& image(std::size_t number) const { return *images_.at(number - first_image_); }
   [[nodiscard]] std::vector<ReferenceScan> references_of(std::size_t number) const;
@@ -56,6 +67,7 @@ class VotingPipeline final : public DetectionPipeline {
                                            const RayImage& own) const;
 
   VotingParameters parameters_;
+  OwnVehicle own_vehicle_;
   std::vector<std::size_t> gaps_;                 // of the earlier scans, increasing
   std::size_t forward_gap_;                       // of the first later one
   std::deque<std::shared_ptr<RayImage>> images_;  // consecutive scans, oldest first
@@ -73,6 +85,11 @@ void VotingPipeline::add(std::shared_ptr<const LidarScan> scan, const Trajectory
   images_.push_back(
       std::make_shared<RayImage>(compensated, images_.empty() ? nullptr : images_.back().get()));
   pending.column_states = std::move(compensated.column_states);
+  pending.parameters = with_tolerance_for_noise(parameters_, *pending.scan);
+  if (!pending.column_states.empty()) {
+    pending.own_vehicle =
+        own_vehicle_.find(*pending.scan, pending.column_states.front().T_v0, pending.parameters.tolerance_m);
+  }
   pending_.push_back(std::move(pending));
 }
 
@@ -113,8 +130,10 @@ ObjectProposals VotingPipeline::run_stages(PendingScan query, const std::vector<
 
   // 2., 3. Comparison and freespace check of every point, against several earlier scans and a later one.
   const auto evidence = timed(out.seconds.evidence, [&] {
-    return collect_evidence(*out.scan, query.points, references, own,
-                            with_tolerance_for_noise(parameters_, *out.scan));
+    auto of_points = collect_evidence(*out.scan, query.points, references, own, query.parameters);
+    for (const std::int32_t i : query.own_vehicle)
+      of_points[static_cast<std::size_t>(i)] = of_static_point(references.size());
+    return of_points;
   });
   // 4. Border effects: points whose linked neighbours do not have evidence too.
   const auto seeds = timed(out.seconds.filter,

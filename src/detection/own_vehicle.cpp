@@ -1,0 +1,154 @@
+#include "detection/own_vehicle.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mapless::inline v1 {
+namespace {
+
+// Between two key scans a static surface moves in the sensor frame by this much, or by this angle: several
+// tolerances at a metre. Chosen.
+constexpr double kKeyDistance_m = 0.5;
+constexpr double kKeyAngle_rad = 0.2;
+
+// Chosen: the roof and the bonnet of a car, seen from its roof, are nearer. The side of a car alongside,
+// 2.6 m away, reaches beyond it, and so does not end freely.
+constexpr float kLargestRange_m = 4;
+
+// Chosen: 5 m of motion, or a second at 5 m/s and more with ten scans a second.
+constexpr int kFewestKeyScans = 10;
+
+// Chosen: one range in ten may be an outlier, or that of something in front of the own vehicle.
+constexpr int kSamePerOther = 9;
+
+// Counts are halved at this sum, so that the last hundred key scans decide.
+constexpr int kRemembered = 200;
+
+// A new range has at most so many others against it: then it is taken after 90 key scans.
+constexpr int kMostOthers = 10;
+
+// A row of constant cells ends freely where at most half of the next kBeyondEnd columns have a return within
+// kLinked_m of its last range. The end of a side that slides along itself moves by three columns, 0.02 m at
+// 3 m, in kFewestKeyScans or less. Measured: docs/notebook/detection.md, "learnt as the own vehicle".
+constexpr int kBeyondEnd = 4;
+constexpr float kLinked_m = 0.2F;
+
+// Firings jitter by a column from scan to scan.
+constexpr int kColumnsAside = 2;
+
+// The range nearest to `range_m` of a return and those in the columns beside it.
+float nearest(const LidarScan& scan, const LidarReturn& r, float range_m) {
+  float best = r.range_m;
+  for (const int c : {r.column - 1, r.column + 1}) {
+    if (c < 0 || c >= scan.columns) continue;
+    const std::int32_t i = scan.cell(r.laser, c);
+    if (i < 0) continue;
+    const float beside = scan.returns[static_cast<std::size_t>(i)].range_m;
+    if (std::abs(beside - range_m) < std::abs(best - range_m)) best = beside;
+  }
+  return best;
+}
+
+}  // namespace
+
+bool OwnVehicle::Cell::constant() const { return same >= kFewestKeyScans && same >= kSamePerOther * others; }
+
+void OwnVehicle::Cell::add(float seen_m, float tolerance_m) {
+  if (range_m > 0 && std::abs(seen_m - range_m) <= tolerance_m) {
+    ++same;
+  } else {
+    ++others;
+  }
+  if (others > same) {
+    range_m = seen_m < kLargestRange_m ? seen_m : 0;
+    others = static_cast<std::uint8_t>(std::min(same + others - 1, kMostOthers));
+    same = range_m > 0 ? 1 : 0;
+  }
+  if (same + others >= kRemembered) {
+    same /= 2;
+    others /= 2;
+  }
+}
+
+bool OwnVehicle::is_key_scan(const SE3& T_v0) {
+  if (key_T_v0_) {
+    const SE3 motion = T_v0 * key_T_v0_->inverse();
+    if (motion.translation().norm() < kKeyDistance_m && so3_log(motion.rotation()).norm() < kKeyAngle_rad)
+      return false;
+  }
+  key_T_v0_ = T_v0;
+  return true;
+}
+
+void OwnVehicle::learn(const LidarScan& scan, float tolerance_m) {
+  if (model_ != scan.model) {
+    model_ = scan.model;
+    cells_.assign(model_->lasers.size() * static_cast<std::size_t>(model_->columns), {});
+  }
+  const auto columns = static_cast<std::size_t>(model_->columns);
+  for (const LidarReturn& r : scan.returns) {
+    if (r.column >= model_->columns) continue;
+    Cell& cell = cells_[static_cast<std::size_t>(r.laser) * columns + static_cast<std::size_t>(r.column)];
+    if (r.range_m < kLargestRange_m || cell.same > 0) cell.add(nearest(scan, r, cell.range_m), tolerance_m);
+  }
+}
+
+// Of the constant cells, those in runs that end freely on both sides.
+void OwnVehicle::find_own_cells(const LidarScan& scan) {
+  const int columns = model_->columns;
+  own_.assign(cells_.size(), false);
+  for (int row = 0; row < scan.rows(); ++row) {
+    const std::size_t first = static_cast<std::size_t>(row) * static_cast<std::size_t>(columns);
+    const auto constant = [&](int c) { return cells_[first + static_cast<std::size_t>(c)].constant(); };
+    for (int begin = 0; begin < columns; ++begin) {
+      if (!constant(begin)) continue;
+      int last = begin;
+      for (int c = begin + 1; c < columns && c <= last + 1 + kColumnsAside; ++c)
+        last = constant(c) ? c : last;
+      if (ends_freely(scan, row, begin, -1) && ends_freely(scan, row, last, 1)) {
+        for (int c = begin; c <= last; ++c) own_[first + static_cast<std::size_t>(c)] = constant(c);
+      }
+      begin = last;
+    }
+  }
+}
+
+bool OwnVehicle::ends_freely(const LidarScan& scan, int row, int column, int side) const {
+  const auto cell_index = static_cast<std::size_t>(row) * static_cast<std::size_t>(model_->columns) +
+                          static_cast<std::size_t>(column);
+  const float range_m = cells_[cell_index].range_m;
+  int linked = 0;
+  for (int k = 1; k <= kBeyondEnd; ++k) {
+    const int c = (column + side * k + scan.columns) % scan.columns;
+    const std::int32_t i = scan.cell(row, c);
+    if (i >= 0 && std::abs(scan.returns[static_cast<std::size_t>(i)].range_m - range_m) <= kLinked_m)
+      ++linked;
+  }
+  return 2 * linked <= kBeyondEnd;
+}
+
+std::vector<std::int32_t> OwnVehicle::find(const LidarScan& scan, const SE3& T_v0, double tolerance_m) {
+  const auto tolerance = static_cast<float>(tolerance_m);
+  if (is_key_scan(T_v0)) {
+    learn(scan, tolerance);
+    find_own_cells(scan);
+  }
+  std::vector<std::int32_t> found;
+  if (model_ != scan.model) return found;
+  const auto is_own = [&](const LidarReturn& r) {
+    const auto row = static_cast<std::size_t>(r.laser) * static_cast<std::size_t>(model_->columns);
+    const int last = std::min(r.column + kColumnsAside, model_->columns - 1);
+    for (int c = std::max(r.column - kColumnsAside, 0); c <= last; ++c) {
+      const std::size_t at = row + static_cast<std::size_t>(c);
+      if (own_[at] && std::abs(r.range_m - cells_[at].range_m) <= tolerance) return true;
+    }
+    return false;
+  };
+  for (std::size_t i = 0; i < scan.returns.size(); ++i) {
+    if (scan.returns[i].range_m < kLargestRange_m && is_own(scan.returns[i]))
+      found.push_back(static_cast<std::int32_t>(i));
+  }
+  return found;
+}
+
+}  // namespace mapless

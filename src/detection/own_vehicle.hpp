@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include <mapless/core/se3.hpp>
+#include <mapless/lidar/lidar_scan.hpp>
+
+namespace mapless::inline v1 {
+
+/// Finds the returns on the sensor's own vehicle (a bonnet, mirrors, a mast), learnt while it moves.
+///
+/// A cell of the scan image is a ray fixed in the sensor frame. On the own vehicle its range is constant.
+/// Elsewhere it changes as the sensor moves, except on surfaces along the motion, such as flat ground.
+///
+/// - Key scans: the sensor has moved by kKeyDistance_m or turned by kKeyAngle_rad since the one before.
+/// - A cell is constant if its range was the same, within the tolerance, in at least kFewestKeyScans key
+///   scans, and in nine tenths of those with a return. A return in a column beside it counts, too. Only
+///   ranges below kLargestRange_m are learnt.
+/// - Consecutive constant cells of a row are on the own vehicle if they end freely on both sides: in front of
+///   something farther. The side of a lorry that passes slides along itself, so its ranges are constant; but
+///   its ends move, and next to the constant cells the surface goes on.
+/// - A return is on the own vehicle if its range is that of such a cell in its row, at most kColumnsAside
+/// from
+///   its own. Anything in front of the own vehicle has another range.
+///
+/// A vehicle alongside that keeps its distance and its bearing for nine tenths of the key scans so far, and
+/// is nearer than kLargestRange_m with all of a row, cannot be told from the own one.
+class OwnVehicle {
+ public:
+  /// The returns of the next scan on the own vehicle, by increasing index. `T_v0`: pose of the sensor at the
+  /// start of the scan; `tolerance_m`: largest difference between two ranges of one surface [m].
+  [[nodiscard]] std::vector<std::int32_t> find(const LidarScan& scan, const SE3& T_v0, double tolerance_m);
+
+ private:
+  struct Cell {
+    float range_m = 0;        // 0: none below kLargestRange_m
+    std::uint8_t same = 0;    // key scans with this range
+    std::uint8_t others = 0;  // with another
+    [[nodiscard]] bool constant() const;
+    void add(float seen_m, float tolerance_m);
+  };
+  [[nodiscard]] bool is_key_scan(const SE3& T_v0);
+  void learn(const LidarScan& scan, float tolerance_m);
+  void find_own_cells(const LidarScan& scan);
+  [[nodiscard]] bool ends_freely(const LidarScan& scan, int row, int column, int side) const;
+
+  std::shared_ptr<const LidarModel> model_;
+  std::vector<Cell> cells_;      // row-major, one per laser and column of the model
+  std::vector<bool> own_;        // of each cell
+  std::optional<SE3> key_T_v0_;  // of the last key scan
+};
+
+}  // namespace mapless

@@ -1,0 +1,94 @@
+#include "detection/own_vehicle.hpp"
+
+#include <gtest/gtest.h>
+
+#include "support/small_scan.hpp"
+
+namespace mapless {
+namespace MAPLESS_FILE {
+
+constexpr double kTolerance_m = 0.08;
+constexpr int kFirstOwn = 5, kLastOwn = 14;  // columns of the bonnet, in every row
+
+SE3 after(double distance_m, double turned_rad = 0) {
+  return {rotation_z(turned_rad), Eigen::Vector3d(-distance_m, 0, 0)};
+}
+
+// A world 3 m away that comes nearer by `approached_m`, and a bonnet at 1.5 m.
+LidarScan scan_at(double approached_m, double bonnet_m = 1.5) {
+  LidarScan scan = test::small_scan({0, 0}, 3);
+  for (LidarReturn& r : scan.returns) {
+    const bool own = r.column >= kFirstOwn && r.column <= kLastOwn;
+    r.range_m = static_cast<float>(own ? bonnet_m : 3 - approached_m);
+  }
+  return scan;
+}
+
+// What is found in the last of `scans` scans of one model, `step` apart.
+std::size_t found_after(int scans, double step_m, double turn_rad = 0) {
+  OwnVehicle own;
+  LidarScan first = scan_at(0);
+  std::size_t found = 0;
+  for (int k = 0; k < scans; ++k) {
+    LidarScan scan = scan_at(0.1 * k);
+    scan.model = first.model;
+    found = own.find(scan, after(step_m * k, turn_rad * k), kTolerance_m).size();
+  }
+  return found;
+}
+
+constexpr std::size_t kBonnet = 2 * (kLastOwn - kFirstOwn + 1);
+
+TEST(OwnVehicle, IsWhatKeepsItsRangeWhileTheSensorMoves) {
+  EXPECT_EQ(found_after(9, 0.6), 0U);  // nine key scans do not suffice
+  EXPECT_EQ(found_after(10, 0.6), kBonnet);
+  EXPECT_EQ(found_after(10, 0, 0.25), kBonnet);  // turned on the spot
+}
+
+TEST(OwnVehicle, IsNotLearntWhileTheSensorStands) {
+  EXPECT_EQ(found_after(100, 0), 0U);
+  EXPECT_EQ(found_after(100, 0.004), 0U);  // 0.4 m: no second key scan
+}
+
+TEST(OwnVehicle, IsNothingInFrontOfIt) {
+  OwnVehicle own;
+  const LidarScan first = scan_at(0);
+  for (int k = 0; k < 20; ++k) {
+    LidarScan scan = scan_at(0.1 * k);
+    scan.model = first.model;
+    (void)own.find(scan, after(0.6 * k), kTolerance_m);
+  }
+  LidarScan person = scan_at(0, 1.4);  // 0.1 m in front of the bonnet: more than the tolerance
+  person.model = first.model;
+  EXPECT_TRUE(own.find(person, after(12), kTolerance_m).empty());
+}
+
+// A side that passes at a constant distance after 20 key scans of something else: 20 of at most 10 that
+// count against it take 90 key scans.
+TEST(OwnVehicle, IsNoSideThatPassesForSeconds) {
+  OwnVehicle own;
+  const LidarScan first = scan_at(0);
+  for (int k = 0; k < 90; ++k) {
+    LidarScan scan = scan_at(0, k < 20 ? 3.5 - 0.1 * k : 1.0);
+    for (LidarReturn& r : scan.returns)
+      if (r.range_m == 3) r.range_m = 20;
+    scan.model = first.model;
+    ASSERT_TRUE(own.find(scan, after(0.6 * k), kTolerance_m).empty()) << "scan " << k;
+  }
+}
+
+// The side of a lorry at a constant distance: it reaches from column 3 to its front, which advances by a
+// column every second scan: the last four or five columns are not constant yet.
+TEST(OwnVehicle, IsNoSideWhoseEndMoves) {
+  OwnVehicle own;
+  const LidarScan first = scan_at(0);
+  for (int k = 0; k < 26; ++k) {
+    LidarScan scan = test::small_scan({0, 0}, 3);
+    for (LidarReturn& r : scan.returns) r.range_m = r.column >= 3 && r.column <= 8 + k / 2 ? 2.5F : 20.0F;
+    scan.model = first.model;
+    EXPECT_TRUE(own.find(scan, after(0.6 * k), kTolerance_m).empty()) << "scan " << k;
+  }
+}
+
+}  // namespace MAPLESS_FILE
+}  // namespace mapless
