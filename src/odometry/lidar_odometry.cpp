@@ -4,6 +4,7 @@
 
 #include <Eigen/LU>
 
+#include "odometry/registration/motion_support.hpp"
 #include "odometry/solver/growing_trajectory.hpp"
 #include "odometry/start_up/start_up.hpp"
 #include <mapless/core/errors.hpp>
@@ -30,18 +31,12 @@ constexpr int kWeakDensity = 3;
 // the sensor outweighs everything else.
 constexpr int kMaxHalvings = 2;
 constexpr int kMaxHalvingsIfWeak = 3;
-// Lost scans in a row before the map is discarded. Chosen: half a second at 10 Hz, in which the extrapolation
-// errs by less than the gate at 4 m/s^2.
+// Lost scans in a row before a new map and a new start. Chosen: half a second at 10 Hz, in which the
+// extrapolation errs by less than the gate at 4 m/s^2.
 constexpr int kLostBeforeRestart = 5;
 // A scan whose inlier ratio falls below this part of the previous one's is registered again with a wide gate.
 // Measured: the ratio changes by 1 to 2 % from scan to scan unless a turn begins within one.
 constexpr double kMinRatioOfLast = 0.95;
-// A scan whose inlier ratio is below this part of the usual one has not converged. The usual ratio is an
-// exponential mean over 1 / 0.05 = 20 scans. Chosen: a wrong association loses most inliers, a change of
-// scene few.
-constexpr double kMinRatioOfUsual = 0.6;
-constexpr double kUsualRatioGain = 0.05;
-
 bool same_returns(const LidarScan& a, const LidarScan& b) {
   return !a.returns.empty() && std::equal(a.returns.begin(), a.returns.end(), b.returns.begin(),
                                           b.returns.end(), [](const LidarReturn& x, const LidarReturn& y) {
@@ -64,6 +59,7 @@ double inlier_ratio_of(const Registration& registration, const TimeBins& bins) {
 void report(const Registration& registration, const TimeBins& bins, OdometryUpdate& update) {
   update.iterations = registration.iterations;
   update.inlier_ratio = inlier_ratio_of(registration, bins);
+  update.mean_robust_weight = registration.soft_inliers / static_cast<double>(bins.points().size());
   update.degeneracy = registration.degeneracy;
 }
 
@@ -79,12 +75,13 @@ struct LidarOdometry::State {
   RegistrationSettings settings;
   GrowingTrajectory growing;
   std::shared_ptr<const Trajectory> trajectory = growing.snapshot({});  // over the knots of current()
-  std::optional<StartUp> start_up;  // until the motion of the first scans is decided
-  MappedTrajectory mapped;          // from then on
+  std::optional<StartUp> start_up;  // until the motion of the first scans is decided, and after a loss
+  std::vector<std::size_t> start_up_intervals;  // the knot at the start of each scan of the start-up
+  MappedTrajectory mapped;                      // without start_up
+  MotionSupport support;
   std::shared_ptr<const LidarScan> last_scan;
   int lost_in_a_row = 0;
   double last_ratio = 0;            // inlier ratio of the last registered scan
-  double usual_ratio = 0;           // its exponential mean
   bool weakly_constrained = false;  // the last registered scan, in some direction
 
   [[nodiscard]] const MappedTrajectory& current() const { return start_up ? start_up->best() : mapped; }
@@ -95,6 +92,11 @@ struct LidarOdometry::State {
   ScanOutcome register_in_start_up(UsableScan scan, OdometryUpdate& update);
   [[nodiscard]] std::optional<Registration> register_to_map(const UsableScan& scan) const;
   ScanOutcome register_and_insert(const UsableScan& scan, OdometryUpdate& update);
+  ScanOutcome restart(const LidarScan& scan, OdometryUpdate& update);
+  [[nodiscard]] MotionState state_of(const OdometryUpdate& update) const;
+  [[nodiscard]] std::size_t first_open_knot() const {
+    return start_up ? start_up->first_open_knot() : mapped.window_begin;
+  }
   ScanOutcome estimate(const LidarScan& scan, OdometryUpdate& update);
   OdometryUpdate process(const std::shared_ptr<const LidarScan>& scan);
 };
@@ -149,18 +151,20 @@ ScanOutcome LidarOdometry::State::register_in_start_up(UsableScan scan, Odometry
     return ScanOutcome::first;
   }
   const TimeBins bins = scan.bins;
-  const auto [found, ambiguous] = start_up->add(std::move(scan));
-  if (!found) return ScanOutcome::lost;
+  const auto [found, first_interval] = start_up->add(std::move(scan));
+  if (!found) return ScanOutcome::unmatched;
   report(*found, bins, update);
   update.covariance = found->last_information.inverse();
-  update.converged = found->converged;
-  update.ambiguous = ambiguous;
-  if (start_up->decided()) {
-    last_ratio = usual_ratio = update.inlier_ratio;
-    mapped = start_up->best();
-    start_up.reset();
-  }
-  return ScanOutcome::registered;
+  if (!start_up->decided()) return ScanOutcome::registered;
+  update.decided_scans = static_cast<std::size_t>(
+      std::count_if(start_up_intervals.begin(), start_up_intervals.end(),
+                    [first = first_interval](std::size_t interval) { return interval >= first; }));
+  last_ratio = update.inlier_ratio;
+  support = {};
+  support.add(update.mean_robust_weight, update.degeneracy);
+  mapped = start_up->best();
+  start_up.reset();
+  return support.state() == MotionState::lost ? ScanOutcome::unsupported : ScanOutcome::registered;
 }
 
 // Point-to-plane registration to the map with the motion prior; with a wide gate if the result is doubtful.
@@ -177,26 +181,48 @@ std::optional<Registration> LidarOdometry::State::register_to_map(const UsableSc
 ScanOutcome LidarOdometry::State::register_and_insert(const UsableScan& scan, OdometryUpdate& update) {
   const auto found = register_to_map(scan);
   if (found) report(*found, scan.bins, update);
-  if (found && update.inlier_ratio >= parameters.min_inlier_ratio &&
-      is_plausible(found->knots.back(), mapped.knots.back())) {
-    update.converged = found->converged && update.inlier_ratio >= kMinRatioOfUsual * usual_ratio;
-    last_ratio = update.inlier_ratio;
-    const double constraining = found->degeneracy.constraint_ratio[0] * found->inliers;
-    // Three times as many keypoints constrain three times as much.
-    weakly_constrained = constraining < (weakly_constrained ? kWeakDensity : 1) * kFewConstrainingPoints;
-    usual_ratio += kUsualRatioGain * (update.inlier_ratio - usual_ratio);
-    update.covariance = found->last_information.inverse();
-    lost_in_a_row = 0;
-    mapped.accept(*found);
-    mapped.insert(scan, parameters.map_radius_m);
-    return ScanOutcome::registered;
+  if (!found || update.inlier_ratio < parameters.min_inlier_ratio ||
+      !is_plausible(found->knots.back(), mapped.knots.back())) {
+    update.covariance = mapped.extrapolate_with_prior(settings);
+    return ScanOutcome::unmatched;
   }
-  update.covariance = mapped.extrapolate_with_prior(settings);
-  if (++lost_in_a_row < kLostBeforeRestart) return ScanOutcome::lost;
-  lost_in_a_row = 0;
-  mapped.clear_map();
+  last_ratio = update.inlier_ratio;
+  const double constraining = found->degeneracy.constraint_ratio[0] * found->inliers;
+  // Three times as many keypoints constrain three times as much.
+  weakly_constrained = constraining < (weakly_constrained ? kWeakDensity : 1) * kFewConstrainingPoints;
+  update.covariance = found->last_information.inverse();
+  support.add(update.mean_robust_weight, update.degeneracy);
+  mapped.accept(*found);
   mapped.insert(scan, parameters.map_radius_m);
+  return support.state() == MotionState::lost ? ScanOutcome::unsupported : ScanOutcome::registered;
+}
+
+// Begins a new map with this scan, at its extrapolated pose, without any knowledge of its velocity.
+ScanOutcome LidarOdometry::State::restart(const LidarScan& scan, OdometryUpdate& update) {
+  start_up.emplace(parameters, settings, mapped.knots);
+  start_up_intervals = {mapped.knots.size() - 2};
+  mapped = MappedTrajectory(parameters.residual_sigma_m);
+  lost_in_a_row = 0;
+  weakly_constrained = false;
+  (void)register_in_start_up(select_points(scan), update);
   return ScanOutcome::restarted;
+}
+
+MotionState LidarOdometry::State::state_of(const OdometryUpdate& update) const {
+  switch (update.outcome) {
+    case ScanOutcome::first:
+    case ScanOutcome::restarted:
+      return MotionState::good;
+    case ScanOutcome::registered:
+      if (update.degeneracy.unconstrained > 0) return MotionState::degenerate;
+      return start_up ? MotionState::good : support.state();
+    case ScanOutcome::few_points:
+    case ScanOutcome::repeated:
+    case ScanOutcome::unmatched:
+    case ScanOutcome::unsupported:
+      break;
+  }
+  return MotionState::lost;
 }
 
 ScanOutcome LidarOdometry::State::estimate(const LidarScan& scan, OdometryUpdate& update) {
@@ -209,7 +235,10 @@ ScanOutcome LidarOdometry::State::estimate(const LidarScan& scan, OdometryUpdate
     update.covariance = extrapolate_with_prior();
     return ScanOutcome::few_points;
   }
-  return start_up ? register_in_start_up(std::move(points), update) : register_and_insert(points, update);
+  if (start_up) return register_in_start_up(std::move(points), update);
+  const ScanOutcome outcome = register_and_insert(points, update);
+  lost_in_a_row = outcome == ScanOutcome::registered ? 0 : lost_in_a_row + 1;
+  return lost_in_a_row < kLostBeforeRestart ? outcome : restart(scan, update);
 }
 
 // One scan (Burnett et al. 2022; method.md sections 3 and 6):
@@ -218,19 +247,33 @@ OdometryUpdate LidarOdometry::State::process(const std::shared_ptr<const LidarSc
   const Time end = end_of(*scan);
   require_next(*scan, end);
   // 1. A knot at the scan's end, predicted with constant velocity.
-  const std::size_t first_changed = start_up ? 0 : mapped.window_begin;
+  const std::size_t first_changed = first_open_knot();
   append_knots(*scan, end);
+  if (start_up) start_up_intervals.push_back(current().knots.size() - 2);
   // 2. Keypoints, registered point-to-plane at their own instants with the white-noise-on-acceleration prior
   //    (Anderson and Barfoot, IROS 2015); older knots marginalised; the points inserted into the map.
   OdometryUpdate update;
   update.outcome = estimate(*scan, update);
+  update.state = state_of(update);
   last_scan = scan;
   // 3. The corrected knots, and the trajectory over all knots.
   const std::vector<TrajectoryKnot>& knots = current().knots;
   update.knots.assign(knots.begin() + static_cast<std::ptrdiff_t>(first_changed), knots.end());
-  growing.update(knots, start_up ? 0 : mapped.window_begin);
+  growing.update(knots, first_open_knot());
   trajectory = growing.snapshot(knots);
   return update;
+}
+
+std::string_view name_of(MotionState state) {
+  switch (state) {
+    case MotionState::good:
+      return "good";
+    case MotionState::degenerate:
+      return "degenerate";
+    case MotionState::lost:
+      return "lost";
+  }
+  return "";
 }
 
 LidarOdometry::LidarOdometry(const OdometryParameters& parameters) {

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <deque>
 #include <future>
 #include <iterator>
@@ -39,7 +40,7 @@ struct OnlineDetector::State {
   struct Unlabelled {
     Time start;
     std::shared_ptr<const Trajectory> given;  // null: estimated
-    std::shared_ptr<const OdometryUpdate> odometry;
+    std::optional<OdometryUpdate> odometry;
   };
   // What the map of the odometry is to be told of a labelled scan.
   struct DynamicPoints {
@@ -60,12 +61,18 @@ struct OnlineDetector::State {
   std::vector<LabelledScan> push_estimated(const std::shared_ptr<const LidarScan>& scan);
   OdometryUpdate register_beside_detection(const std::shared_ptr<const LidarScan>& scan);
   void remove_dynamic_points();
+  void keep_unlabelled(const LidarScan& scan, OdometryUpdate update);
   std::vector<LabelledScan> detect(const Scans& scans, const Trajectory& trajectory);
+  std::vector<LabelledScan> detect_one(const std::shared_ptr<const LidarScan>& scan,
+                                       const Trajectory& trajectory);
   std::vector<LabelledScan> detect_registered(const Scans& scans);
   std::vector<LabelledScan> labelled(std::vector<Detection> detections);
 
   OnlineDetectorOptions options;
   Detector detector;
+  std::size_t next_number = 0;    // of the next scan to be labelled
+  std::uint32_t last_id = 0;      // the largest id of an object so far
+  std::uint32_t detector_id = 0;  // last_id when `detector` began
   LidarOdometry odometry;
   OdometryReport report;
   tbb::task_arena arena;  // of the detection, where it runs side by side
@@ -94,7 +101,7 @@ std::vector<LabelledScan> OnlineDetector::State::push_given(const std::shared_pt
     measured = std::make_shared<const LidarScan>(restore_measured_rays(*scan, *given));
   std::vector<Detection> detections = detector.process(measured, *given);
   poses_given = true;
-  unlabelled.push_back({scan->start, given, nullptr});
+  unlabelled.push_back({scan->start, given, std::nullopt});
   return labelled(std::move(detections));
 }
 
@@ -104,7 +111,7 @@ std::vector<LabelledScan> OnlineDetector::State::push_estimated(
   poses_given = false;
   report.add(*scan, update);
   remove_dynamic_points();
-  unlabelled.push_back({scan->start, nullptr, std::make_shared<const OdometryUpdate>(std::move(update))});
+  keep_unlabelled(*scan, std::move(update));
   held_back.push_back(scan);
   std::vector<LabelledScan> done = std::exchange(ready, {});
   if (!odometry.started() && held_back.size() < kMostScansHeldBack) return done;
@@ -144,10 +151,43 @@ void OnlineDetector::State::remove_dynamic_points() {
     odometry.remove_dynamic_points(*points.scan, points.object);
 }
 
+// The state of the first scans is known with the scan that decides their motion.
+void OnlineDetector::State::keep_unlabelled(const LidarScan& scan, OdometryUpdate update) {
+  const MotionState state = update.state;
+  const std::size_t decided = std::min(update.decided_scans, unlabelled.size() + 1);
+  unlabelled.push_back({scan.start, nullptr, std::move(update)});
+  for (auto one = unlabelled.end() - static_cast<std::ptrdiff_t>(decided); one != unlabelled.end(); ++one)
+    one->odometry->state = state;
+}
+
 std::vector<LabelledScan> OnlineDetector::State::detect(const Scans& scans, const Trajectory& trajectory) {
   std::vector<LabelledScan> out;
-  for (const auto& scan : scans) out = joined(std::move(out), labelled(detector.process(scan, trajectory)));
+  for (const auto& scan : scans) out = joined(std::move(out), detect_one(scan, trajectory));
   return out;
+}
+
+// A scan without motion gets no labels; it waits for nothing, and nothing waits for it.
+std::vector<LabelledScan> OnlineDetector::State::detect_one(const std::shared_ptr<const LidarScan>& scan,
+                                                            const Trajectory& trajectory) {
+  const auto own = std::find_if(unlabelled.begin(), unlabelled.end(),
+                                [&](const Unlabelled& one) { return one.start == scan->start; });
+  const bool restarted = own->odometry->outcome == ScanOutcome::restarted;
+  const bool lost = own->odometry->state == MotionState::lost;
+  if (!restarted && !lost) return labelled(detector.process(scan, trajectory));
+  std::vector<LabelledScan> out = labelled(detector.flush());
+  if (restarted) {
+    detector = Detector(options.detection);
+    detector_id = last_id;
+  }
+  if (!lost) return joined(std::move(out), labelled(detector.process(scan, trajectory)));
+  Detection none;
+  none.scan = scan;
+  none.trace.resize(scan->returns.size());
+  none.object.resize(scan->returns.size(), 0);
+  none.motion_known = false;
+  std::vector<Detection> without_labels;
+  without_labels.push_back(std::move(none));
+  return joined(std::move(out), labelled(std::move(without_labels)));
 }
 
 // Several scans at once: odometry has just started, and its map holds the dynamic points of all of them.
@@ -162,9 +202,14 @@ std::vector<LabelledScan> OnlineDetector::State::labelled(std::vector<Detection>
   std::vector<LabelledScan> out;
   for (Detection& detection : detections) {
     Unlabelled& scan = unlabelled.front();
+    detection.sequence_number = next_number++;
+    for (TrackedObject& object : detection.tracked) {
+      object.id += detector_id;
+      last_id = std::max(last_id, object.id);
+    }
     if (!scan.given) dynamic_points.push_back({detection.scan, detection.object});
-    out.push_back(
-        {std::move(detection), scan.given ? std::move(scan.given) : estimated, std::move(scan.odometry)});
+    auto update = scan.odometry ? std::make_shared<const OdometryUpdate>(*std::move(scan.odometry)) : nullptr;
+    out.push_back({std::move(detection), scan.given ? std::move(scan.given) : estimated, std::move(update)});
     unlabelled.pop_front();
   }
   return out;

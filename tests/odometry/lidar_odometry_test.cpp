@@ -99,7 +99,7 @@ TEST(LidarOdometry, FollowsAStreetFromSpeed) {
   drive.process(scans);
   for (std::size_t k = 1; k < scans.size(); ++k) {
     EXPECT_EQ(drive.updates[k].outcome, ScanOutcome::registered) << k;
-    EXPECT_TRUE(drive.updates[k].converged) << k;
+    EXPECT_EQ(drive.updates[k].state, MotionState::good) << k;
     EXPECT_EQ(drive.updates[k].knots.back().time, scans[k]->end());
   }
   const Errors errors = errors_of(drive, street, scans);
@@ -175,7 +175,7 @@ TEST(LidarOdometry, AnEmptyScanIsExtrapolatedWithThePriorAndReported) {
   Drive drive;
   drive.process(scans);
   EXPECT_EQ(drive.updates[8].outcome, ScanOutcome::few_points);
-  EXPECT_FALSE(drive.updates[8].converged);
+  EXPECT_EQ(drive.updates[8].state, MotionState::lost);
   EXPECT_EQ(drive.updates[9].outcome, ScanOutcome::registered);
   EXPECT_GT(drive.updates[8].covariance(0, 0), drive.updates[7].covariance(0, 0));
   for (const double error : errors_of(drive, street, scans).position_m) EXPECT_LT(error, 0.15);
@@ -240,7 +240,7 @@ TEST(LidarOdometry, RandomReturnsAreReported) {
   Drive drive;
   drive.process(scans);
   EXPECT_EQ(drive.updates[6].outcome, ScanOutcome::few_points);
-  EXPECT_EQ(drive.updates[7].outcome, ScanOutcome::lost);
+  EXPECT_EQ(drive.updates[7].outcome, ScanOutcome::unmatched);
   for (const auto& knot : drive.odometry.knots()) {
     EXPECT_TRUE(knot.T_v0.matrix().allFinite());
     EXPECT_TRUE(knot.varpi.allFinite());
@@ -294,7 +294,7 @@ TEST(LidarOdometry, RemovesDynamicPointsFromTheMap) {
     (void)undisturbed.process(scans[k]);
     const bool started = emptied.started();
     const OdometryUpdate update = emptied.process(scans[k]);
-    EXPECT_EQ(update.outcome == ScanOutcome::lost, started) << k;
+    EXPECT_EQ(update.outcome == ScanOutcome::unmatched, started) << k;
     EXPECT_TRUE(!started || update.inlier_ratio < 0.01) << k;
     if (!emptied.started()) continue;
     for (std::size_t i = 0; i <= k; ++i)

@@ -212,7 +212,7 @@ TEST(OnlineDetector, GivenPosesAreUsedInPlaceOfOdometry) {
     EXPECT_EQ(found[k].trajectory, street().trajectory);
     EXPECT_EQ(found[k].odometry, nullptr);
   }
-  EXPECT_EQ(online.odometry_report().scans, 0u);
+  EXPECT_EQ(online.odometry_report().scans(), 0u);
 }
 
 // A live source has a new buffer of poses with every scan.
@@ -302,7 +302,7 @@ TEST(OnlineDetectorThreads, AScanThatIsRefusedChangesNothing) {
     }
     append(found, online.flush());
     expect_plain_loop(found);
-    EXPECT_EQ(online.odometry_report().scans, scans().size());
+    EXPECT_EQ(online.odometry_report().scans(), scans().size());
   }
 }
 

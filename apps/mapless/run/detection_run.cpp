@@ -59,7 +59,10 @@ void DetectionRun::write_outcome() {
   std::vector<TimedPose> rows = rows_;
   append_last_pose(rows, *last_trajectory_, last_end_);
   write_tum_trajectory(result_.trajectory(), rows);
-  if (!given_) summary_.set_odometry(online_.odometry_report());
+  if (!given_) {
+    write_motion_table(result_.poses(), motions_);
+    summary_.set_odometry(online_.odometry_report());
+  }
   input_output_.reading = reader_.busy();
   input_output_.writing = writer_.busy();
   summary_.set_input_output(input_output_);
@@ -140,6 +143,10 @@ void DetectionRun::write(const FinishedScan& scan) {
   summary_.add(detection);
   poses_.push_back(scan.poses.front());
   append_poses(rows_, scan.poses);
+  if (scan.labelled.odometry) {
+    const double duration_s = (detection.scan->end() - detection.scan->start).seconds();
+    motions_.push_back(motion_row(scan.k, scan.poses.front(), duration_s, *scan.labelled.odometry));
+  }
   last_trajectory_ = scan.labelled.trajectory;
   last_end_ = detection.scan->end();
   progress_.update(summary_.scans(), selection_.count);

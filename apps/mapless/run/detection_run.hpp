@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "run/input_output_report.hpp"
+#include "run/lost_motion.hpp"
 #include "run/real_time_pace.hpp"
 #include "run/run_summary.hpp"
 #include "run/scan_reader.hpp"
@@ -44,8 +45,8 @@ class DetectionRun {
   /// Writes the poses and the summary of the scans written; nothing where there are none. After `run`.
   void write_outcome();
 
-  /// One line on the problems of odometry; empty where there were none.
-  [[nodiscard]] std::string odometry_trouble() const { return online_.odometry_report().trouble(); }
+  /// The states of the motion; without scans where poses are given.
+  [[nodiscard]] const OdometryReport& odometry_report() const { return online_.odometry_report(); }
 
  private:
   struct FinishedScan {
@@ -82,6 +83,7 @@ class DetectionRun {
   Progress progress_;
   std::optional<ObjectTableWriter> objects_;  // once the folder is made
   std::vector<TimedPose> poses_, rows_;       // at the start of each scan, and within it
+  std::vector<MotionRow> motions_;            // along own odometry
   std::shared_ptr<const Trajectory> last_trajectory_;
   Time last_end_;
 

@@ -110,16 +110,12 @@ Json timing_json(const std::vector<StageSeconds>& scans) {
 namespace {
 
 Json odometry_json(const OdometryReport& r) {
-  return {{"scans", r.scans},
-          {"extrapolated", r.extrapolated},
-          {"few_points", r.few_points},
-          {"repeated", r.repeated},
-          {"lost", r.lost},
-          {"restarts", r.restarts},
-          {"gaps", r.gaps},
-          {"degenerate", r.degenerate},
-          {"not_converged", r.not_converged},
-          {"ambiguous_start", r.ambiguous_start}};
+  Json out = {{"scans", r.scans()}};
+  for (const MotionState state : {MotionState::good, MotionState::degenerate, MotionState::lost})
+    out[std::string(name_of(state))] = r.count(state);
+  out["restarts"] = r.restarts();
+  out["gaps"] = r.gaps();
+  return out;
 }
 
 }  // namespace

@@ -12,7 +12,9 @@
 #include "run/detection_run.hpp"
 #include "run/folder_lock.hpp"
 #include "run/given_motion.hpp"
+#include "run/lost_motion.hpp"
 #include "run/run_summary.hpp"
+#include "terminal/exit_codes.hpp"
 #include "terminal/interrupt.hpp"
 #include "terminal/stderr.hpp"
 #include "verbs/verbs.hpp"
@@ -137,10 +139,15 @@ int detect(const DetectOptions& options) {
   DetectionRun run(*dataset, motion.trajectory, result, detector, summary, {options.first, count},
                    std::move(pace), make_folder);
   const bool complete = run_to_the_end(run, summary);
-  if (const std::string trouble = run.odometry_trouble(); !trouble.empty()) say("mapless: {}\n", trouble);
+  const OdometryReport& odometry = run.odometry_report();
+  if (const std::string trouble = odometry.trouble(); !trouble.empty()) say("mapless: {}\n", trouble);
   if (const std::string trouble = summary.input_output_trouble(); !trouble.empty())
     say("mapless: {}\n", trouble);
-  return report(options, summary, complete);
+  const int code = report(options, summary, complete);
+  const std::size_t lost = odometry.count(MotionState::lost);
+  if (code != 0 || lost == 0) return code;
+  say("mapless: {}\n", motion_lost_line(lost, odometry.scans()));
+  return kNotTrusted;
 }
 
 }  // namespace

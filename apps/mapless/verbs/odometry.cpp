@@ -20,7 +20,9 @@
 #include "reports/json_text.hpp"
 #include "run/folder_lock.hpp"
 #include "run/given_motion.hpp"
+#include "run/lost_motion.hpp"
 #include "run/scan_poses.hpp"
+#include "terminal/exit_codes.hpp"
 #include "terminal/interrupt.hpp"
 #include "terminal/progress.hpp"
 #include "terminal/stderr.hpp"
@@ -51,17 +53,21 @@ struct OdometryOptions {
 class OutputFiles {
  public:
   explicit OutputFiles(fs::path folder)
-      : folder_(std::move(folder)), kitti_(folder_ / "poses_kitti.txt"), tum_(folder_ / "trajectory.txt") {}
+      : folder_(std::move(folder)),
+        kitti_(folder_ / "poses_kitti.txt"),
+        tum_(folder_ / "trajectory.txt"),
+        table_(folder_ / "poses.csv") {}
 
   // Checked before the run, which may take hours.
   void require_free(bool overwrite) const {
     require_writable();
     if (overwrite) return require_own();
-    for (const fs::path& file : {kitti_, tum_}) {
+    for (const fs::path& file : {kitti_, tum_, table_}) {
       if (fs::exists(file)) refuse(file, "exists already", "choose another folder, or give --overwrite");
     }
   }
-  void write(const std::vector<TimedPose>& at_instants, const std::vector<TimedPose>& rows) const {
+  void write(const std::vector<TimedPose>& at_instants, const std::vector<TimedPose>& rows,
+             const std::vector<MotionRow>& motions) const {
     std::error_code error;
     fs::create_directories(folder_, error);
     if (error) {
@@ -71,6 +77,7 @@ class OutputFiles {
     }
     write_kitti_poses(kitti_, at_instants);
     write_tum_trajectory(tum_, rows);
+    write_motion_table(table_, motions);
   }
 
  private:
@@ -96,7 +103,7 @@ class OutputFiles {
            "choose a folder you may write to");
   }
 
-  fs::path folder_, kitti_, tum_;
+  fs::path folder_, kitti_, tum_, table_;
 };
 
 Time instant_of(const LidarScan& scan, const std::string& instant) {
@@ -109,6 +116,7 @@ Time instant_of(const LidarScan& scan, const std::string& instant) {
 struct Estimate {
   std::vector<TimedPose> at_instants;  ///< one per scan
   std::vector<TimedPose> rows;         ///< OdometryOptions::poses_per_scan per scan
+  std::vector<MotionRow> motions;      ///< one per scan
   std::vector<double> scan_ms;         ///< odometry alone, without reading
   std::vector<double> scan_cpu_ms;     ///< the same in processor time of all threads of the process
   OdometryReport report;
@@ -120,22 +128,29 @@ std::optional<Estimate> estimate(const Dataset& dataset, const OdometryOptions& 
   Progress progress("scans");
   Estimate out;
   std::vector<std::pair<Time, Duration>> scans;  // instant and length
+  std::vector<OdometryUpdate> updates;
   for (std::size_t k = 0; k < dataset.size(); ++k) {
     if (InterruptGuard::requested()) return std::nullopt;
     const auto scan = std::make_shared<const LidarScan>(dataset.read(k));
     scans.emplace_back(instant_of(*scan, options.instant), scan->end() - scan->start);
     const auto begin = std::chrono::steady_clock::now();
     const std::clock_t cpu_begin = std::clock();
-    const OdometryUpdate update = lidar_odometry.process(scan);
+    OdometryUpdate update = lidar_odometry.process(scan);
     out.scan_ms.push_back(
         std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count());
     out.scan_cpu_ms.push_back(1e3 * static_cast<double>(std::clock() - cpu_begin) / CLOCKS_PER_SEC);
     out.report.add(*scan, update);
+    update.knots.clear();  // the trajectory has them
+    updates.push_back(std::move(update));
     progress.update(k + 1, dataset.size());
   }
   progress.clear();
   const Trajectory& trajectory = lidar_odometry.trajectory();
-  for (const auto& [instant, length] : scans) {
+  for (std::size_t k = 0; k < scans.size(); ++k) {
+    const auto& [instant, length] = scans[k];
+    out.motions.push_back(
+        motion_row(k, {instant, trajectory.at(instant).T_v0}, length.seconds(), updates[k]));
+    out.motions.back().state = name_of(out.report.states()[k]);
     out.at_instants.push_back({instant, trajectory.at(instant).T_v0});
     append_poses(out.rows, scan_poses(trajectory, instant, instant + length, options.poses_per_scan));
   }
@@ -176,15 +191,18 @@ int odometry(const OdometryOptions& options) {
   const Estimate& found = *done;
   const std::string trouble = found.report.trouble();
   if (!trouble.empty()) say("mapless: {}\n", trouble);
-  files.write(found.at_instants, found.rows);
+  files.write(found.at_instants, found.rows, found.motions);
+  const std::size_t lost = found.report.count(MotionState::lost);
+  if (lost > 0) say("mapless: {}\n", motion_lost_line(lost, found.report.scans()));
+  const int code = lost > 0 ? kNotTrusted : kSuccess;
   if (options.json) {
     fmt::print("{}", summary_json(options, found, trouble));
-    return 0;
+    return code;
   }
   fmt::print("{} poses at the {} of the scans in {}; {:.1f} ms a scan (median, without reading)\n",
              found.at_instants.size(), options.instant, options.output.string(),
              quantile(found.scan_ms, 0.5).value_or(0));
-  return 0;
+  return code;
 }
 
 }  // namespace
@@ -194,9 +212,10 @@ void add_odometry(CLI::App& app, int& exit_code) {
   const auto options = std::make_shared<OdometryOptions>();
   add_recording_options(*verb, options->recording);
   add_parameter_options(*verb, options->parameters);
-  verb->add_option(
-          "-o,--output", options->output,
-          "folder for poses_kitti.txt (KITTI rows) and trajectory.txt (TUM rows), both world from sensor")
+  verb->add_option("-o,--output", options->output,
+                   "folder for poses_kitti.txt (KITTI rows), trajectory.txt (TUM rows) and poses.csv (with "
+                   "the state of "
+                   "the motion: good, degenerate or lost), all world from sensor")
       ->required();
   verb->add_option("--pose-instant", options->instant, "the instant within each scan whose pose is written")
       ->check(CLI::IsMember({"start", "middle", "end"}))

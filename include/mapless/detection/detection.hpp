@@ -131,6 +131,9 @@ struct Detection {
   int objects = 0;                    ///< number of dynamic objects
   std::vector<TrackedObject> tracked;  ///< their tracks, ordered by number
   StageSeconds seconds;
+  /// False where the motion of the sensor was lost: no point is known to be dynamic or static, and `object`
+  /// is 0 throughout.
+  bool motion_known = true;
 
   /// Whether return i is dynamic.
   [[nodiscard]] bool dynamic(std::size_t i) const { return object[i] != 0; }

@@ -19,7 +19,8 @@ struct TrackedObject;
 ///
 ///     labels/NNNNNN.label   one uint32 per input record, in input order (io/labels.hpp): 251 for a
 ///                           dynamic point, with the label_number of its object in the high 16 bits;
-///                           9 for a static point; 0 for a record without a return
+///                           9 for a static point; 0 for a record without a return, and for all records
+///                           of a scan whose motion odometry has lost
 ///     objects.csv           one row per tracked object and scan: id, position, size, velocity
 ///                           (io/labels.hpp)
 ///     stages/NNNNNN.stages  one uint8 per input record: bit s is 1 if the point is dynamic after
@@ -27,6 +28,8 @@ struct TrackedObject;
 ///     poses_kitti.txt       T_0v (world from sensor) at the start of each labelled scan, 12 numbers per row
 ///     trajectory.txt        TUM rows at the same instants, at nine more within each of these scans, and
 ///                           at the end of the last one
+///     poses.csv             only along own odometry, one row per labelled scan: its pose, the state of its
+///                           motion (good, degenerate or lost) and the figures behind it
 ///     config.yaml           the value of every parameter of the run; `--config` reads it
 ///     summary.json          input, parameters and statistics of the run; "complete" is false until the
 ///                           last scan is labelled
@@ -45,6 +48,7 @@ class ResultFolder {
   [[nodiscard]] std::filesystem::path objects() const { return path_ / "objects.csv"; }
   [[nodiscard]] std::filesystem::path kitti_poses() const { return path_ / "poses_kitti.txt"; }
   [[nodiscard]] std::filesystem::path trajectory() const { return path_ / "trajectory.txt"; }
+  [[nodiscard]] std::filesystem::path poses() const { return path_ / "poses.csv"; }
   [[nodiscard]] std::filesystem::path config() const { return path_ / "config.yaml"; }
   [[nodiscard]] std::filesystem::path summary() const { return path_ / "summary.json"; }
 
@@ -81,7 +85,7 @@ void write_stage_file(const std::filesystem::path& file, const std::vector<std::
                                                         std::size_t expected_count);
 
 /// One label per input record, in input order: kLabelDynamic with the number of the object in the high 16
-/// bits, kLabelStatic, or 0 for a record without a return.
+/// bits, kLabelStatic, or 0 for a record without a return; all 0 where Detection::motion_known is false.
 [[nodiscard]] std::vector<std::uint32_t> labels_of(const Detection& detection);
 /// The same labels, with label_number(id) of the tracked objects as their number. `objects`: all objects of
 /// the scan.

@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include <mapless/core/se3.hpp>
 #include <mapless/core/time.hpp>
 #include <mapless/io/dataset.hpp>
@@ -44,6 +46,23 @@ struct TrajectoryFileOptions {
 /// OutputError.
 void write_kitti_poses(const std::filesystem::path& file, const std::vector<TimedPose>& poses);
 void write_tum_trajectory(const std::filesystem::path& file, const std::vector<TimedPose>& poses);
+
+/// The motion of one scan along lidar odometry: a row of poses.csv.
+struct MotionRow {
+  std::size_t scan = 0;             ///< number in the recording
+  TimedPose pose;                   ///< at an instant of the scan, by default its start
+  std::string_view state = "good";  ///< good, degenerate or lost
+  double inlier_ratio = 0;          ///< OdometryUpdate::inlier_ratio
+  double mean_robust_weight = 0;    ///< OdometryUpdate::mean_robust_weight
+  double constraint_ratio = 0;      ///< Degeneracy::constraint_ratio of the weakest direction
+  /// Of the translation during the scan, in the sensor frame [m^2].
+  Eigen::Matrix3d motion_covariance_v = Eigen::Matrix3d::Zero();
+};
+
+/// Writes scan,time_s,x_m,y_m,z_m,qx,qy,qz,qw (world from sensor), motion_state, inlier_ratio,
+/// mean_robust_weight, constraint_ratio, and cov_xx_m2, cov_xy_m2, cov_xz_m2, cov_yy_m2, cov_yz_m2, cov_zz_m2
+/// of the translation during the scan in sensor axes. Throws OutputError.
+void write_motion_table(const std::filesystem::path& file, const std::vector<MotionRow>& rows);
 
 /// The frame whose poses a file holds.
 enum class PoseFrame { sensor, camera };

@@ -41,7 +41,8 @@ class LidarOdometry {
   void remove_dynamic_points(const LidarScan& scan, const std::vector<std::uint16_t>& object);
 
   /// Whether the motion of the first scans is decided, after five to ten usable scans. Until then the knots
-  /// are those of the best motion so far.
+  /// are those of the best motion so far. False again after a loss, from a scan with ScanOutcome::restarted
+  /// on.
   [[nodiscard]] bool started() const;
   /// All knots so far, by increasing time. The reference is valid until the next call of process().
   [[nodiscard]] const std::vector<TrajectoryKnot>& knots() const;

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
 #include <vector>
 
 #include <Eigen/Core>
@@ -11,14 +14,24 @@ namespace mapless::inline v1 {
 using Vector12d = Eigen::Matrix<double, 12, 1>;
 using Matrix12d = Eigen::Matrix<double, 12, 12>;
 
+/// How far the motion of a scan can be relied on.
+enum class MotionState : std::uint8_t {
+  good,        ///< the points determine every direction of the motion
+  degenerate,  ///< the points leave a direction of the motion open: OdometryUpdate::motion_covariance_v
+  lost,        ///< no motion: the pose is extrapolated, or too few points support it
+};
+/// "good", "degenerate" or "lost".
+[[nodiscard]] std::string_view name_of(MotionState state);
+
 /// How the pose at the end of a scan was estimated.
 enum class ScanOutcome {
-  first,       ///< no earlier scan to register to: the sensor is taken to stand still until the next scan
-  registered,  ///< registered to the map
-  few_points,  ///< too few usable returns: extrapolated with the motion prior
-  repeated,    ///< the same returns as the scan before, delivered again: extrapolated with the motion prior
-  lost,        ///< too few inliers, or no solution: extrapolated with the motion prior
-  restarted,   ///< lost several times in a row: extrapolated, and a new map begins with this scan
+  first,        ///< no earlier scan to register to: the sensor is taken to stand still until the next scan
+  registered,   ///< registered to the map
+  few_points,   ///< too few usable returns: extrapolated with the motion prior
+  repeated,     ///< the same returns as the scan before, delivered again: extrapolated with the motion prior
+  unmatched,    ///< too few inliers, or no solution: extrapolated with the motion prior
+  unsupported,  ///< registered, but too few points agree for how weakly they constrain the motion
+  restarted,    ///< after a loss: its pose is extrapolated, and a new map begins with this scan
 };
 
 /// How well the inliers of a scan constrain each direction of translation (Zhang, Kaess and Singh, ICRA 2016,
@@ -41,13 +54,22 @@ struct OdometryUpdate {
   /// ([m/s], [rad/s]).
   Matrix12d covariance = Matrix12d::Zero();
   ScanOutcome outcome = ScanOutcome::first;
+  MotionState state = MotionState::good;
+  /// Number of scans to which `state` applies, this one the last. More than 1 only where the motion of the
+  /// first scans is decided: their states are known from this scan on.
+  std::size_t decided_scans = 1;
   int iterations = 0;       ///< Gauss-Newton steps
   double inlier_ratio = 0;  ///< keypoints within the gate of a plane of the map, over all keypoints
+  /// Mean weight of the keypoints in the robust loss: 1 on a plane of the map, towards 0 far from it, 0 for
+  /// an outlier.
+  double mean_robust_weight = 0;
   Degeneracy degeneracy;
-  bool converged = false;
-  /// The motion of the first scans is decided with this scan, but another motion explains them about as well.
-  /// The speed may be wrong, and with it all later poses.
-  bool ambiguous = false;
+
+  /// Covariance of the sensor's translation from the start of the scan to its end, `duration_s` later, in the
+  /// sensor frame at its end [m^2].
+  [[nodiscard]] Eigen::Matrix3d motion_covariance_v(double duration_s) const {
+    return duration_s * duration_s * covariance.block<3, 3>(6, 6);
+  }
 };
 
 }  // namespace mapless

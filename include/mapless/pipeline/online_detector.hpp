@@ -15,32 +15,32 @@
 
 namespace mapless::inline v1 {
 
-/// How lidar odometry fared over a run: counts of scans by outcome.
-struct OdometryReport {
-  std::size_t scans = 0;
-  std::size_t extrapolated = 0;        ///< not registered: the motion prior alone gives their poses
-  std::size_t first_extrapolated = 0;  ///< number of the first of them, counted from 0
-  std::size_t few_points = 0;          ///< ScanOutcome::few_points
-  std::size_t repeated = 0;            ///< ScanOutcome::repeated
-  std::size_t lost = 0;                ///< ScanOutcome::lost or restarted
-  std::size_t restarts = 0;            ///< ScanOutcome::restarted
-  std::size_t gaps = 0;                ///< begin more than half a scan's duration after the scan before them
-  std::size_t degenerate = 0;          ///< registered, but with a direction of motion that the prior decides
-  std::size_t not_converged = 0;       ///< registered, but not converged
-  bool ambiguous_start = false;        ///< a second motion fits the first scans about equally well
-
-  /// Counts the scan that `update` is of. Scans come in the order in which odometry processed them.
+/// The states of the motion over a run.
+class OdometryReport {
+ public:
+  /// Adds the scan that `update` is of. Scans come in the order in which odometry processed them.
   void add(const LidarScan& scan, const OdometryUpdate& update);
+
+  [[nodiscard]] std::size_t scans() const { return states_.size(); }
+  [[nodiscard]] std::size_t count(MotionState state) const;
+  /// One per scan, as known by now.
+  [[nodiscard]] const std::vector<MotionState>& states() const { return states_; }
+  /// Numbers of the scans, counted from 0, with which a new map began after a loss.
+  [[nodiscard]] const std::vector<std::size_t>& restarts() const { return restarts_; }
+  /// Number of scans that begin more than half a scan's duration after the scan before them.
+  [[nodiscard]] std::size_t gaps() const { return gaps_; }
 
   /// One line that lists the problems met; empty where there were none.
   [[nodiscard]] std::string trouble() const;
 
  private:
+  std::vector<MotionState> states_;
+  std::vector<std::size_t> restarts_;
+  std::size_t gaps_ = 0;
   Time last_end_;  // of the scan before
 };
 
-/// What limits the motion estimate of one scan, in one line; empty where the scan was registered and
-/// converged with every direction of motion constrained, or was the first.
+/// What limits the motion estimate of one scan, in one line; empty where its motion is good.
 [[nodiscard]] std::string trouble_of(const OdometryUpdate& update);
 
 /// Settings of an OnlineDetector.
@@ -58,7 +58,7 @@ struct OnlineDetectorOptions {
 /// may be kept, and used on another thread, while the detector goes on or after the detector has gone.
 struct LabelledScan {
   /// Labels per return of the scan, and the objects. `detection.sequence_number` counts the scans pushed,
-  /// from 0.
+  /// from 0. Where the motion is lost, no point has a label: `detection.motion_known` is false.
   Detection detection;
   /// T_v0(t) over the whole scan: the one given, or what odometry had estimated when the labels were made.
   std::shared_ptr<const Trajectory> trajectory;
@@ -68,8 +68,11 @@ struct LabelledScan {
   [[nodiscard]] const LidarScan& scan() const { return *detection.scan; }
   /// Sensor to world at the scan's start.
   [[nodiscard]] SE3 T_0v() const { return trajectory->at(scan().start).T_v0.inverse(); }
+  /// What is known of the motion; good where poses were given.
+  [[nodiscard]] MotionState motion_state() const { return odometry ? odometry->state : MotionState::good; }
   /// Per record of the input, in its order and length (LidarScan::input_size): the number of the moving
-  /// object the point belongs to, 0 for static points and for records without a return.
+  /// object the point belongs to, 0 for static points, for records without a return, and for all records of
+  /// a scan whose motion is lost.
   [[nodiscard]] std::vector<std::uint16_t> object_by_input() const;
 };
 

@@ -20,6 +20,7 @@ template <class NumberOf>
 std::vector<std::uint32_t> labels_with(const Detection& detection, const NumberOf& number_of) {
   const LidarScan& scan = *detection.scan;
   std::vector<std::uint32_t> labels(scan.input_size, kLabelUnknown);
+  if (!detection.motion_known) return labels;
   for (std::size_t i = 0; i < scan.returns.size(); ++i) {
     const std::uint16_t object = detection.object[i];
     labels[scan.returns[i].input_index] =

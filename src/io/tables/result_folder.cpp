@@ -111,7 +111,7 @@ void ResultFolder::create(bool overwrite, std::string_view summary_text) const {
   write_file_atomically(summary(), summary_text);
   remove_scan_files(labels(), ".label");
   remove_scan_files(stages(), ".stages");
-  for (const fs::path& file : {objects(), kitti_poses(), trajectory(), config()}) {
+  for (const fs::path& file : {objects(), kitti_poses(), trajectory(), poses(), config()}) {
     fs::remove(file, error);
     check(file, error, "remove it");
   }

@@ -11,20 +11,12 @@
 namespace mapless::inline v1 {
 namespace {
 
-// A start is ambiguous if another motion has this part of the best score, or if the best score is less than
-// this part of the keypoints of a scan. Measured on 18 starts on simulated motorways, from which both were
-// chosen: the four wrong starts, and six of the right ones, are reported as ambiguous.
-constexpr double kAmbiguousScoreRatio = 0.75;
-constexpr double kMinScorePerKeypoint = 0.8;
 // Two motions are undecided while their scores differ by less than this many standard deviations of the
 // number of points, sqrt(n).
 constexpr double kDecidedSigmas = 1.5;
 // Soft inliers that one freespace violation outweighs. Chosen: walls and ground have inliers for any motion
 // along them, but no ray passes through a static surface; only dynamic points violate the right motion.
 constexpr double kViolationWeight = 10;
-// Two motions closer than this are not called ambiguous, because a hypothesis can converge from one to the
-// other within the next scans. Derived: the spacing of the speeds that PairOfScans samples.
-constexpr double kFarSpeed_mps = 3;
 // The refined start replaces the best hypothesis if it has at least this part of its score. Chosen: the map
 // of a wrong first motion is blurred and has planes in more places, which gives it some inliers more.
 constexpr double kMinRefinedScoreRatio = 0.9;
@@ -64,18 +56,19 @@ double violations(const MappedTrajectory& mapped, const std::vector<UsableScan>&
   return through / scans;
 }
 
-bool are_far(const MappedTrajectory& a, const MappedTrajectory& b) {
-  return (a.knots.back().varpi - b.knots.back().varpi).head<3>().norm() > kFarSpeed_mps;
-}
-
 }  // namespace
 
-StartUp::StartUp(const OdometryParameters& parameters, const RegistrationSettings& settings)
+StartUp::StartUp(const OdometryParameters& parameters, const RegistrationSettings& settings,
+                 const std::vector<TrajectoryKnot>& knots)
     : map_radius_m_(parameters.map_radius_m),
       point_sigma_m_(parameters.residual_sigma_m),
       settings_(settings),
       initial_(point_sigma_m_) {
   hypotheses_.push_back({MappedTrajectory(point_sigma_m_), {}, 0});
+  if (knots.empty()) return;
+  first_open_knot_ = knots.size() - 2;
+  hypotheses_.front().mapped.knots = knots;
+  hypotheses_.front().mapped.restart_window_at(first_open_knot_);
 }
 
 void StartUp::append_knots(const LidarScan& scan, Time end) {
@@ -97,19 +90,19 @@ void StartUp::set_first(UsableScan scan) {
 StartUp::Result StartUp::add(UsableScan scan) {
   scans_.push_back(std::move(scan));
   if (!(scans_.size() == 2 ? register_first_pair() : extend_all())) return restart();
-  Result result = {hypotheses_.front().registration, false};
+  Result result = {hypotheses_.front().registration, scans_.front().interval};
   if (scans_.size() < kMinScans) return result;
-  ambiguous_ = ambiguous_ || is_ambiguous();
   if (scans_.size() < kMaxScans && is_undecided()) return result;
   if (!pair_is_constrained_ && unregistered_.size() + scans_.size() < kJointScans) return result;
   return decide();
 }
 
 StartUp::Result StartUp::decide() {
-  Result result = {hypotheses_.front().registration, ambiguous_};
+  Result result = {hypotheses_.front().registration, scans_.front().interval};
   decided_ = true;
   if (!pair_is_constrained_) {
-    if (auto from_rest = try_from_rest(score_of(best()))) return {std::move(from_rest), ambiguous_};
+    const std::size_t first = start_up_scans().front().interval;
+    if (auto from_rest = try_from_rest(score_of(best()))) return {std::move(from_rest), first};
   }
   refine_first_scans();
   if (const auto joint = refine_jointly()) result.registration = joint;
@@ -130,10 +123,11 @@ StartUp::Result StartUp::restart() {
                 [&](const UsableScan& one) { return one.interval + kJointScans <= newest.interval; });
   set_first(std::move(newest));
   if (unregistered_.size() + 1 < kJointScans) return {};
+  const std::size_t first = unregistered_.front().interval;
   auto from_rest = try_from_rest(0);
   unregistered_.clear();  // they did not help: later scans do without them
   decided_ = from_rest.has_value();
-  return {std::move(from_rest), false};
+  return {std::move(from_rest), first};
 }
 
 // All scans so far, with those that fitted no hypothesis.
@@ -279,13 +273,6 @@ void StartUp::prune_by_score() {
   hypotheses_ = std::move(kept);
 }
 
-// The score less the cost of the motion prior over all scans, the first two included.
-double StartUp::score_with_prior(const Hypothesis& hypothesis) const {
-  double out = hypothesis.score;
-  for (const UsableScan& scan : scans_) out -= motion_cost(hypothesis.mapped, scan, settings_.density);
-  return out;
-}
-
 // Whether the score of another motion, which differs from the best, is within the noise of the best score.
 bool StartUp::is_undecided() const {
   double keypoints = 0;
@@ -293,24 +280,6 @@ bool StartUp::is_undecided() const {
     keypoints += static_cast<double>(scans_[s].bins.points().size());
   const double enough = hypotheses_.front().score - kDecidedSigmas * std::sqrt(keypoints);
   return hypotheses_.size() > 1 && hypotheses_[1].score > enough;
-}
-
-// A hypothesis on its way from another motion to the best one has many inliers, but a change of velocity
-// within these scans that the motion prior finds unlikely: it is not taken for a rival.
-bool StartUp::is_ambiguous() const {
-  const Hypothesis& best = hypotheses_.front();
-  if (best.score < kMinScorePerKeypoint * static_cast<double>(scans_.back().bins.points().size()))
-    return true;
-  std::vector<double> with_prior;
-  for (const Hypothesis& one : hypotheses_) with_prior.push_back(score_with_prior(one));
-  const double most = *std::max_element(with_prior.begin(), with_prior.end());
-  for (std::size_t i = 1; i < hypotheses_.size(); ++i) {
-    const Hypothesis& other = hypotheses_[i];
-    if (other.score > kAmbiguousScoreRatio * best.score && are_far(other.mapped, best.mapped) &&
-        (most <= 0 || with_prior[i] > kAmbiguousScoreRatio * most))
-      return true;
-  }
-  return false;
 }
 
 std::optional<Registration> StartUp::refine_jointly() {

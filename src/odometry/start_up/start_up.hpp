@@ -29,7 +29,10 @@ class StartUp {
   /// 33 flying starts errs by more than 0.10 m, 24 with five scans (same page).
   static constexpr std::size_t kJointScans = 8;
 
-  StartUp(const OdometryParameters& parameters, const RegistrationSettings& settings);
+  /// `knots`: those of the drive so far; empty at its beginning. The last but one keeps its pose, its
+  /// velocity is unknown; those before it do not change.
+  StartUp(const OdometryParameters& parameters, const RegistrationSettings& settings,
+          const std::vector<TrajectoryKnot>& knots = {});
 
   /// As MappedTrajectory::append_knots, for every hypothesis.
   void append_knots(const LidarScan& scan, Time end);
@@ -44,12 +47,14 @@ class StartUp {
     /// Of the best hypothesis. None if the scan fits no hypothesis; the start-up then restarts with this
     /// scan.
     std::optional<Registration> registration;
-    bool ambiguous = false;  ///< another motion explains the scans about as well
+    std::size_t first_interval = 0;  ///< UsableScan::interval of the first scan whose motion is decided
   };
   /// Adds a usable scan after the first.
   Result add(UsableScan scan);
 
   [[nodiscard]] bool decided() const { return decided_; }
+  /// Number of the first knot that can still change.
+  [[nodiscard]] std::size_t first_open_knot() const { return first_open_knot_; }
   /// The trajectory and map of the best hypothesis; once decided, of the only one.
   [[nodiscard]] const MappedTrajectory& best() const { return hypotheses_.front().mapped; }
 
@@ -74,9 +79,7 @@ class StartUp {
   bool extend(const UsableScan& scan, Hypothesis& hypothesis) const;
   void prune_by_inliers();
   void prune_by_score();
-  [[nodiscard]] double score_with_prior(const Hypothesis& hypothesis) const;
   [[nodiscard]] bool is_undecided() const;
-  [[nodiscard]] bool is_ambiguous() const;
   Result decide();
   void refine_first_scans();
   std::optional<Registration> refine_jointly();
@@ -87,13 +90,13 @@ class StartUp {
   [[nodiscard]] double score_of(const MappedTrajectory& mapped) const;
 
   double map_radius_m_, point_sigma_m_;
+  std::size_t first_open_knot_ = 0;
   RegistrationSettings settings_;
   MappedTrajectory initial_;              // before the first pair was registered
   std::vector<Hypothesis> hypotheses_;    // best first; at least one
   std::vector<UsableScan> unregistered_;  // the last ones before `scans_`, which fitted no hypothesis
   std::vector<UsableScan> scans_;
   bool pair_is_constrained_ = false;  // the best motion of the first two scans has enough inliers
-  bool ambiguous_ = false;
   bool decided_ = false;
 };
 

@@ -306,7 +306,7 @@ TEST_F(DetectTest, EstimatesATrajectoryThatIsThereWhereAskedTo) {
   EXPECT_EQ(detect({"--odometry"}).exit_code, 0);
   EXPECT_EQ(summary()["trajectory"]["source"], "estimated by lidar odometry");
   EXPECT_EQ(summary()["odometry"]["scans"], kScans);
-  EXPECT_EQ(summary()["odometry"]["ambiguous_start"], false);
+  EXPECT_EQ(summary()["odometry"]["lost"], 0);
   EXPECT_EQ(result().labelled_scans().size(), std::size_t{kScans});
   EXPECT_EQ(detect({"--odometry", "--stationary", "--overwrite"}).exit_code, 2);
 }
