@@ -8,30 +8,34 @@ from collections.abc import Mapping
 
 from mapless import _core
 from mapless._recording import Recording
-from mapless.readers import READERS, Options
+from mapless.readers import FIELDS, READERS, Options
 
 
 def open(
-    path: str | os.PathLike[str], *, format: str = "", sensor: str | os.PathLike[str] = "", topic: str | None = None
+    path: str | os.PathLike[str], *, format: str = "", sensor: str | os.PathLike[str] = "", **options: str | None
 ) -> Recording:
     """The recording in a file or folder.
 
     format: see docs/python.md; recognised from the files where it is not given.
     sensor: a named model or a calibration file; that of the recording where it is not given, else recovered.
-    topic: of the clouds in a bag; not needed where there is one.
+    options: those of the command with _ for -, mapless.readers.OPTIONS: `topic="/points"`.
 
     Raises InputError naming the file, what is wrong with it, and what to do.
     """
-    given = {} if topic is None else {"--topic": topic}
+    flags = {name: flag for flag, name in FIELDS.items()}
+    unknown = next((name for name in options if name not in flags), None)
+    if unknown is not None:
+        raise TypeError(f"open() has no option {unknown}: expected one of {', '.join(flags)}")
+    given = {flags[name]: text for name, text in options.items() if text is not None}
     found = open_in_python(os.fspath(path), format, os.fspath(sensor), given)
     return Recording(found or _core.open_folder(os.fspath(path), format, os.fspath(sensor)))
 
 
 def open_in_python(path: str, format: str, sensor: str, given: Mapping[str, str]) -> _core.Recording | None:
     """None: no format that Python reads. `given`: options of the readers by flag."""
-    options = Options(sensor=sensor, **{flag.lstrip("-").replace("-", "_"): text for flag, text in given.items()})
+    options = Options(sensor=sensor, **{FIELDS[flag]: text for flag, text in given.items()})
     for reader in READERS:
         if format in reader.formats or (not format and reader.fits(pathlib.Path(path))):
             source = reader.open(pathlib.Path(path), options)
-            return _core.recording_of(source, options.sensor)
+            return _core.recording_of(source, sensor or source.sensor)
     return None

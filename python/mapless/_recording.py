@@ -46,6 +46,9 @@ class CloudSource(abc.ABC):
     notes: list[str]
     """where times, rings and poses come from, one line each"""
     trajectory: _core.Trajectory | None = None
+    """its own poses of the sensor"""
+    sensor: str = ""
+    """a named model or a calibration file, where the recording says which; empty: recovered from the points"""
 
     @abc.abstractmethod
     def read(self, k: int) -> Fields:

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <filesystem>
 #include <map>
 #include <string_view>
 
@@ -143,8 +144,9 @@ void find_unusable_records(const ScanSizes& sizes, RecordingSurvey& survey) {
 class DuplicateFinder {
  public:
   void add(const Dataset& dataset, std::size_t k, std::vector<std::string>& oddities) {
-    // If all scans are in one file, the files of two scans cannot be compared.
+    // Scans of one file cannot be compared by their files: all have its name, or that of a message within it.
     if (dataset.size() > 1 && dataset.scan_file(0) == dataset.scan_file(1)) return;
+    if (!std::filesystem::is_regular_file(dataset.scan_file(k))) return;
     const std::size_t hash = std::hash<std::string>()(read_whole_file(dataset.scan_file(k)));
     const auto [earlier, is_new] = by_hash_.emplace(hash, k);
     if (is_new ||

@@ -95,7 +95,7 @@ void RunSummary::add(const Detection& detection) {
   dynamic_points_ += static_cast<std::size_t>(std::count_if(
       detection.object.begin(), detection.object.end(), [](std::uint16_t object) { return object != 0; }));
   objects_ += static_cast<std::size_t>(detection.objects);
-  for (const TrackedObject& object : detection.tracked) newest_id_ = std::max(newest_id_, object.id);
+  for (const TrackedObject& object : detection.tracked) ids_.insert(object.id);
   seconds_.push_back(detection.seconds);
 }
 
@@ -136,7 +136,7 @@ Json RunSummary::json() const {
               {"points", points_},
               {"dynamic_points", dynamic_points_},
               {"objects", objects_},
-              {"objects_over_time", newest_id_},
+              {"objects_over_time", ids_.size()},
               {"profile", profile_},
               {"times", times_},
               {"rings", rings_},
@@ -157,7 +157,7 @@ std::string RunSummary::lines() const {
   const std::string text = fmt::format(
       "{} scans, {} points, {} of them dynamic, {} objects (counted scan by scan; {} over time)\n"
       "{:.1f} ms per scan (median), {:.1f} ms (95 %), peak memory {:.0f} MB\n",
-      seconds_.size(), points_, dynamic_points_, objects_, newest_id_, quantile(ms, 0.5).value_or(0),
+      seconds_.size(), points_, dynamic_points_, objects_, ids_.size(), quantile(ms, 0.5).value_or(0),
       quantile(ms, 0.95).value_or(0), peak_memory_mb());
   return real_time_ ? text + text_of(*real_time_) : text;
 }

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -53,7 +54,7 @@ class RunSummary {
   std::size_t first_scan_, selected_scans_;
   std::string times_, rings_, motion_compensation_;
   std::size_t records_ = 0, points_ = 0, dynamic_points_ = 0, objects_ = 0;
-  std::uint32_t newest_id_ = 0;  // of an object: ids are counted from 1
+  std::set<std::uint32_t> ids_;  // of the moving objects of all scans
   std::vector<StageSeconds> seconds_;
   std::optional<OdometryReport> odometry_;
   std::optional<InputOutputReport> input_output_;

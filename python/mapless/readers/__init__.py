@@ -11,10 +11,10 @@ import pathlib
 from typing import Protocol
 
 from mapless._recording import CloudSource
-from mapless.readers import bags
-from mapless.readers.options import OPTIONS, Options
+from mapless.readers import bags, packets
+from mapless.readers.options import FIELDS, OPTIONS, Options
 
-__all__ = ["OPTIONS", "READERS", "Options", "Reader"]
+__all__ = ["FIELDS", "OPTIONS", "READERS", "Options", "Reader"]
 
 
 class Reader(Protocol):
@@ -26,4 +26,4 @@ class Reader(Protocol):
     def open(self, path: pathlib.Path, options: Options) -> CloudSource: ...
 
 
-READERS: tuple[Reader, ...] = (bags.BagReader(),)
+READERS: tuple[Reader, ...] = (bags.BagReader(), packets.PacketReader())

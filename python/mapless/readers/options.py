@@ -6,6 +6,9 @@ import dataclasses
 
 OPTIONS = {
     "--topic": "topic of the clouds in a bag; not needed where there is one",
+    "--meta": "metadata (JSON) of an Ouster capture; not needed where it lies beside it with the same name",
+    "--pose-topic": "topic of the odometry, poses or transforms in a bag: its poses in place of own odometry",
+    "--world-frame": "with --pose-topic: the frame of the poses; not needed where the transforms have one at the top",
 }
 """Options of the command that readers take, by flag: an attribute of Options each."""
 
@@ -14,3 +17,10 @@ OPTIONS = {
 class Options:
     sensor: str = ""
     topic: str | None = None
+    meta: str | None = None
+    pose_topic: str | None = None
+    world_frame: str | None = None
+
+
+FIELDS = {flag: flag.lstrip("-").replace("-", "_") for flag in OPTIONS}
+"""Attribute of Options by flag."""

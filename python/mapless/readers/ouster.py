@@ -1,0 +1,84 @@
+"""Ouster captures (pcap with metadata, OSF), decoded by ouster-sdk."""
+
+from __future__ import annotations
+
+import pathlib
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from mapless._core import InputError
+from mapless._fields import FROM_STAMP, Array, Fields
+from mapless._recording import CloudSource
+from mapless.readers.sequential import SequentialScans
+
+
+def import_sdk(path: str) -> Any:
+    try:
+        import ouster.sdk
+        import ouster.sdk.core
+    except ImportError:
+        raise InputError(
+            f"{path}: Ouster captures are read by the package ouster-sdk: pip install 'mapless[ouster]'"
+        ) from None
+    return ouster.sdk
+
+
+def column_times_ns(timestamps: Array, valid: Array) -> Array:
+    """Instant of each column; of a column whose packet was lost, between its neighbours."""
+    columns = np.arange(len(timestamps))
+    first = int(timestamps[valid].min())
+    since = (timestamps[valid].astype(np.int64) - first).astype(np.float64)
+    times: Array = first + np.round(np.interp(columns, columns[valid], since)).astype(np.int64)
+    return times
+
+
+class OusterCapture(CloudSource):
+    """Each scan is the staggered image, beam by beam: (H x W,) records; a pixel without a return is one of them."""
+
+    format = "ouster"
+
+    def __init__(self, path: pathlib.Path, metadata: pathlib.Path | None) -> None:
+        self.path = str(path)
+        self._sdk = import_sdk(self.path)
+        self._metadata = metadata
+        if metadata is not None and not metadata.is_file():
+            raise InputError(f"{metadata}: no such file")
+        self._scans = SequentialScans(self._decoded)
+        self.starts_ns = [fields.stamp_ns for fields in self._decoded()]
+        if not self.starts_ns:
+            raise InputError(f"{path}: no complete scan of an Ouster sensor; does {metadata} belong to it?")
+        self.notes = [
+            f"scans: of an {self._product}, decoded by ouster-sdk"
+            + ("" if metadata is None else f" with the metadata {metadata}"),
+            "times: of columns, in ns; rings: rows of the image, from the top down",
+            "points are taken as measured, in the sensor frame: packets are not motion-compensated",
+        ]
+
+    def read(self, k: int) -> Fields:
+        return self._scans[k]
+
+    def _decoded(self) -> Iterator[Fields]:
+        meta = {} if self._metadata is None else {"meta": [str(self._metadata)]}
+        try:
+            source = self._sdk.open_source(self.path, **meta)
+        except Exception as error:  # the SDK raises several kinds, RuntimeError for a file that is none among them
+            raise InputError(f"{self.path}: no capture that ouster-sdk reads: {error}") from None
+        for frames in source:
+            frame = next((frame for frame in frames if frame is not None), None)
+            if frame is not None and (np.asarray(frame.status) & 1).any():
+                yield self._fields(frame)
+
+    def _fields(self, frame: Any) -> Fields:
+        info = frame.sensor_info
+        self._product = info.prod_line
+        valid = (np.asarray(frame.status) & 1).astype(bool)
+        times_ns = column_times_ns(np.asarray(frame.timestamp), valid)
+        ranges = np.where(valid, frame.field("RANGE"), 0)
+        points = self._sdk.core.XYZLut(info, False)(ranges).astype(np.float32).reshape(-1, 3)
+        points[ranges.reshape(-1) == 0] = np.nan
+        x, y, z = points.T
+        ring = np.repeat(np.arange(frame.h, dtype=np.uint16), frame.w)
+        time = np.tile(times_ns - times_ns[0], frame.h)
+        return Fields(x, y, z, int(times_ns[0]), ring, time, "ns", FROM_STAMP, rows=frame.h)

@@ -1,0 +1,92 @@
+"""Packet captures (.pcap, .pcapng): the Velodyne and Ouster readers by what is in them."""
+
+from __future__ import annotations
+
+import collections
+import pathlib
+from collections.abc import Iterator
+
+from mapless._core import InputError
+from mapless._recording import CloudSource
+from mapless.readers.options import Options
+
+SUFFIXES = (".pcap", ".pcapng")
+VELODYNE_PACKET_BYTES = 1206
+HESAI_START = b"\xee\xff"
+OUSTER_PORT = 7502
+# Packets that are looked at to tell whose they are: a capture may begin with those of position or IMU.
+SNIFFED_PACKETS = 200
+
+
+def udp_packets(path: pathlib.Path) -> Iterator[tuple[float, int, bytes]]:
+    """Time [s], destination port and payload of every UDP packet; of a fragmented one the first fragment."""
+    try:
+        import dpkt
+    except ImportError:
+        raise InputError(
+            f"{path}: Velodyne captures are read by the package velodyne-decoder: pip install 'mapless[velodyne]'"
+        ) from None
+    with path.open("rb") as file:
+        try:
+            reader = dpkt.pcap.UniversalReader(file)
+        except (ValueError, dpkt.dpkt.Error):
+            raise InputError(f"{path}: no packet capture: neither pcap nor pcapng") from None
+        link = {dpkt.pcap.DLT_EN10MB: dpkt.ethernet.Ethernet, dpkt.pcap.DLT_LINUX_SLL: dpkt.sll.SLL}
+        parse = link.get(reader.datalink(), dpkt.ethernet.Ethernet)
+        try:
+            for stamp, frame in reader:
+                try:
+                    packet = parse(frame).data
+                except dpkt.dpkt.Error:
+                    continue
+                udp = getattr(packet, "data", None)
+                if isinstance(udp, dpkt.udp.UDP):
+                    yield float(stamp), int(udp.dport), bytes(udp.data)
+        except dpkt.dpkt.NeedData:
+            return  # the last packet of a capture that was cut off
+
+
+def metadata_of(path: pathlib.Path, given: str | None) -> pathlib.Path | None:
+    """The Ouster metadata of a capture: the file given, else the JSON file that shares most of the name."""
+    if given is not None:
+        return pathlib.Path(given)
+    beside = [file for file in path.parent.glob("*.json") if path.stem.startswith(file.stem)]
+    return max(beside, key=lambda file: len(file.stem), default=None)
+
+
+def refusal(path: pathlib.Path) -> InputError:
+    """Why a capture cannot be read: what is in it."""
+    kinds: collections.Counter[tuple[int, int]] = collections.Counter()
+    for k, (_, port, payload) in enumerate(udp_packets(path)):
+        if k >= SNIFFED_PACKETS:
+            break
+        if payload[:2] == HESAI_START:
+            return InputError(
+                f"{path}: packets of a Hesai sensor, which no library that mapless uses decodes; record the "
+                "PointCloud2 of its driver in a bag"
+            )
+        kinds[port, len(payload)] += 1
+    if any(port == OUSTER_PORT for port, _ in kinds):
+        return InputError(f"{path}: packets of an Ouster sensor: give its metadata with --meta FILE.json")
+    found = ", ".join(f"{count} of {size} bytes to port {port}" for (port, size), count in kinds.most_common(3))
+    return InputError(f"{path}: no packets of a Velodyne (1206 bytes) or an Ouster; its UDP packets: {found or 'none'}")
+
+
+class PacketReader:
+    formats = ("velodyne", "ouster")
+
+    def fits(self, path: pathlib.Path) -> bool:
+        return path.is_file() and path.suffix.lower() in (*SUFFIXES, ".osf")
+
+    def open(self, path: pathlib.Path, options: Options) -> CloudSource:
+        from mapless.readers import ouster, velodyne
+
+        if not path.is_file():
+            raise InputError(f"{path}: no such file")
+        metadata = None if path.suffix.lower() == ".osf" else metadata_of(path, options.meta)
+        if path.suffix.lower() == ".osf" or metadata is not None:
+            return ouster.OusterCapture(path, metadata)
+        sniffed = zip(range(SNIFFED_PACKETS), udp_packets(path))
+        if any(len(payload) == VELODYNE_PACKET_BYTES for _, (_, _, payload) in sniffed):
+            return velodyne.VelodyneCapture(path, options.sensor)
+        raise refusal(path)
