@@ -55,7 +55,7 @@ double body_factor(Body body, const TrackedObject& object) {
 }
 
 // Whether the displacement that rays show confirms the velocity, over the scans they compare (kRecentGap).
-bool confirms_velocity(const MotionState& last, const TrackedObject& object, const ObjectEvidence& evidence,
+bool confirms_velocity(const TrackMotion& last, const TrackedObject& object, const ObjectEvidence& evidence,
                        Time now) {
   const double scans = object.age - last.age;
   const double path_m = object.velocity_0.norm() * (now - last.seen).seconds() * kRecentGap / scans;
@@ -71,12 +71,12 @@ double MotionClassifier::required_evidence(const TrackedObject& object) const {
   return parameters_.min_evidence * std::max(1.0, std_mps / kKnownStd_mps);
 }
 
-MotionState MotionClassifier::update(const MotionState& last, const TrackedObject& object,
+TrackMotion MotionClassifier::update(const TrackMotion& last, const TrackedObject& object,
                                      const ObjectEvidence& evidence, Time now) const {
   const bool displaced = static_cast<double>(evidence.displacement_m) >= parameters_.min_displacement_m;
   const bool differs = differs_from_zero(object);
   const bool known = differs || object.velocity_std_0().maxCoeff() <= kKnownStd_mps;
-  MotionState next;
+  TrackMotion next;
   next.seen = now;
   next.age = object.age;
   next.velocity_known = last.velocity_known || known;
@@ -104,7 +104,7 @@ MotionState MotionClassifier::update(const MotionState& last, const TrackedObjec
   return next;
 }
 
-void erase_dropped(MotionStates& states, Time now) {
+void erase_dropped(TrackMotions& states, Time now) {
   std::erase_if(states,
                 [now](const auto& entry) { return (now - entry.second.seen).seconds() > kLongestAbsence_s; });
 }

@@ -11,7 +11,7 @@
 namespace mapless::inline v1 {
 
 /// Whether the object of a track moves, and what the classification of its next scan needs of its last.
-struct MotionState {
+struct TrackMotion {
   bool moves = false;
   bool slow = false;            ///< its speed in the last scan was below min_speed_mps
   bool velocity_known = false;  ///< in some scan, see MotionClassifier
@@ -50,8 +50,8 @@ class MotionClassifier {
   explicit MotionClassifier(const VotingParameters& parameters) : parameters_(parameters) {}
 
   /// The state of a track after the scan that starts at `now`, in which it is `object` with `evidence`.
-  /// `last` is its state before, MotionState{} for a new track.
-  [[nodiscard]] MotionState update(const MotionState& last, const TrackedObject& object,
+  /// `last` is its state before, TrackMotion{} for a new track.
+  [[nodiscard]] TrackMotion update(const TrackMotion& last, const TrackedObject& object,
                                    const ObjectEvidence& evidence, Time now) const;
 
  private:
@@ -60,9 +60,9 @@ class MotionClassifier {
   VotingParameters parameters_;
 };
 
-using MotionStates = std::map<std::uint32_t, MotionState>;  // by TrackedObject::id
+using TrackMotions = std::map<std::uint32_t, TrackMotion>;  // by TrackedObject::id
 
 /// Erases tracks that ObjectTracker has dropped: their ids are not given again.
-void erase_dropped(MotionStates& states, Time now);
+void erase_dropped(TrackMotions& states, Time now);
 
 }  // namespace mapless

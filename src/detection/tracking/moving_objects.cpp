@@ -24,7 +24,7 @@ Detection MovingObjects::classify(ObjectProposals proposed) {
   if (method_ == DetectionMethod::published) return detection;
   std::vector<bool> moves;
   for (const TrackedObject& object : detection.tracked) {
-    MotionState& state = states_[object.id];
+    TrackMotion& state = states_[object.id];
     state = classifier_.update(state, object, proposed.evidence[object.number - 1U], now);
     moves.push_back(state.moves);
   }

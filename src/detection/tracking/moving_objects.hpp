@@ -31,7 +31,7 @@ class MovingObjects {
   DetectionMethod method_;
   MotionClassifier classifier_;
   ObjectTracker tracker_;
-  MotionStates states_;
+  TrackMotions states_;
 };
 
 /// Keeps the elements of detection.tracked that move (`moves`: one per element) and numbers them 1, 2, ... in

@@ -31,20 +31,20 @@ TrackedObject object(double speed_mps, double std_mps) {
 }
 
 // 0.1 s after a scan at kStart.
-MotionState next(const MotionState& last, const TrackedObject& o, float displacement_m, int votes = kVotes) {
+TrackMotion next(const TrackMotion& last, const TrackedObject& o, float displacement_m, int votes = kVotes) {
   return MotionClassifier(parameters())
       .update(last, o, {displacement_m, votes}, kStart + Duration::from_seconds(0.1));
 }
 
-MotionState moving() {
-  MotionState state;
+TrackMotion moving() {
+  TrackMotion state;
   state.moves = true;
   state.age = 1;
   state.seen = kStart;
   return state;
 }
-MotionState standing() {
-  MotionState state = moving();
+TrackMotion standing() {
+  TrackMotion state = moving();
   state.moves = false;
   state.slow = true;
   return state;
@@ -68,7 +68,7 @@ TEST(MotionClassifier, PastEvidenceIsHalvedPerScan) {
   for (const int last_votes : {60, 59}) {
     TrackedObject o = object(kFast_mps, kWell_mps);
     o.age = 1;
-    MotionState state = next({}, o, kDisplaced_m, 40);
+    TrackMotion state = next({}, o, kDisplaced_m, 40);
     for (const int votes : {60, last_votes}) {
       EXPECT_FALSE(state.moves);
       ++o.age;
@@ -84,7 +84,7 @@ TEST(MotionClassifier, PastEvidenceIsHalvedPerScan) {
 TEST(MotionClassifier, EvidenceIsHalvedForUnseenScansToo) {
   TrackedObject o = object(kFast_mps, kWell_mps);
   o.age = 1;
-  const MotionState first = next({}, o, kDisplaced_m, 80);
+  const TrackMotion first = next({}, o, kDisplaced_m, 80);
   o.age = 4;
   EXPECT_DOUBLE_EQ(next(first, o, kDisplaced_m, 90).evidence, 100);
 }
@@ -126,7 +126,7 @@ TEST(MotionClassifier, AMovingTrackWithKnownVelocityNeedsNoEvidence) {
 TEST(MotionClassifier, RequiredEvidenceGrowsWithTheStandardDeviation) {
   TrackedObject o = object(5, 1);
   o.age = 3;
-  MotionState known = standing();
+  TrackMotion known = standing();
   known.velocity_known = true;
   known.age = 2;
   EXPECT_FALSE(next(known, o, kDisplaced_m, 2 * kVotes - 1).moves);
@@ -139,7 +139,7 @@ TEST(MotionClassifier, RequiredEvidenceGrowsWithTheStandardDeviation) {
 // No evidence is needed to continue with a velocity known to 0.5 m/s; in the second scan none is known well
 // yet.
 TEST(MotionClassifier, AWellKnownVelocityOrAYoungTrackNeedsNoMoreEvidence) {
-  MotionState known = moving();
+  TrackMotion known = moving();
   known.velocity_known = true;
   known.age = 2;
   TrackedObject o = object(5, 0.5);
@@ -152,11 +152,11 @@ TEST(MotionClassifier, AWellKnownVelocityOrAYoungTrackNeedsNoMoreEvidence) {
 // It may move in its second scan, and later if its velocity was known once.
 TEST(MotionClassifier, ATrackOfNeverKnownVelocityIsStaticFromItsThirdScanOn) {
   TrackedObject o = object(0, kBadly_mps);
-  const MotionState second = next(moving(), o, kDisplaced_m);
+  const TrackMotion second = next(moving(), o, kDisplaced_m);
   EXPECT_TRUE(second.moves);
   o.age = 3;
   EXPECT_FALSE(next(second, o, kDisplaced_m).moves);
-  const MotionState known = next(second, object(kFast_mps, kWell_mps), kDisplaced_m);
+  const TrackMotion known = next(second, object(kFast_mps, kWell_mps), kDisplaced_m);
   EXPECT_TRUE(next(known, o, kDisplaced_m, 10 * kVotes).moves);  // half of what 10 m/s require
 }
 
@@ -170,10 +170,10 @@ TEST(MotionClassifier, NegativeVotesStopAYoungTrackOfUnknownVelocity) {
 // evidence is halved.
 TEST(MotionClassifier, SufficientRayEvidenceNeedsNoKnownVelocity) {
   TrackedObject o = object(0, kBadly_mps);
-  const MotionState second = next(moving(), o, kDisplaced_m, 0);
+  const TrackMotion second = next(moving(), o, kDisplaced_m, 0);
   o.age = 3;
   EXPECT_FALSE(next(second, o, kDisplaced_m, 40 * kVotes - 1).moves);
-  const MotionState third = next(second, o, kDisplaced_m, 40 * kVotes);
+  const TrackMotion third = next(second, o, kDisplaced_m, 40 * kVotes);
   EXPECT_TRUE(third.moves);
   o.age = 4;
   EXPECT_FALSE(next(third, o, kDisplaced_m, 20 * kVotes - 1).moves);
@@ -183,7 +183,7 @@ TEST(MotionClassifier, SufficientRayEvidenceNeedsNoKnownVelocity) {
 TEST(MotionClassifier, TheSpeedOfANewTrackIsIgnored) {
   TrackedObject o = object(0, kWell_mps);
   o.age = 1;
-  const MotionState state = next({}, o, kDisplaced_m);
+  const TrackMotion state = next({}, o, kDisplaced_m);
   EXPECT_TRUE(state.moves);
   EXPECT_FALSE(state.slow);
   o.velocity_0 = {0, 20, 0};
@@ -214,7 +214,7 @@ TEST(MotionClassifier, ASpeedWithinTwoSigmaOfZeroDoesNotBegin) {
 
 // 2 m/s are 0.8 m in four scans of 0.1 s, of which the rays have to show half.
 TEST(MotionClassifier, AfterThreeStaticScansTheRaysHaveToConfirmHalfOfTheVelocity) {
-  MotionState state = standing();
+  TrackMotion state = standing();
   TrackedObject o = object(2, kWell_mps);
   for (const int static_scans : {2, 3}) {
     state.static_scans = static_scans;
@@ -227,7 +227,7 @@ TEST(MotionClassifier, AfterThreeStaticScansTheRaysHaveToConfirmHalfOfTheVelocit
 }
 
 TEST(MotionClassifier, CountsScansWithAKnownSlowVelocity) {
-  MotionState state = standing();
+  TrackMotion state = standing();
   state = next(state, object(kSlow_mps, kWell_mps), kNotDisplaced_m);
   state = next(state, object(kSlow_mps, kWell_mps), kDisplaced_m);
   EXPECT_EQ(state.static_scans, 2);
@@ -288,17 +288,17 @@ TEST(MotionClassifier, SigmasAreThoseAlongTheVelocity) {
 
 TEST(MotionClassifier, AMovingTrackStopsAfterTwoSlowScans) {
   const TrackedObject slow = object(0, kWell_mps), fast = object(kFast_mps, kWell_mps);
-  const MotionState once = next(moving(), slow, kDisplaced_m);
+  const TrackMotion once = next(moving(), slow, kDisplaced_m);
   EXPECT_TRUE(once.moves);
   EXPECT_FALSE(next(once, slow, kDisplaced_m).moves);
-  const MotionState fast_again = next(once, fast, kDisplaced_m);
+  const TrackMotion fast_again = next(once, fast, kDisplaced_m);
   EXPECT_TRUE(fast_again.moves);
   EXPECT_TRUE(next(fast_again, slow, kDisplaced_m).moves);
 }
 
 // 0.59 m/s is within 2 sigma of 0.3 m/s; with a sigma of 0.6 m/s it is not known.
 TEST(MotionClassifier, ASlowTrackStopsWithASpeedWithinTwoSigmaOfZero) {
-  const MotionState once = next(moving(), object(0, kWell_mps), kDisplaced_m);
+  const TrackMotion once = next(moving(), object(0, kWell_mps), kDisplaced_m);
   ASSERT_TRUE(once.moves && once.slow);
   EXPECT_FALSE(next(once, object(0.59, 0.3), kDisplaced_m).moves);
   EXPECT_TRUE(next(once, object(0.61, 0.3), kDisplaced_m).moves);
@@ -315,7 +315,7 @@ TEST(MotionClassifier, AKnownSlowTrackWithoutDisplacementStopsAtOnce) {
 // 4 m/s for 0.1 s are 0.4 m; three such scans are 1.2 m.
 TEST(MotionClassifier, AMetreByItsSpeedWithoutDisplacementStopsATrack) {
   const TrackedObject fast = object(4, kWell_mps);
-  MotionState state = moving();
+  TrackMotion state = moving();
   for (const double unconfirmed_m : {0.4, 0.8}) {
     state = MotionClassifier(parameters())
                 .update(state, fast, {kNotDisplaced_m, 0}, state.seen + Duration::from_seconds(0.1));
@@ -324,13 +324,13 @@ TEST(MotionClassifier, AMetreByItsSpeedWithoutDisplacementStopsATrack) {
   }
   const Time third = state.seen + Duration::from_seconds(0.1);
   EXPECT_FALSE(MotionClassifier(parameters()).update(state, fast, {kNotDisplaced_m, 0}, third).moves);
-  const MotionState advanced = MotionClassifier(parameters()).update(state, fast, {kDisplaced_m, 0}, third);
+  const TrackMotion advanced = MotionClassifier(parameters()).update(state, fast, {kDisplaced_m, 0}, third);
   EXPECT_TRUE(advanced.moves);
   EXPECT_EQ(advanced.unconfirmed_m, 0);
 }
 
 TEST(MotionClassifier, TheUnconfirmedPathEndsAtOneMetre) {
-  MotionState state = moving();
+  TrackMotion state = moving();
   state.unconfirmed_m = 0.59;
   EXPECT_TRUE(next(state, object(4, kWell_mps), kNotDisplaced_m).moves);  // 0.99 m
   state.unconfirmed_m = 0.61;
@@ -345,7 +345,7 @@ TEST(MotionClassifier, ThePathWhileUnseenCounts) {
 }
 
 TEST(EraseDropped, ErasesTracksUnseenForMoreThanASecond) {
-  MotionStates states;
+  TrackMotions states;
   states[3].seen = kStart;
   states[5].seen = kStart + Duration::from_nanoseconds(1);
   erase_dropped(states, kStart + Duration::from_seconds(1));
