@@ -78,7 +78,7 @@ TEST_F(DetectionRunThreads, OdometryBesideDetectionGivesTheSameBytes) {
   run(folder / "alone", {true, false, {}});
   const auto files = files_in(folder / "beside");
   EXPECT_EQ(files, files_in(folder / "alone"));
-  EXPECT_EQ(files.size(), 2 * kScans + 3);
+  EXPECT_EQ(files.size(), 2 * kScans + 4);  // labels, stages; objects and poses
   for (const fs::path& file : files) {
     EXPECT_EQ(read_whole_file(fs::path(folder / "beside") / file),
               read_whole_file(fs::path(folder / "alone") / file))
