@@ -22,9 +22,8 @@ namespace mapless::inline v1 {
 /// - Consecutive constant cells of a row are on the own vehicle if they end freely on both sides: in front of
 ///   something farther. The side of a lorry that passes slides along itself, so its ranges are constant; but
 ///   its ends move, and next to the constant cells the surface goes on.
-/// - A return is on the own vehicle if its range is that of such a cell in its row, at most kColumnsAside
-/// from
-///   its own. Anything in front of the own vehicle has another range.
+/// - A return is on the own vehicle if its range is that of such a cell in its row, at most
+///   kColumnsAside from its own. Anything in front of the own vehicle has another range.
 ///
 /// A vehicle alongside that keeps its distance and its bearing for nine tenths of the key scans so far, and
 /// is nearer than kLargestRange_m with all of a row, cannot be told from the own one.
