@@ -119,8 +119,8 @@ bool OwnVehicle::ends_freely(const LidarScan& scan, int row, int column, int sid
   const float range_m = cells_[cell_index].range_m;
   int linked = 0;
   for (int k = 1; k <= kBeyondEnd; ++k) {
-    const int c = (column + side * k + scan.columns) % scan.columns;
-    const std::int32_t i = scan.cell(row, c);
+    const int c = (column + side * k) % scan.columns;
+    const std::int32_t i = scan.cell(row, c < 0 ? c + scan.columns : c);
     if (i >= 0 && std::abs(scan.returns[static_cast<std::size_t>(i)].range_m - range_m) <= kLinked_m)
       ++linked;
   }

@@ -108,8 +108,9 @@ class Isotropy : public testing::Test {
   static inline std::vector<Detection>* reference_ = nullptr;
 };
 
-// Rounding may decide ties the other way, so one label in ten thousand is free.
-constexpr double kTies = 1e-4;
+// Rounding may decide ties the other way: which of two rays is the nearest, and with it a range offset. One
+// label in a thousand is free.
+constexpr double kTies = 1e-3;
 
 TEST_F(Isotropy, TurningTheWorldChangesNoLabel) {
   std::mt19937_64 random(8);
@@ -130,7 +131,7 @@ TEST_F(Isotropy, MountingTheSensorTurnedChangesNoLabel) {
     // Coordinates are rounded to float anew here, by up to 4 micrometres at 60 m.
     EXPECT_LE(
         share_that_differs(detect(in_turned_frame(*scans_, angle), TurnedSensor(street_->trajectory, angle))),
-        5 * kTies);
+        kTies);
   }
 }
 

@@ -36,6 +36,14 @@ constexpr std::size_t kQueryStride = 3;
 // both scans alone contradicts true departures.
 constexpr float kClearlyMoved = 2;
 
+// Offsets along the rays beyond this are of another surface.
+constexpr float kMaxOffset_m = 2;
+// Standard deviation of an offset, as a share of the tolerance, which is four of one range: noise of both
+// ranges, and surfaces that are not quite planes. Any from 0.3 to 0.5 gives the same.
+constexpr float kOffsetStd = 0.5F;
+// How far away in the row the neighbour lies that tells the slope: nearer ones differ by noise.
+constexpr int kSlopeColumns = 3;
+
 std::vector<ReferenceScan> query_order(std::vector<ReferenceScan> references) {
   std::stable_sort(references.begin(), references.end(), [](const ReferenceScan& a, const ReferenceScan& b) {
     return std::abs(a.gap) > std::abs(b.gap);
@@ -75,6 +83,7 @@ EvidenceCollector::EvidenceCollector(const LidarScan& scan, const LocalPoints& p
                                      const VotingParameters& parameters)
     : scan_(scan),
       points_(points.points),
+      image_(scan),
       max_occluder_distance_m_(static_cast<float>(parameters.max_occluder_distance_m)),
       surface_noise_m_(static_cast<float>(kSurfaceNoise * parameters.tolerance_m)),
       own_(own, points.origin_0, parameters) {
@@ -83,7 +92,7 @@ EvidenceCollector::EvidenceCollector(const LidarScan& scan, const LocalPoints& p
   for (const ReferenceScan& r : query_order(references)) {
     references_.push_back({FreespaceProbe(*r.image, points.origin_0, parameters),
                            surface_votes(std::abs(r.gap)), r.gap < 0, r.gap == next,
-                           std::abs(r.gap) <= recent, std::abs(r.gap)});
+                           std::abs(r.gap) <= recent, r.gap});
   }
 }
 
@@ -96,6 +105,7 @@ void EvidenceCollector::query(const std::vector<std::size_t>& returns, Workspace
     settle(k + 1, work);
   }
   add_departed(work);
+  for (const std::size_t k : work.open) add_range_rate(k, work);
   for (const PointQuery& query : work.queries) evidence[query.i] = query.evidence;
 }
 
@@ -104,6 +114,7 @@ void EvidenceCollector::start(const std::vector<std::size_t>& returns, Workspace
   work.open.clear();
   work.departed.clear();
   work.points.clear();
+  work.offsets.resize(returns.size() * references_.size());
   for (const std::size_t i : returns) {
     work.open.push_back(work.queries.size());
     work.queries.push_back({static_cast<std::uint32_t>(i), {}});
@@ -152,6 +163,8 @@ void EvidenceCollector::add_votes(const Reference& reference, int votes, PointEv
 void EvidenceCollector::add_answer(const Reference& reference, const FreespaceProbe::Answer& answer,
                                    PointQuery& query, Workspace& work) const {
   PointEvidence& evidence = query.evidence;
+  const bool surface = answer.verdict == FreespaceVerdict::border && !reference.probe.dynamic(answer);
+  add_offset(reference, answer, surface ? reference.surface_votes : 0, query, work);
   if (answer.verdict == FreespaceVerdict::inside) {
     const bool through = answer.aside_m <= kSeenThroughWithin_m || !reference.probe.ended(answer);
     add_votes(reference, through ? kSeenThroughVotes : kPassedBesideVotes, evidence);
@@ -170,6 +183,53 @@ void EvidenceCollector::add_answer(const Reference& reference, const FreespacePr
     reference.probe.prepare_endpoint(answer.column);
     work.occluders.push_back({&query, answer.laser, answer.column});
   }
+}
+
+void EvidenceCollector::add_offset(const Reference& reference, const FreespaceProbe::Answer& answer,
+                                   int surface_votes, PointQuery& query, Workspace& work) const {
+  // NaN where the range is not known.
+  if (answer.laser < 0 || !(std::abs(answer.short_by_m) <= kMaxOffset_m) || !reference.probe.ended(answer))
+    return;
+  const auto number = static_cast<std::size_t>(&query - work.queries.data());
+  const std::size_t at = number * references_.size() + query.offsets++;
+  work.offsets[at] = {reference.gap, answer.short_by_m, answer.aside_m, surface_votes};
+}
+
+// Scans that agree with a motion along the rays vote for the point in place of against it.
+void EvidenceCollector::add_range_rate(std::size_t number, Workspace& work) const {
+  PointQuery& query = work.queries[number];
+  const std::span offsets = std::span(work.offsets).subspan(number * references_.size(), query.offsets);
+  if (!moves_along_rays(offsets, kOffsetStd * own_.tolerance_m(0, 0), slope(query.i))) return;
+  PointEvidence& evidence = query.evidence;
+  for (const RangeOffset& offset : offsets) {
+    if (!offset.agrees) continue;
+    std::int16_t& sum = offset.gap < 0 ? evidence.future : evidence.past;
+    sum = static_cast<std::int16_t>(sum + offset.surface_votes + kRangeRateVotes);
+  }
+  evidence.occluder_left = true;
+  evidence.recently_free = true;
+}
+
+// By how much the range of the surface changes per metre across. Of the neighbours on either side the nearer
+// one counts, since the other may lie beyond an edge. Without neighbours: 0.
+float EvidenceCollector::slope(std::size_t i) const {
+  const int laser = scan_.returns[i].laser;
+  const float along =
+      std::min(slope_towards(i, laser, -kSlopeColumns), slope_towards(i, laser, kSlopeColumns));
+  const float across = std::min(slope_towards(i, laser - 1, 0), slope_towards(i, laser + 1, 0));
+  return std::max(std::isfinite(along) ? along : 0, std::isfinite(across) ? across : 0);
+}
+
+float EvidenceCollector::slope_towards(std::size_t i, int row, int columns) const {
+  if (row < 0 || row >= scan_.rows()) return std::numeric_limits<float>::infinity();
+  const LidarReturn& r = scan_.returns[i];
+  const std::int32_t n =
+      scan_.cell(row, image_.scan_column(row, image_.aligned_column(r.laser, r.column) + columns));
+  if (n < 0) return std::numeric_limits<float>::infinity();
+  const auto j = static_cast<std::size_t>(n);
+  const float deeper_m = std::abs(scan_.returns[j].range_m - r.range_m);
+  const float across2 = (points_[j] - points_[i]).squaredNorm() - deeper_m * deeper_m;
+  return across2 > 0 ? deeper_m / std::sqrt(across2) : std::numeric_limits<float>::infinity();
 }
 
 // Of the occluders near enough to be of the same object, those whose place the query scan observes free.
@@ -204,7 +264,7 @@ void EvidenceCollector::add_departed(Workspace& work) const {
 bool EvidenceCollector::consistent_with_departure(const Workspace::DepartedOccluder& occluder) const {
   if (occluder.reference->later || !occluder.query->seen_next) return true;
   const LidarReturn& r = scan_.returns[occluder.query->i];
-  const float displacement_m = occluder.distance_m / static_cast<float>(occluder.reference->scans_away);
+  const float displacement_m = occluder.distance_m / static_cast<float>(occluder.reference->gap);
   // std::min is the first of the two where next_offset_m is NaN: that surface was beside the firing.
   const float explained_m = std::min(kClearlyMoved * own_.tolerance_m(r.laser, r.range_m),
                                      surface_noise_m_ + kClearlyMoved * occluder.query->next_offset_m);

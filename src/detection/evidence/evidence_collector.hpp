@@ -7,7 +7,9 @@
 #include <Eigen/Core>
 
 #include "detection/evidence/point_evidence.hpp"
+#include "detection/evidence/range_rate.hpp"
 #include "detection/freespace/packed_points.hpp"
+#include "lidar/aligned_image.hpp"
 #include <mapless/geometry/compensated_scan.hpp>
 
 namespace mapless::inline v1 {
@@ -45,8 +47,11 @@ class EvidenceCollector {
       bool seen_next = false;      // as a surface, by the next later scan
       float next_offset_m = 0;     // along the ray, from the point to that surface; NaN: beside it
       bool occluder_left = false;  // of some scan, whether or not it is consistent
+      std::uint32_t offsets = 0;   // how many of its offsets are entered
     };
     std::vector<PointQuery> queries;
+    // As many for each query as there are reference scans.
+    std::vector<RangeOffset> offsets;
     std::vector<std::size_t> open;  // queries not settled yet
     PackedPoints points;            // of each of these
     // A return of one reference scan that hid a point from it.
@@ -78,7 +83,7 @@ class EvidenceCollector {
     bool later;
     bool next;  // the nearest of the later ones
     bool recent;
-    int scans_away;
+    int gap;
   };
 
   [[nodiscard]] float column(std::size_t i) const { return static_cast<float>(scan_.returns[i].column); }
@@ -91,9 +96,15 @@ class EvidenceCollector {
   [[nodiscard]] bool consistent_with_departure(const Workspace::DepartedOccluder& occluder) const;
   static void add_votes(const Reference& reference, int votes, PointEvidence& evidence);
   void settle(std::size_t queried, Workspace& work) const;
+  void add_offset(const Reference& reference, const FreespaceProbe::Answer& answer, int surface_votes,
+                  PointQuery& query, Workspace& work) const;
+  void add_range_rate(std::size_t number, Workspace& work) const;
+  [[nodiscard]] float slope(std::size_t i) const;
+  [[nodiscard]] float slope_towards(std::size_t i, int row, int columns) const;
 
   const LidarScan& scan_;
   const std::vector<Eigen::Vector3f>& points_;
+  AlignedImage image_;
   float max_occluder_distance_m_, surface_noise_m_;
   FreespaceProbe own_;
   std::vector<Reference> references_;  // in the order of queries

@@ -19,6 +19,8 @@ namespace mapless::inline v1 {
 ///   place the query scan observes free. kOccluderLeftVotes: it is probably the same object, moving away
 ///   along the rays. Counted for earlier scans and for the nearest later one; scans beyond that may have seen
 ///   something else come in between. See EvidenceCollector for when the departure contradicts the next scan.
+/// - Moves along the rays: the ranges of many scans grow or shrink in proportion to their gaps
+///   (moves_along_rays). Each scan that agrees gives kRangeRateVotes in place of its vote against.
 /// - Anything else: no vote.
 inline constexpr int kSeenThroughVotes = 4;
 inline constexpr int kPassedBesideVotes = 2;
@@ -26,6 +28,7 @@ inline constexpr float kSeenThroughWithin_m =
     0.07F;  // measured: docs/notebook/detection.md, "passes a point by"
 inline constexpr int kOccluderLeftVotes = 2;
 inline constexpr int kSeenDynamicVotes = 1;
+inline constexpr int kRangeRateVotes = 2;
 inline constexpr int kMaxSurfaceVotes = 4;  // as much as one scan that saw through the point
 
 /// A scan at most this many scans away tells whether something moves now; if all reference scans are farther,

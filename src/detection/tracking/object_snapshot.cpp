@@ -143,9 +143,8 @@ class SnapshotBuilder {
   [[nodiscard]] double column_step() const { return 2 * std::numbers::pi / scan_.model->columns; }
 
   void add_edges(std::span<const std::int32_t> members, ObjectSnapshot& out) {
-    const std::size_t outline = find_silhouette(members);
+    find_silhouette(members);
     if (silhouette_.empty()) return;
-    out.edge_share = static_cast<double>(silhouette_.size()) / static_cast<double>(outline);
     const std::size_t stride = stride_for(silhouette_.size(), kMaxEdgeSamples);
     out.edges.reserve((silhouette_.size() + stride - 1) / stride);
     for (std::size_t side = 0; side < kImageSides; ++side) {
@@ -157,21 +156,18 @@ class SnapshotBuilder {
     }
   }
 
-  // Finds the silhouette edges of an object; returns the length of its outline in the scan image [cells].
-  std::size_t find_silhouette(std::span<const std::int32_t> members) {
+  // Finds the silhouette edges of an object.
+  void find_silhouette(std::span<const std::int32_t> members) {
     silhouette_.clear();
-    std::size_t outline = 0;
     for (std::size_t m = 0; m < members.size(); ++m) {
       const LidarReturn& r = at(members[m]);
       const std::uint16_t number = detection_.object[static_cast<std::size_t>(members[m])];
       const int aligned = image_.aligned_column(r.laser, r.column);
       for (std::size_t side = 0; side < kImageSides; ++side) {
         if (belongs(beside(r.laser, aligned, kSides[side], 1), number)) continue;
-        ++outline;
         if (is_edge(r, number, aligned, kSides[side])) silhouette_.push_back({m, side});
       }
     }
-    return outline;
   }
 
   // The cell `steps` to a side; absent beyond the first and last row.

@@ -49,8 +49,7 @@ struct ObjectSnapshot {
   std::vector<SurfaceSample> surface;                      ///< at most kMaxSurfaceSamples
   std::vector<EdgeSample> edges;                           ///< at most kMaxEdgeSamples, ordered by side
   std::array<std::size_t, kImageSides + 1> edges_begin{};  ///< first of each side among them, and the end
-  double edge_share = 0;  ///< of its outline in the scan image: 1 where no side of it is occluded
-  double patch_m = 0;     ///< radius of the neighbourhoods of the surface samples
+  double patch_m = 0;                    ///< radius of the neighbourhoods of the surface samples
   std::shared_ptr<const RayImage> rays;  ///< of its scan; null once released
 
   /// The edges of one side; only edges of the same side correspond.
