@@ -32,7 +32,7 @@ std::string OdometryReport::trouble() const {
   if (!restarts_.empty())
     parts.push_back(fmt::format("begun anew at scan {} of the run", fmt::join(restarts_, ", ")));
   if (const std::size_t degenerate = count(MotionState::degenerate); degenerate > 0)
-    parts.push_back(fmt::format("the points leave a direction of the motion open in {} scans", degenerate));
+    parts.push_back(fmt::format("the motion is degenerate in {} scans", degenerate));
   if (gaps_ > 0) parts.push_back(fmt::format("scans are missing at {} places", gaps_));
   return parts.empty() ? "" : fmt::format("odometry: {}", fmt::join(parts, "; "));
 }
@@ -53,7 +53,9 @@ std::string trouble_of(const OdometryUpdate& update) {
       return "too few points support the motion";
   }
   if (update.state == MotionState::lost) return "the motion of the first scans is not known";
-  return update.state == MotionState::degenerate ? "the points leave a direction of the motion open" : "";
+  return update.state == MotionState::degenerate
+             ? "the motion is degenerate: a direction is open, or its start is not decided"
+             : "";
 }
 
 }  // namespace mapless

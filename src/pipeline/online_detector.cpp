@@ -218,6 +218,9 @@ std::vector<LabelledScan> OnlineDetector::State::labelled(std::vector<Detection>
 OnlineDetector::OnlineDetector(const OnlineDetectorOptions& options)
     : state_(std::make_unique<State>(options)) {}
 OnlineDetector::~OnlineDetector() = default;
+void OnlineDetector::add_measurement(const MotionMeasurement& measured) {
+  state_->odometry.add_measurement(measured);
+}
 OnlineDetector::OnlineDetector(OnlineDetector&&) noexcept = default;
 OnlineDetector& OnlineDetector::operator=(OnlineDetector&&) noexcept = default;
 

@@ -11,12 +11,13 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 #include <tbb/global_control.h>
 #include <unistd.h>
 
 #include "options/parameter_options.hpp"
 #include "options/recording_options.hpp"
+#include "options/told_motion.hpp"
+#include "reports/json.hpp"
 #include "reports/json_text.hpp"
 #include "run/folder_lock.hpp"
 #include "run/given_motion.hpp"
@@ -42,6 +43,7 @@ namespace fs = std::filesystem;
 struct OdometryOptions {
   RecordingOptions recording;
   ParameterOptions parameters;
+  ToldMotion told;
   fs::path output;
   std::string instant = "start";
   int poses_per_scan = 1;
@@ -125,6 +127,8 @@ struct Estimate {
 // The trajectory as it is after the last scan; nothing where interrupted.
 std::optional<Estimate> estimate(const Dataset& dataset, const OdometryOptions& options) {
   LidarOdometry lidar_odometry(options.parameters.odometry());
+  for (const MotionMeasurement& one : options.told.measurements(dataset, 0, dataset.size()))
+    lidar_odometry.add_measurement(one);
   Progress progress("scans");
   Estimate out;
   std::vector<std::pair<Time, Duration>> scans;  // instant and length
@@ -158,19 +162,19 @@ std::optional<Estimate> estimate(const Dataset& dataset, const OdometryOptions& 
   return out;
 }
 
-nlohmann::ordered_json time_json(const std::vector<double>& ms) {
+Json time_json(const std::vector<double>& ms) {
   return {{"median", quantile(ms, 0.5).value_or(0)}, {"p95", quantile(ms, 0.95).value_or(0)}};
 }
 
 std::string summary_json(const OdometryOptions& options, const Estimate& found, const std::string& trouble) {
-  const nlohmann::ordered_json json = {{"program", "mapless odometry"},
-                                       {"recording", options.recording.path},
-                                       {"scans", found.at_instants.size()},
-                                       {"pose_instant", options.instant},
-                                       {"poses", found.rows.size()},
-                                       {"scan_ms", time_json(found.scan_ms)},
-                                       {"scan_cpu_ms", time_json(found.scan_cpu_ms)},
-                                       {"trouble", trouble}};
+  const Json json = {{"program", "mapless odometry"},
+                     {"recording", options.recording.path},
+                     {"scans", found.at_instants.size()},
+                     {"pose_instant", options.instant},
+                     {"poses", found.rows.size()},
+                     {"scan_ms", time_json(found.scan_ms)},
+                     {"scan_cpu_ms", time_json(found.scan_cpu_ms)},
+                     {"trouble", trouble}};
   return json_text(json);
 }
 
@@ -212,6 +216,7 @@ void add_odometry(CLI::App& app, int& exit_code) {
   const auto options = std::make_shared<OdometryOptions>();
   add_recording_options(*verb, options->recording);
   add_parameter_options(*verb, options->parameters);
+  add_told_motion_options(*verb, options->told);
   verb->add_option("-o,--output", options->output,
                    "folder for poses_kitti.txt (KITTI rows), trajectory.txt (TUM rows) and poses.csv (with "
                    "the state of "

@@ -47,6 +47,16 @@ struct TrajectoryFileOptions {
 void write_kitti_poses(const std::filesystem::path& file, const std::vector<TimedPose>& poses);
 void write_tum_trajectory(const std::filesystem::path& file, const std::vector<TimedPose>& poses);
 
+/// The same rows as text.
+[[nodiscard]] std::string kitti_rows(const std::vector<TimedPose>& poses);
+[[nodiscard]] std::string tum_rows(const std::vector<TimedPose>& poses);
+
+/// Reads a CSV table time_s,speed_m_s (norm of the velocity of the lidar) or time_s,x_rad_s,y_rad_s,z_rad_s
+/// (its angular velocity in its axes), by increasing time, as measurements without a sigma. Both throw
+/// InputError naming file, row, field and value.
+[[nodiscard]] std::vector<MotionMeasurement> read_speeds(const std::filesystem::path& file);
+[[nodiscard]] std::vector<MotionMeasurement> read_angular_velocities(const std::filesystem::path& file);
+
 /// The motion of one scan along lidar odometry: a row of poses.csv.
 struct MotionRow {
   std::size_t scan = 0;             ///< number in the recording
@@ -63,6 +73,12 @@ struct MotionRow {
 /// mean_robust_weight, constraint_ratio, and cov_xx_m2, cov_xy_m2, cov_xz_m2, cov_yy_m2, cov_yz_m2, cov_zz_m2
 /// of the translation during the scan in sensor axes. Throws OutputError.
 void write_motion_table(const std::filesystem::path& file, const std::vector<MotionRow>& rows);
+
+/// The same as text: the line of names, and the rows.
+inline constexpr std::string_view kMotionTableHead =
+    "scan,time_s,x_m,y_m,z_m,qx,qy,qz,qw,motion_state,inlier_ratio,mean_robust_weight,"
+    "constraint_ratio,cov_xx_m2,cov_xy_m2,cov_xz_m2,cov_yy_m2,cov_yz_m2,cov_zz_m2\n";
+[[nodiscard]] std::string motion_table_rows(const std::vector<MotionRow>& rows);
 
 /// The frame whose poses a file holds.
 enum class PoseFrame { sensor, camera };

@@ -35,6 +35,13 @@ class LidarOdometry {
   /// no duration, or that is already motion-compensated; the odometry is then as before the call.
   OdometryUpdate process(const std::shared_ptr<const LidarScan>& scan);
 
+  /// What another sensor measures of the motion: a factor in the estimate. Give it before process() of the
+  /// scan during which it was measured; measurements of the first scans also decide between the motions that
+  /// these admit. One before the knots that can still change has no effect. A scan whose motion contradicts
+  /// the measurements during it by five standard deviations is reported as lost. Throws InputError for a
+  /// value that is not finite, a negative speed, and a sigma that is not greater than 0.
+  void add_measurement(const MotionMeasurement& measured);
+
   /// Removes the points of dynamic objects from the map, once a detector has found them. `object` has one
   /// element per return of `scan` (Detection::object): 0 is static, anything else dynamic. Nothing happens if
   /// `scan` is not among the last ten, or if `object` has another length than its returns.

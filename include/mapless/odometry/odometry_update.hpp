@@ -17,7 +17,8 @@ using Matrix12d = Eigen::Matrix<double, 12, 12>;
 /// How far the motion of a scan can be relied on.
 enum class MotionState : std::uint8_t {
   good,        ///< the points determine every direction of the motion
-  degenerate,  ///< the points leave a direction of the motion open: OdometryUpdate::motion_covariance_v
+  degenerate,  ///< a direction of the motion is open (OdometryUpdate::motion_covariance_v), few points
+               ///< support its start, or its start is not decided yet
   lost,        ///< no motion: the pose is extrapolated, or too few points support it
 };
 /// "good", "degenerate" or "lost".
@@ -30,7 +31,7 @@ enum class ScanOutcome {
   few_points,   ///< too few usable returns: extrapolated with the motion prior
   repeated,     ///< the same returns as the scan before, delivered again: extrapolated with the motion prior
   unmatched,    ///< too few inliers, or no solution: extrapolated with the motion prior
-  unsupported,  ///< registered, but too few points agree for how weakly they constrain the motion
+  unsupported,  ///< registered, but too few points agree, or the measurements of another sensor do not
   restarted,    ///< after a loss: its pose is extrapolated, and a new map begins with this scan
 };
 

@@ -21,6 +21,9 @@ struct OdometryParameters {
   int max_iterations = 15;
   double min_inlier_ratio = 0.2;
   double min_constraint_ratio = 0.0001;
+  double velocity_sigma_mps = 0.5;
+  double speed_sigma_mps = 0.2;
+  double angular_velocity_sigma_radps = 0.05;
 
   static constexpr auto declarations() {
     using P = OdometryParameters;
@@ -34,8 +37,8 @@ struct OdometryParameters {
             "method.md 6"),
         declare(
             &P::min_keypoints, "min_keypoints", "points", 50, 100000,
-            "fewest keypoints: the cubes are halved up to twice to have as many; if some direction is weakly "
-            "constrained, up to three times to have three times as many",
+            "fewest keypoints: the cubes are halved up to twice to have as many; three times as many if some "
+            "direction is weakly constrained",
             "method.md 6"),
         declare(&P::min_range_m, "min_range_m", "m", 0.0, 20.0,
                 "nearer returns are of the vehicle itself and are not used", "method.md 6"),
@@ -69,6 +72,16 @@ struct OdometryParameters {
             "a direction in which the mean of (plane normal . direction)^2 over the inliers is smaller is "
             "unconstrained: the motion prior alone estimates the motion along it",
             "method.md 6"),
+        declare(&P::velocity_sigma_mps, "velocity_sigma_mps", "m/s", 1e-3, 100.0,
+                "standard deviation of each component of a measured velocity that states none",
+                "odometry.md"),
+        declare(&P::speed_sigma_mps, "speed_sigma_mps", "m/s", 1e-3, 100.0,
+                "standard deviation of a measured speed that states none: slip, and the lever arm in turns",
+                "odometry.md"),
+        declare(&P::angular_velocity_sigma_radps, "angular_velocity_sigma_radps", "rad/s", 1e-4, 10.0,
+                "standard deviation of each component of a measured angular velocity that states none: its "
+                "bias, which is not estimated",
+                "odometry.md"),
     };
   }
 };

@@ -115,6 +115,10 @@ class OnlineDetector {
   [[nodiscard]] std::vector<LabelledScan> push(LidarScan scan,
                                                const std::shared_ptr<const Trajectory>& given = nullptr);
 
+  /// What another sensor measures of the motion, before the scan during which it is measured is pushed:
+  /// LidarOdometry::add_measurement. Without effect where poses are given.
+  void add_measurement(const MotionMeasurement& measured);
+
   /// Runs now, on the calling thread, the detection that the next push would run side by side with odometry,
   /// and returns its labelled scans; nothing without OnlineDetectorOptions::side_by_side. For a live sensor:
   /// call it where the next scan has not arrived yet.

@@ -5,7 +5,9 @@
 /// from the odometry); out come pose and velocity at any instant within the time domain. A trajectory does
 /// not change once it is made, and every member function is thread-safe.
 
+#include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -111,5 +113,23 @@ class KnotSegment {
 
 /// KnotSegment(k1, k2).at(t).
 [[nodiscard]] TrajectoryState interpolate(const TrajectoryKnot& k1, const TrajectoryKnot& k2, Time t);
+
+/// What a MotionMeasurement is of.
+enum class MeasuredMotion : std::uint8_t {
+  velocity,          ///< of the lidar, in its axes [m/s]
+  speed,             ///< norm of the velocity of the lidar, whatever its direction [m/s]
+  angular_velocity,  ///< of the lidar, about its axes [rad/s]
+};
+
+/// What another sensor measures of the motion of the lidar at one instant: wheels, radar, an inertial sensor.
+struct MotionMeasurement {
+  Time time;  ///< on the clock of the scans
+  MeasuredMotion quantity = MeasuredMotion::velocity;
+  /// Three components in the sensor axes at `time`. Of a speed: the first, at least 0; the others are 0.
+  Eigen::Vector3d value = Eigen::Vector3d::Zero();
+  /// Standard deviation of every component, in the unit of `value`; greater than 0. None: the parameter for
+  /// this quantity (OdometryParameters::velocity_sigma_mps and so on).
+  std::optional<double> sigma;
+};
 
 }  // namespace mapless

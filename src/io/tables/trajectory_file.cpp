@@ -8,6 +8,7 @@
 
 #include "core/rotation_check.hpp"
 #include "io/files/text.hpp"
+#include "io/tables/pose_numbers.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/io/files.hpp>
 #include <mapless/io/trajectory_file.hpp>
@@ -126,12 +127,7 @@ std::string kitti_row(const SE3& T_0v) {
 }
 
 std::string tum_row(Time time, const SE3& T_0v) {
-  const Eigen::Vector3d& p = T_0v.translation();
-  Eigen::Quaterniond q(T_0v.rotation());
-  q.normalize();
-  if (q.w() < 0) q.coeffs() = -q.coeffs();
-  return fmt::format("{} {} {} {} {} {} {} {}\n", decimal_seconds(time), p.x(), p.y(), p.z(), q.x(), q.y(),
-                     q.z(), q.w());
+  return fmt::format("{} {}\n", decimal_seconds(time), fmt::join(pose_numbers(T_0v), " "));
 }
 
 }  // namespace
@@ -160,16 +156,24 @@ SampledTrajectory parse_trajectory(std::string_view text, const std::filesystem:
   return {std::move(poses), options.max_extrapolation, file.string()};
 }
 
-void write_kitti_poses(const std::filesystem::path& file, const std::vector<TimedPose>& poses) {
+std::string kitti_rows(const std::vector<TimedPose>& poses) {
   std::string text;
   for (const TimedPose& pose : poses) text += kitti_row(pose.T_v0.inverse());
-  write_file_atomically(file, text);
+  return text;
+}
+
+std::string tum_rows(const std::vector<TimedPose>& poses) {
+  std::string text;
+  for (const TimedPose& pose : poses) text += tum_row(pose.time, pose.T_v0.inverse());
+  return text;
+}
+
+void write_kitti_poses(const std::filesystem::path& file, const std::vector<TimedPose>& poses) {
+  write_file_atomically(file, kitti_rows(poses));
 }
 
 void write_tum_trajectory(const std::filesystem::path& file, const std::vector<TimedPose>& poses) {
-  std::string text;
-  for (const TimedPose& pose : poses) text += tum_row(pose.time, pose.T_v0.inverse());
-  write_file_atomically(file, text);
+  write_file_atomically(file, tum_rows(poses));
 }
 
 }  // namespace mapless

@@ -8,7 +8,9 @@ namespace {
 
 // Largest range at which a grid accepts points, in cube sides. Derived: a cube is 1 / 80 rad = 0.7 deg wide
 // there, so that one scan of lasers 0.4 deg or more apart puts at most two lines into it, the fewest of a
-// plane, and little of a surface between them.
+// plane, and little of a surface between them. Measured without the limit on
+// the second simulator: four HDL-64E drives err by 1 % more over four scans, sixteen VLP-16 drives by 0 to 4
+// % more or less.
 constexpr double kMaxRangeCubes = 80;
 // Offset of each grid [m]. Chosen: no two grids share a face, so that a plane cut by one grid lies within the
 // cubes of another.

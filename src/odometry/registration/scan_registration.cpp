@@ -30,6 +30,16 @@ bool has_converged(const std::vector<Vector12d>& steps, double scale) {
   return std::all_of(steps.begin(), steps.end(), [&](const Vector12d& s) { return is_small(s, scale); });
 }
 
+void add_motion_terms(const std::vector<TrajectoryKnot>& knots, std::size_t k,
+                      const RegistrationSettings& settings, WindowSystem& system) {
+  add_motion_prior(knots, k, settings.density, system);
+  if (settings.measurements != nullptr) add_measurements(*settings.measurements, knots, k, system);
+}
+
+bool is_contradicted(const std::vector<TrajectoryKnot>& knots, const RegistrationSettings& settings) {
+  return settings.measurements != nullptr && contradict(knots, *settings.measurements);
+}
+
 bool gauss_newton_step(const WindowPrior& prior, const TimeBins& bins, const PlaneMap& map,
                        const RegistrationSettings& settings, std::vector<CachedPlane>& planes,
                        Registration& registration) {
@@ -46,8 +56,7 @@ bool gauss_newton_step(const WindowPrior& prior, const TimeBins& bins, const Pla
   // it does not cover (Anderson and Barfoot, IROS 2015; method.md 3), and the points.
   WindowSystem system(knots.size());
   add_window_prior(prior, knots, 0, system);
-  for (std::size_t k = prior.mean.size() - 1; k < last; ++k)
-    add_motion_prior(knots, k, settings.density, system);
+  for (std::size_t k = prior.mean.size() - 1; k < last; ++k) add_motion_terms(knots, k, settings, system);
   add_points(sums, last - 1, kInformationRatio, system);
   const auto solution = solve(system);
   if (!solution) return false;

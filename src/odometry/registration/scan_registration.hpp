@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "odometry/registration/time_bins.hpp"
+#include "odometry/solver/measurement_terms.hpp"
 #include "odometry/solver/prior_terms.hpp"
 #include "odometry/solver/window_prior.hpp"
 
@@ -30,7 +31,17 @@ struct RegistrationSettings {
   double point_sigma_m;  ///< expected noise of a point
   double min_constraint_ratio;
   int max_iterations;
+  const MotionMeasurements* measurements = nullptr;  ///< of other sensors; null: none
 };
+
+/// Adds what the prior of the window does not cover between knots k and k + 1: the motion prior, and the
+/// measurements of other sensors.
+void add_motion_terms(const std::vector<TrajectoryKnot>& knots, std::size_t k,
+                      const RegistrationSettings& settings, WindowSystem& system);
+
+/// Whether the motion contradicts the measurements of other sensors (contradict()).
+[[nodiscard]] bool is_contradicted(const std::vector<TrajectoryKnot>& knots,
+                                   const RegistrationSettings& settings);
 
 /// A window of knots after registration of the scan in its last interval.
 struct Registration {

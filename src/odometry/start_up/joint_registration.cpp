@@ -101,7 +101,7 @@ std::optional<double> joint_gauss_newton_step(const WindowPrior& prior, const st
   std::vector<TrajectoryKnot>& knots = registration.knots;
   WindowSystem system(knots.size());
   add_window_prior(prior, knots, 0, system);
-  for (std::size_t k = 0; k + 1 < knots.size(); ++k) add_motion_prior(knots, k, settings.density, system);
+  for (std::size_t k = 0; k + 1 < knots.size(); ++k) add_motion_terms(knots, k, settings, system);
   auto sums = sums_of_all(scans, knots, settings, scale);
   double soft_inliers = 0;
   for (std::size_t s = 0; s < scans.size(); ++s) {

@@ -23,12 +23,6 @@ constexpr double kCoarsestScale = 4;
 constexpr int kCoarseSteps = 4;
 constexpr int kFineSteps = 2;
 constexpr std::size_t kMaxRefined = 9;
-// A motion slower than these is preferred as rest: another one must have more soft inliers by 1.5 standard
-// deviations of a count (sqrt(n)). Chosen: most recordings begin at rest, where the noise alone favours some
-// small motion.
-constexpr double kRestSpeed_mps = 1;
-constexpr double kRestTurnRate_radps = 0.2;
-constexpr double kClearlyMoreSigmas = 1.5;
 // Prior of the velocity about an initial velocity. Derived: the initial speeds are 10 m/s apart, the turn
 // rates 1.7 rad/s, so that half of that is well within one and two standard deviations.
 constexpr double kSpeedSigma_mps = 8;
@@ -66,6 +60,32 @@ std::vector<Vector6d> initial_velocities() {
   return out;
 }
 
+// The same with what other sensors measure in its place, no two alike.
+std::vector<Vector6d> initial_velocities(const ToldMotion& told) {
+  std::vector<Vector6d> out;
+  for (const Vector6d& varpi : initial_velocities()) {
+    const Vector6d applied = told.applied_to(varpi);
+    if (std::none_of(out.begin(), out.end(), [&](const Vector6d& one) { return one.isApprox(applied); }))
+      out.push_back(applied);
+  }
+  return out;
+}
+
+// Speeds along `direction` to try, `varpi` being the best motion.
+std::vector<double> speeds_along(const Eigen::Vector3d& direction, const Vector6d& varpi,
+                                 const ToldMotion& told) {
+  if (told.velocity) return {direction.dot(*told.velocity)};
+  if (told.speed) {
+    const Eigen::Vector3d v = varpi.head<3>();
+    const double across_squared = (v - direction.dot(v) * direction).squaredNorm();
+    const double along = std::sqrt(std::max(0.0, *told.speed * *told.speed - across_squared));
+    return {along, -along};
+  }
+  std::vector<double> out;
+  for (int step = -kSpeedSteps; step <= kSpeedSteps; ++step) out.push_back(kSpeedStep_mps * step);
+  return out;
+}
+
 Registration constant_velocity(std::vector<TrajectoryKnot> knots, const Vector6d& varpi) {
   for (TrajectoryKnot& knot : knots) {
     knot.T_v0 = SE3::exp((knot.time - knots.front().time).seconds() * varpi) * knots.front().T_v0;
@@ -76,18 +96,8 @@ Registration constant_velocity(std::vector<TrajectoryKnot> knots, const Vector6d
   return out;
 }
 
-bool is_nearly_at_rest(const Registration& registration) {
-  const Vector6d& varpi = registration.knots.back().varpi;
-  return varpi.head<3>().norm() < kRestSpeed_mps && varpi.tail<3>().norm() < kRestTurnRate_radps;
-}
-
 bool has_more_inliers(const Registration& a, const Registration& b) {
   return a.soft_inliers > b.soft_inliers;
-}
-
-bool is_better(const Registration& a, const Registration& b) {
-  const double margin = is_nearly_at_rest(b) ? kClearlyMoreSigmas * std::sqrt(b.soft_inliers) : 0;
-  return a.soft_inliers > b.soft_inliers + margin;
 }
 
 bool is_duplicate(const std::vector<Registration>& all, const Registration& registration) {
@@ -96,11 +106,11 @@ bool is_duplicate(const std::vector<Registration>& all, const Registration& regi
   });
 }
 
-// Inserts in the order of soft inliers, rest before motions that are not clearly better.
+// Inserts in the order of soft inliers.
 void add_unless_duplicate(std::vector<Registration>& all, const Registration& registration) {
   if (registration.soft_inliers < kMinSoftInliers || is_duplicate(all, registration)) return;
-  const auto place = std::find_if(all.begin(), all.end(),
-                                  [&](const Registration& one) { return is_better(registration, one); });
+  const auto place = std::find_if(
+      all.begin(), all.end(), [&](const Registration& one) { return has_more_inliers(registration, one); });
   all.insert(place, registration);
 }
 
@@ -129,6 +139,14 @@ std::vector<Registration> transform_parallel(const std::vector<Start>& starts, c
 
 }  // namespace
 
+Vector6d ToldMotion::applied_to(Vector6d varpi) const {
+  const double guess = varpi.head<3>().norm();
+  if (speed && guess > 0) varpi.head<3>() *= *speed / guess;
+  if (velocity) varpi.head<3>() = *velocity;
+  if (angular_velocity) varpi.tail<3>() = *angular_velocity;
+  return varpi;
+}
+
 bool are_alike(const TrajectoryKnot& a, const TrajectoryKnot& b) {
   const Vector6d difference = a.varpi - b.varpi;
   return difference.head<3>().norm() < kAlikeSpeed_mps && difference.tail<3>().norm() < kAlikeTurnRate_radps;
@@ -152,6 +170,27 @@ WindowPrior PairOfScans::velocity_prior(const Vector6d& varpi, double speed_sigm
   Vector6d sigma;
   sigma << Eigen::Vector3d::Constant(speed_sigma), Eigen::Vector3d::Constant(turn_rate_sigma);
   out.diagonal.front().bottomRightCorner<6, 6>() = sigma.cwiseInverse().cwiseAbs2().asDiagonal();
+  return out;
+}
+
+ToldMotion PairOfScans::told() const {
+  ToldMotion out;
+  if (settings_.measurements == nullptr) return out;
+  const Time first = knots_.front().time, end = knots_.back().time;
+  const auto mean = [&](MeasuredMotion quantity) -> std::optional<Eigen::Vector3d> {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    int count = 0;
+    for (const MotionMeasurement& one : *settings_.measurements) {
+      if (one.quantity != quantity || one.time < first || one.time >= end) continue;
+      sum += one.value;
+      ++count;
+    }
+    if (count == 0) return std::nullopt;
+    return sum / count;
+  };
+  if (const auto v = mean(MeasuredMotion::velocity)) out.velocity = -*v;
+  if (const auto v = mean(MeasuredMotion::angular_velocity)) out.angular_velocity = -*v;
+  if (const auto v = mean(MeasuredMotion::speed)) out.speed = v->x();
   return out;
 }
 
@@ -199,7 +238,7 @@ std::optional<Registration> PairOfScans::register_coarsely(const Vector6d& varpi
 
 std::vector<Registration> PairOfScans::coarse_registrations() const {
   std::vector<Registration> found = transform_parallel(
-      initial_velocities(), [&](const Vector6d& varpi) { return register_coarsely(varpi); });
+      initial_velocities(told()), [&](const Vector6d& varpi) { return register_coarsely(varpi); });
   std::stable_sort(found.begin(), found.end(), has_more_inliers);
   std::vector<Registration> distinct;
   for (Registration& registration : found) {
@@ -234,9 +273,9 @@ void PairOfScans::add_along_weak_directions(std::vector<Registration>& all) cons
     const Eigen::Vector3d direction = degeneracy.directions_v.col(i);
     const double speed_along = direction.dot(best.knots.back().varpi.head<3>());
     std::vector<Vector6d> velocities;
-    for (int step = -kSpeedSteps; step <= kSpeedSteps; ++step) {
+    for (const double speed : speeds_along(direction, best.knots.back().varpi, told())) {
       velocities.push_back(best.knots.back().varpi);
-      velocities.back().head<3>() += (kSpeedStep_mps * step - speed_along) * direction;
+      velocities.back().head<3>() += (speed - speed_along) * direction;
     }
     const auto along = transform_parallel(
         velocities, [&](const Vector6d& varpi) { return register_at_speed(varpi, direction); });
@@ -253,6 +292,7 @@ std::vector<Registration> PairOfScans::register_all() const {
   std::vector<Registration> out;
   for (const Registration& registration : refined) add_unless_duplicate(out, registration);
   if (!out.empty()) add_along_weak_directions(out);
+  keep_if_any(out, [&](const Registration& one) { return !is_contradicted(one.knots, settings_); });
   return out;
 }
 

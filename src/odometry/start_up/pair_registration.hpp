@@ -1,11 +1,21 @@
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <vector>
 
 #include "odometry/registration/mapped_trajectory.hpp"
 
 namespace mapless::inline v1 {
+
+/// What other sensors measure during the first two scans: means, none where nothing is measured.
+struct ToldMotion {
+  std::optional<Eigen::Vector3d> velocity, angular_velocity;  ///< in the sense of varpi
+  std::optional<double> speed;
+
+  /// `varpi` with what is measured in its place; a speed only changes the length of a velocity.
+  [[nodiscard]] Vector6d applied_to(Vector6d varpi) const;
+};
 
 /// Registers the second scan of a recording to the first, without any knowledge of the velocity. After every
 /// step the first scan is compensated again with the motion found.
@@ -17,7 +27,8 @@ class PairOfScans {
               const UsableScan& second, std::size_t first_knot, const RegistrationSettings& settings);
 
   /// All motions that the two scans admit, for later scans to decide between: the one with most inliers
-  /// first, no two alike (are_alike), none with fewer than 50 soft inliers.
+  /// first, no two alike (are_alike), none with fewer than 50 soft inliers, and where any agrees with the
+  /// measurements of other sensors, only such.
   [[nodiscard]] std::vector<Registration> register_all() const;
   /// The motion near a velocity that is known to 0.5 m/s and 0.5 rad/s.
   [[nodiscard]] std::optional<Registration> register_near(const Vector6d& varpi) const;
@@ -33,6 +44,7 @@ class PairOfScans {
   [[nodiscard]] std::optional<Registration> register_at_speed(const Vector6d& varpi,
                                                               const Eigen::Vector3d& direction) const;
   [[nodiscard]] std::vector<Registration> coarse_registrations() const;
+  [[nodiscard]] ToldMotion told() const;
   void add_along_weak_directions(std::vector<Registration>& all) const;
 
   std::vector<TrajectoryKnot> knots_;
@@ -43,6 +55,13 @@ class PairOfScans {
   const RegistrationSettings& settings_;
   std::vector<ScanPoint> coarse_points_;  // of the first scan
 };
+
+/// Keeps the elements for which `agrees` is true, all of them if it is true for none.
+template <class T, class Predicate>
+void keep_if_any(std::vector<T>& all, const Predicate& agrees) {
+  if (std::any_of(all.begin(), all.end(), agrees))
+    std::erase_if(all, [&](const T& one) { return !agrees(one); });
+}
 
 /// Whether the velocities at the end of two motions differ by less than 0.5 m/s and 0.1 rad/s: then they are
 /// the same motion, found twice.

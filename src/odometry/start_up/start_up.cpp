@@ -161,6 +161,7 @@ std::optional<Registration> StartUp::try_from_rest(double min_score) {
   auto registration = register_from_rest(from_rest.window(), from_rest.prior, scans, settings_);
   if (!registration || !is_plausible(registration->knots.back(), from_rest.prior.mean.front()))
     return std::nullopt;
+  if (is_contradicted(registration->knots, settings_)) return std::nullopt;
   from_rest.marginalises = true;
   from_rest.accept(*registration);
   double keypoints = 0;
@@ -225,13 +226,17 @@ bool StartUp::extend_all() {
   }
   if (kept.empty()) return false;
   hypotheses_ = std::move(kept);
+  keep_if_any(hypotheses_,
+              [&](const Hypothesis& one) { return !is_contradicted(one.mapped.knots, settings_); });
   prune_by_inliers();
   prune_by_score();
   return true;
 }
 
 // The first two scans were registered to each other alone and err most. They are registered again with the
-// velocity that the later scans have determined, and then the later scans to the new map.
+// velocity that the later scans have determined, and then the later scans to the new map. Measured without: a
+// VLP-16 flyer of the second simulator errs by .041 m over four scans for .007, two motorways by .019 and
+// .074 for .015 and .058; seventeen recordings are the same to .003 m.
 void StartUp::refine_first_scans() {
   const MappedTrajectory& best = hypotheses_.front().mapped;
   Vector6d varpi = best.knots[scans_[2].interval].varpi;  // the turn rate nearest to them
