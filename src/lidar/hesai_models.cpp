@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <span>
@@ -42,44 +43,78 @@ constexpr std::array<int, 64> kPandar64FiringNs = {
     -54668, -15356, -27116, -10140, -23180, -4924,  -21876, -14052, -17964, -8836,  -19268, -3620,  -20572,
     -12748, -16660, -7532,  -11444, -6228,  -15356, -10140, -4924,  -3620,  -14052, -8836,  -12748};
 
-// Hesai's frame has y forward, where the azimuth is 0; its optical centre, given there as (x, y), turns with
-// the hub.
-LidarModel hesai(std::span<const double> elevation_deg, std::span<const double> azimuth_deg,
-                 const Eigen::Vector2d& centre_m) {
-  LidarModel model;
-  model.start_azimuth_rad = radians(90);
-  for (std::size_t i = 0; i < elevation_deg.size(); ++i) {
-    Laser laser;
-    laser.elevation_rad = radians(elevation_deg[i]);
-    laser.azimuth_offset_rad = radians(-azimuth_deg[i]);
-    laser.origin_h_m = {centre_m.y(), -centre_m.x(), 0};
-    model.lasers.push_back(laser);
+// A spinning sensor, by its channels and whether the highest is beyond 50 degrees (the QT): columns at 10 Hz
+// and ranges are the manual's.
+struct HesaiSensor {
+  std::size_t channels;
+  bool wide;
+  int columns;
+  double min_range_m, max_range_m;
+};
+constexpr std::array<HesaiSensor, 7> kSensors = {{{16, false, 2000, 0.05, 120},
+                                                  {32, false, 2000, 0.05, 120},
+                                                  {40, false, 1800, 0.3, 200},
+                                                  {64, false, 1800, 0.3, 200},
+                                                  {64, true, 600, 0.1, 60},
+                                                  {128, false, 1800, 0.3, 200},
+                                                  {128, true, 900, 0.05, 50}}};
+constexpr double kWide_deg = 50;
+// The AT128 has 128 channels too, none of them higher; it does not turn.
+constexpr double kHighestOfAt128_deg = 13;
+// The XT-32M has as many channels as the XT-32, from 19.4 degrees down.
+constexpr double kHighestOfXt32_deg = 16;
+
+// Hesai's frame has y forward; the optical centre, given there as (x, y), turns with the hub.
+struct Timing {
+  Eigen::Vector2d centre_m = {0, 0};
+  std::vector<Duration> firing;  // of each channel
+};
+
+// Of the sensors whose manual we have; else all channels fire with the column, from the axis.
+Timing timing_of(std::size_t channels, double highest_deg) {
+  Timing timing;
+  timing.firing.resize(channels);
+  if (channels == 64 && highest_deg < kWide_deg) {
+    timing.centre_m = {-0.012, 0.039};
+    for (std::size_t i = 0; i < channels; ++i)
+      timing.firing[i] = Duration::from_nanoseconds(kPandar64FiringNs[i]);
   }
-  return model;
+  if (channels == 32 && highest_deg < kHighestOfXt32_deg) {
+    timing.centre_m = {-0.013, 0.032};
+    for (std::size_t i = 0; i < channels; ++i)
+      timing.firing[i] = Duration::from_seconds(6e-6 + 1.512e-6 * static_cast<double>(i));
+  }
+  return timing;
 }
 
 }  // namespace
 
-LidarModel pandar_64() {
-  LidarModel model = hesai(kPandar64Elevation, kPandar64Azimuth, {-0.012, 0.039});
-  model.columns = 1800;
-  model.min_range_m = 0.3;
-  model.max_range_m = 200;
-  for (std::size_t i = 0; i < model.lasers.size(); ++i) {
-    model.lasers[i].firing_offset = Duration::from_nanoseconds(kPandar64FiringNs[i]);
+LidarModel hesai_model(std::span<const double> elevation_deg, std::span<const double> azimuth_deg) {
+  LidarModel model;
+  model.start_azimuth_rad = radians(90);
+  if (elevation_deg.empty()) return model;
+  const std::size_t channels = elevation_deg.size();
+  const double highest_deg = *std::max_element(elevation_deg.begin(), elevation_deg.end());
+  const auto sensor = std::find_if(kSensors.begin(), kSensors.end(), [&](const HesaiSensor& s) {
+    return s.channels == channels && s.wide == (highest_deg > kWide_deg);
+  });
+  if (sensor == kSensors.end() || (channels == 128 && highest_deg < kHighestOfAt128_deg)) return model;
+  model.columns = sensor->columns;
+  model.min_range_m = sensor->min_range_m;
+  model.max_range_m = sensor->max_range_m;
+  const Timing timing = timing_of(channels, highest_deg);
+  for (std::size_t i = 0; i < channels; ++i) {
+    Laser laser;
+    laser.elevation_rad = radians(elevation_deg[i]);
+    laser.azimuth_offset_rad = radians(-azimuth_deg[i]);
+    laser.origin_h_m = {timing.centre_m.y(), -timing.centre_m.x(), 0};
+    laser.firing_offset = timing.firing[i];
+    model.lasers.push_back(laser);
   }
   return assembled(std::move(model));
 }
 
-LidarModel xt_32() {
-  LidarModel model = hesai(kXt32Elevation, kXt32Azimuth, {-0.013, 0.032});
-  model.columns = 2000;
-  model.min_range_m = 0.05;
-  model.max_range_m = 120;
-  for (std::size_t i = 0; i < model.lasers.size(); ++i) {
-    model.lasers[i].firing_offset = Duration::from_seconds(6e-6 + 1.512e-6 * static_cast<double>(i));
-  }
-  return assembled(std::move(model));
-}
+LidarModel pandar_64() { return hesai_model(kPandar64Elevation, kPandar64Azimuth); }
+LidarModel xt_32() { return hesai_model(kXt32Elevation, kXt32Azimuth); }
 
 }  // namespace mapless

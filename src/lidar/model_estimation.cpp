@@ -13,6 +13,9 @@ namespace {
 
 using Cloud = std::vector<Eigen::Vector3f>;
 
+// Twice as many as any sensor has lasers. The points of a cloud in another order fall into tens of thousands.
+constexpr std::size_t kMostRings = 256;
+
 // The expected number of rings where any scan has it, else the most frequent one (the larger of two).
 std::size_t ring_count(const std::vector<std::vector<std::size_t>>& starts, int expected,
                        const std::string& source) {
@@ -33,7 +36,10 @@ std::size_t ring_count(const std::vector<std::vector<std::size_t>>& starts, int 
       most = scans;
     }
   }
-  return best;
+  if (best <= kMostRings) return best;
+  throw InputError({source, "rings", std::to_string(best),
+                    "more than " + std::to_string(kMostRings) + ": the points are not stored ring after ring",
+                    "restore the order in which the sensor's driver wrote them"});
 }
 
 // The scans with as many rings as most have.

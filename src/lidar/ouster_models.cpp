@@ -50,10 +50,13 @@ constexpr std::array<double, 128> kOs1x128Azimuth = {
     4.2521, 1.4197, -1.4197, -4.2518, 4.2518, 1.4196, -1.4196, -4.2517, 4.2517, 1.4195, -1.4196, -4.2517,
     4.2518, 1.4196, -1.4196, -4.2519, 4.252,  1.4196, -1.4197, -4.2521};
 
-// Ouster's "sensor" frame: the encoder's zero is at the rear, the lidar frame sits 36.18 mm up, and a beam
-// starts `beam_origin_m` from the axis in the direction of the encoder. All lasers of a column fire at once.
-LidarModel os1(std::span<const double> altitude_deg, std::span<const double> azimuth_deg,
-               double beam_origin_m) {
+// Of the lidar frame of an OS1 above its sensor frame.
+constexpr double kOs1Height_m = 0.03618;
+
+}  // namespace
+
+LidarModel ouster_model(std::span<const double> altitude_deg, std::span<const double> azimuth_deg,
+                        double beam_origin_m, double height_m) {
   LidarModel model;
   model.columns = 1024;
   model.start_azimuth_rad = radians(180);
@@ -63,15 +66,13 @@ LidarModel os1(std::span<const double> altitude_deg, std::span<const double> azi
     Laser laser;
     laser.elevation_rad = radians(altitude_deg[i]);
     laser.azimuth_offset_rad = radians(-azimuth_deg[i]);
-    laser.origin_h_m = {beam_origin_m, 0, 0.03618};
+    laser.origin_h_m = {beam_origin_m, 0, height_m};
     model.lasers.push_back(laser);
   }
   return assembled(std::move(model));
 }
 
-}  // namespace
-
-LidarModel os1_64() { return os1(kOs1x64Altitude, kOs1x64Azimuth, 0.012163); }
-LidarModel os1_128() { return os1(kOs1x128Altitude, kOs1x128Azimuth, 0.015806); }
+LidarModel os1_64() { return ouster_model(kOs1x64Altitude, kOs1x64Azimuth, 0.012163, kOs1Height_m); }
+LidarModel os1_128() { return ouster_model(kOs1x128Altitude, kOs1x128Azimuth, 0.015806, kOs1Height_m); }
 
 }  // namespace mapless

@@ -87,16 +87,22 @@ constexpr std::array<BeamCalibration, 64> kHdl64eS3 = {{
 // corrections of the file, so they all count as firing with their column.
 struct VelodyneTiming {
   std::size_t lasers;
-  int columns;  // at 10 Hz
+  double distance_step_m;  // tells the HDL-32E and the VLP-32 apart; 0: any
+  int columns;             // at 10 Hz
   double min_range_m, max_range_m;
   double (*firing_offset_us)(int id);
 };
 
-constexpr std::array<VelodyneTiming, 4> kTimings = {{
-    {16, 1808, 0.5, 100, [](int id) { return 2.304 * id; }},  // a cycle takes 55.296 us
-    {32, 2170, 1.0, 100, [](int id) { return 1.152 * id; }},  // 46.08 us
-    {64, 2083, 0.9, 120, [](int) { return 0.0; }},            // 48.0 us
-    {128, 1876, 0.5, 245,
+constexpr std::array<VelodyneTiming, 5> kTimings = {{
+    {16, 0, 1808, 0.5, 100, [](int id) { return 2.304 * id; }},  // a cycle takes 55.296 us
+    {32, 0.004, 1808, 0.5, 200,
+     [](int id) {
+       const int pair = id / 2;
+       return 2.304 * pair;
+     }},                                                         // 55.296 us, in pairs
+    {32, 0, 2170, 1.0, 100, [](int id) { return 1.152 * id; }},  // 46.08 us
+    {64, 0, 2083, 0.9, 120, [](int) { return 0.0; }},            // 48.0 us
+    {128, 0, 1876, 0.5, 245,
      [](int id) {
        const int groups = id / 8 + id / 64;
        return 2.665 * groups;
@@ -127,10 +133,11 @@ Laser velodyne_laser(const VelodyneCorrection& c) {
   return laser;
 }
 
-LidarModel velodyne_timing(std::size_t laser_count) {
+LidarModel velodyne_timing(std::size_t laser_count, double distance_step_m) {
   LidarModel model;
   for (const VelodyneTiming& timing : kTimings) {
     if (timing.lasers != laser_count) continue;
+    if (timing.distance_step_m != 0 && timing.distance_step_m != distance_step_m) continue;
     model.columns = timing.columns;
     model.min_range_m = timing.min_range_m;
     model.max_range_m = timing.max_range_m;
@@ -139,6 +146,7 @@ LidarModel velodyne_timing(std::size_t laser_count) {
       model.lasers[id].firing_offset =
           Duration::from_seconds(1e-6 * timing.firing_offset_us(static_cast<int>(id)));
     }
+    break;
   }
   return model;
 }

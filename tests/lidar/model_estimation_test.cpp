@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "lidar/ring_recovery.hpp"
@@ -137,6 +138,21 @@ TEST(EstimateModel, RandomAzimuthsHaveNoGrid) {
   EXPECT_EQ(e.estimate.encoder_steps, 0);
   EXPECT_EQ(e.estimate.azimuths_known, 0);
   for (const Laser& laser : e.model.lasers) EXPECT_EQ(laser.azimuth_offset_rad, 0);
+}
+
+// 40 rings, the points in an order in which the azimuth drops at every third point or so.
+TEST(EstimateModel, RefusesPointsInAnotherOrder) {
+  Cloud cloud = make_bare_cloud(make_bare_cloud_model(40, 900), 0);
+  const std::size_t stride = 7919;  // a prime, so that every point comes once
+  ASSERT_NE(cloud.size() % stride, 0u);
+  Cloud shuffled(cloud.size());
+  for (std::size_t i = 0; i < cloud.size(); ++i) shuffled[i] = cloud[i * stride % cloud.size()];
+  try {
+    (void)estimate_model({shuffled}, {}, "cloud");
+    ADD_FAILURE() << "no error";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("not stored ring after ring"));
+  }
 }
 
 TEST(EstimateModel, RefusesCloudsWithoutPoints) {

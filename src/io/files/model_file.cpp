@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
+#include "io/files/sensor_metadata.hpp"
 #include "io/files/yaml_reader.hpp"
 #include "lidar/vendor_models.hpp"
 #include <mapless/core/errors.hpp>
@@ -78,7 +79,8 @@ bool is_velodyne_calibration(const std::string& file) try {
   return YamlMap(file).maps("lasers", "laser").front().has("vert_correction");
 } catch (const InputError& error) {
   ErrorDetail detail = error.detail();
-  detail.remedy = "give a calibration file of Velodyne's (YAML), or a sensor.yaml";
+  detail.remedy =
+      "give a calibration file of Velodyne's (YAML), Ouster's (JSON) or Hesai's (CSV), or a sensor.yaml";
   throw InputError(std::move(detail));
 }
 
@@ -119,7 +121,7 @@ LidarModel read_velodyne_calibration(const std::filesystem::path& file) {
   if (yaml.has("num_lasers") && yaml.integer("num_lasers") != static_cast<int>(lasers.size())) {
     yaml.refuse("num_lasers", fmt::format("but the file lists {} lasers", lasers.size()));
   }
-  LidarModel model = velodyne_timing(lasers.size());
+  LidarModel model = velodyne_timing(lasers.size(), yaml.number_or("distance_resolution", 0));
   if (model.lasers.empty()) {
     throw InputError({file.string(), "lasers", std::to_string(lasers.size()),
                       "no Velodyne sensor has as many", "describe the sensor in a sensor.yaml"});
@@ -146,6 +148,9 @@ LidarModel model_from_name_or_file(const std::string& name_or_file) {
         {"sensor", "name or file", name_or_file, "neither a named model nor a file",
          fmt::format("choose one of {}, or a calibration file", fmt::join(named_models(), ", "))});
   }
+  const std::string suffix = std::filesystem::path(name_or_file).extension().string();
+  if (equal_ignoring_case(suffix, ".json")) return read_ouster_metadata(name_or_file);
+  if (equal_ignoring_case(suffix, ".csv")) return read_hesai_correction(name_or_file);
   return is_velodyne_calibration(name_or_file) ? read_velodyne_calibration(name_or_file)
                                                : read_sensor_yaml(name_or_file);
 }

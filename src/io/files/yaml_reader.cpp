@@ -115,6 +115,15 @@ std::vector<double> YamlMap::numbers(const std::string& key, std::size_t size) c
   return values;
 }
 
+std::vector<double> YamlMap::numbers(const std::string& key) const {
+  const YAML::Node list = node_[key];
+  if (!list.IsDefined()) refuse(key, "missing");
+  if (!list.IsSequence() || list.size() == 0) refuse(key, "not a list with anything in it");
+  return numbers(key, list.size());
+}
+
+YamlMap YamlMap::map(const std::string& key) const { return {node_[key], file_, field(key)}; }
+
 std::vector<YamlMap> YamlMap::maps(const std::string& key, const std::string& element_name) const {
   const YAML::Node list = node_[key];
   if (!list.IsDefined()) refuse(key, "missing");

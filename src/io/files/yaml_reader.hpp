@@ -28,6 +28,10 @@ class YamlMap {
   [[nodiscard]] double degrees_as_radians(const std::string& key) const;
   /// A list of `size` numbers.
   [[nodiscard]] std::vector<double> numbers(const std::string& key, std::size_t size) const;
+  /// A list of one or more numbers.
+  [[nodiscard]] std::vector<double> numbers(const std::string& key) const;
+  /// A map within this one.
+  [[nodiscard]] YamlMap map(const std::string& key) const;
   /// A list of maps.
   [[nodiscard]] std::vector<YamlMap> maps(const std::string& key, const std::string& element_name) const;
 

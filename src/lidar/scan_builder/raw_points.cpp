@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <type_traits>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "lidar/number_span.hpp"
 #include "lidar/ring_recovery.hpp"
 #include <mapless/core/errors.hpp>
 
@@ -22,45 +22,6 @@ constexpr double kLargest_s = 4e9;
 // A float of 4 bytes holds 24 bits: from here on (a quarter of an hour) it cannot tell 0.1 ms apart, which is
 // two columns of a turn of 0.1 s.
 constexpr std::int64_t kCoarseFrom_ns = 1'000'000'000'000;
-
-template <class Visit>
-void with_type(NumberType type, Visit&& visit) {
-  switch (type) {
-    case NumberType::int8:
-      return visit(std::int8_t{});
-    case NumberType::uint8:
-      return visit(std::uint8_t{});
-    case NumberType::int16:
-      return visit(std::int16_t{});
-    case NumberType::uint16:
-      return visit(std::uint16_t{});
-    case NumberType::int32:
-      return visit(std::int32_t{});
-    case NumberType::uint32:
-      return visit(std::uint32_t{});
-    case NumberType::int64:
-      return visit(std::int64_t{});
-    case NumberType::uint64:
-      return visit(std::uint64_t{});
-    case NumberType::float32:
-      return visit(float{});
-    case NumberType::float64:
-      return visit(double{});
-  }
-}
-
-// Calls visit(i, number) for each, in order.
-template <class Visit>
-void for_each_number(const NumberSpan& numbers, Visit&& visit) {
-  with_type(numbers.type, [&](auto zero) {
-    const auto* at = static_cast<const char*>(numbers.first);
-    for (std::size_t i = 0; i < numbers.size; ++i, at += numbers.stride_bytes) {
-      auto number = zero;
-      std::memcpy(&number, at, sizeof(number));
-      visit(i, number);
-    }
-  });
-}
 
 std::string point_field(std::size_t i, const char* name) { return fmt::format("point {} {}", i, name); }
 

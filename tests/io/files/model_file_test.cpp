@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <yaml-cpp/yaml.h>
 
+#include "io/files/sensor_metadata.hpp"
 #include "support/shared_data.hpp"
 #include "support/temporary_folder.hpp"
 #include <mapless/core/errors.hpp>
@@ -232,6 +233,81 @@ TEST(VelodyneCalibration, BadFilesNameFileLineKeyAndValue) {
   EXPECT_THAT(broken("vert_correction: 0.150000", "vert_correction: 8.6"), HasSubstr("8.6 rad"));
   EXPECT_THAT(refusal("lasers: [{vert_correction: 0, rot_correction: 0}]", read_velodyne_calibration),
               HasSubstr("lasers = 1: no Velodyne sensor"));
+}
+
+TEST(VelodyneCalibration, AVlp32HasItsOwnTiming) {
+  MAPLESS_SKIP_WITHOUT(test::shared_data("calib"));
+  for (const std::string file : {"velodyne_ros/VeloView-VLP-32C.yaml", "velodyne_nebula/VLP32.yaml"}) {
+    const LidarModel model = read_velodyne_calibration(test::shared_data("calib/" + file));
+    EXPECT_EQ(model.columns, std::lround(0.1 / 55.296e-6)) << file;
+    Duration last;
+    for (const Laser& laser : model.lasers) last = std::max(last, laser.firing_offset);
+    EXPECT_EQ(last, Duration::from_seconds(15 * 2.304e-6)) << file;  // sixteen pairs
+  }
+}
+
+TEST(OusterMetadata, IsThatOfTheNamedModelInEveryFirmware) {
+  MAPLESS_SKIP_WITHOUT(test::shared_data("calib"));
+  for (const std::string name : {"2_2_os-992119000444-128", "2_4_0_os-992146000760-128_legacy"}) {
+    SCOPED_TRACE(name);
+    const LidarModel read = model_from_name_or_file(test::shared_data("calib/ouster_json/" + name + ".json"));
+    const LidarModel named = named_model("OS1-128");
+    EXPECT_EQ(read.columns, 1024);
+    ASSERT_EQ(read.lasers.size(), named.lasers.size());
+    for (std::size_t i = 0; i < named.lasers.size(); ++i) {
+      // Of another unit: each is aligned on its own.
+      EXPECT_NEAR(read.lasers[i].elevation_rad, named.lasers[i].elevation_rad, 0.01);
+      EXPECT_LT((read.lasers[i].origin_h_m - named.lasers[i].origin_h_m).norm(), 1e-5);
+    }
+  }
+}
+
+constexpr const char* kOuster = R"({"lidar_mode": "512x20", "beam_altitude_angles": [10, 0, -10],
+ "beam_azimuth_angles": [3, 0, -3], "lidar_origin_to_beam_origin_mm": 15.8})";
+
+TEST(OusterMetadata, LiesWithAltitudeAboveAndAzimuthClockwise) {
+  const test::TemporaryFolder folder;
+  write_file_atomically(folder / "os.json", kOuster);
+  const LidarModel model = model_from_name_or_file((folder / "os.json").string());
+  EXPECT_EQ(model.columns, 512);
+  EXPECT_EQ(model.rotation_rate_hz, 20);
+  // Column 0 looks to the rear; the highest beam leads clockwise by 3 degrees and rises by 10.
+  const double degree = std::numbers::pi / 180, rho = 20 * std::cos(10 * degree);
+  const Eigen::Vector3d expected(-rho * std::cos(3 * degree) - 0.0158, rho * std::sin(3 * degree),
+                                 20 * std::sin(10 * degree) + 0.03618);
+  EXPECT_LT((model.point_v(2, 0, 20) - expected).norm(), 1e-9) << model.point_v(2, 0, 20).transpose();
+  const auto broken = [](const std::string& from, const std::string& to) {
+    return refusal(replaced(kOuster, from, to), read_ouster_metadata);
+  };
+  EXPECT_THAT(broken("512x20", "512"), HasSubstr("lidar_mode = 512"));
+  EXPECT_THAT(broken("[3, 0, -3]", "[3, 0]"), HasSubstr("not a list of 3 numbers"));
+  EXPECT_THAT(broken("beam_altitude_angles", "angles"), HasSubstr("beam_altitude_angles: missing"));
+}
+
+TEST(HesaiCorrection, IsThatOfTheNamedModels) {
+  MAPLESS_SKIP_WITHOUT(test::shared_data("calib"));
+  const auto file = [](const std::string& name) {
+    return test::shared_data("calib/hesai_nebula/" + name + ".csv").string();
+  };
+  for (const auto& [name, csv] : {std::pair{"Pandar64", "Pandar64"}, {"XT-32", "PandarXT32"}}) {
+    LidarModel read = model_from_name_or_file(file(csv)), named = named_model(name);
+    ASSERT_EQ(read.lasers.size(), named.lasers.size());
+    for (std::size_t i = 0; i < named.lasers.size(); ++i)
+      EXPECT_LT((read.point_v(static_cast<int>(i), 7, 50) - named.point_v(static_cast<int>(i), 7, 50)).norm(),
+                1e-4);
+  }
+  for (const std::string name :
+       {"Pandar128E4X", "Pandar40P", "PandarQT128", "PandarQT64", "PandarXT16", "PandarXT32M"})
+    EXPECT_NO_THROW((void)model_from_name_or_file(file(name))) << name;
+  EXPECT_THAT(refusal(read_whole_file(file("PandarAT128")), read_hesai_correction),
+              HasSubstr("no spinning sensor"));
+}
+
+TEST(HesaiCorrection, BadRowsAreNamed) {
+  EXPECT_THAT(refusal("Channel,Elevation,Azimuth\n1,15,0\n3,13,0\n", read_hesai_correction),
+              AllOf(HasSubstr("s.yaml:3"), HasSubstr("not channel 2")));
+  EXPECT_THAT(refusal("Channel,Elevation,Azimuth\n1,15,0\n", read_hesai_correction), HasSubstr("rows = 1"));
+  EXPECT_THAT(refusal("", read_hesai_correction), HasSubstr("rows = 0"));
 }
 
 TEST(ModelFromNameOrFile, DistinguishesNamesAndFiles) {

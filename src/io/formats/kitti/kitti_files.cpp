@@ -2,6 +2,7 @@
 
 #include <charconv>
 #include <chrono>
+#include <cmath>
 #include <cstring>
 #include <optional>
 #include <string_view>
@@ -64,6 +65,26 @@ std::optional<Time> date_time(std::string_view text) {
   return Time::from_nanoseconds(seconds * 1'000'000'000 + nanoseconds);
 }
 
+// Mean step between one number and that of the same column in the next row. Neighbouring points are near each
+// other, so that the true number of columns gives the least.
+double mean_step(const std::vector<float>& numbers, std::size_t columns) {
+  double sum = 0;
+  for (std::size_t i = columns; i < numbers.size(); ++i)
+    sum += std::abs(double{numbers[i]} - double{numbers[i - columns]});
+  return sum / static_cast<double>(numbers.size() - columns);
+}
+
+// Five floats a point, as nuScenes has them, read as four are points all over the place.
+void require_four_columns(const std::string& bytes, const fs::path& file) {
+  constexpr std::size_t five = 5 * sizeof(float);
+  if (bytes.size() % five != 0 || bytes.size() < 2 * five) return;
+  std::vector<float> numbers(bytes.size() / sizeof(float));
+  std::memcpy(numbers.data(), bytes.data(), bytes.size());
+  if (!(2 * mean_step(numbers, 5) < mean_step(numbers, 4))) return;
+  throw InputError({file.string(), "columns", "five floats a point", "KITTI has four: x, y, z, reflectance",
+                    "name them with the Python package: --columns x,y,z,intensity,ring"});
+}
+
 }  // namespace
 
 std::vector<Eigen::Vector3f> read_kitti_cloud(const fs::path& file) {
@@ -72,6 +93,7 @@ std::vector<Eigen::Vector3f> read_kitti_cloud(const fs::path& file) {
   if (bytes.empty()) {
     throw InputError({file.string(), "size", "0 bytes", "no points", "fetch the file again, or remove it"});
   }
+  require_four_columns(bytes, file);
   if (bytes.size() % row != 0) {
     throw InputError({file.string(), "size", fmt::format("{} bytes", bytes.size()),
                       "not a multiple of 16 (float32 x, y, z, reflectance): truncated or of another format",
