@@ -44,6 +44,7 @@ FoundScan found_of(LabelledScan& labelled) {
   found.objects = detection.tracked;
   found.trajectory = labelled.trajectory;
   found.T_0v = labelled.T_0v();
+  found.motion_state = labelled.motion_state();
   if (labelled.odometry) found.trouble = trouble_of(*labelled.odometry);
   return found;
 }

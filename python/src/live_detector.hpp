@@ -23,7 +23,8 @@ struct FoundScan {
   std::vector<std::uint8_t> stages;   ///< stage_masks_of
   std::vector<TrackedObject> objects;
   std::shared_ptr<const Trajectory> trajectory;
-  SE3 T_0v;             ///< at the start of the scan
+  SE3 T_0v;  ///< at the start of the scan
+  MotionState motion_state = MotionState::good;
   std::string trouble;  ///< trouble_of the odometry; empty where there was none
 };
 

@@ -1,0 +1,121 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <dds/dds.h>
+
+#include "ros2_messages.h"
+
+namespace mapless::app {
+
+/// Throws Error naming `what` where `result` is a code of failure; else returns it.
+dds_return_t require_dds(dds_return_t result, const std::string& what);
+
+/// Descriptor, and hash of the definition in ROS 2 (REP 2016), of each message.
+template <class Message>
+struct DdsType;
+
+#define MAPLESS_DDS_TYPE(message, rihs)                                           \
+  template <>                                                                     \
+  struct DdsType<message> {                                                       \
+    static const dds_topic_descriptor_t* descriptor() { return &message##_desc; } \
+    static constexpr const char* kHash = "RIHS01_" rihs;                          \
+  }
+MAPLESS_DDS_TYPE(sensor_msgs_msg_dds__PointCloud2_,
+                 "9198cabf7da3796ae6fe19c4cb3bdd3525492988c70522628af5daa124bae2b5");
+MAPLESS_DDS_TYPE(nav_msgs_msg_dds__Odometry_,
+                 "3cc97dc7fb7502f8714462c526d369e35b603cfc34d946e3f2eda2766dfec6e0");
+MAPLESS_DDS_TYPE(tf2_msgs_msg_dds__TFMessage_,
+                 "e369d0f05a23ae52508854b66f6aa0437f3449d652e8cbf22d5abe85d020f087");
+MAPLESS_DDS_TYPE(diagnostic_msgs_msg_dds__DiagnosticArray_,
+                 "5a8a36efb05fb25070fa0fb3810290c0e6cd4862b54a8fb975a1ee8dc55a333e");
+MAPLESS_DDS_TYPE(visualization_msgs_msg_dds__MarkerArray_,
+                 "86cb8800b6fb05b5eff1abd7a56f62a5641d3ae9a1c29e78e67e704f1d067dcf");
+MAPLESS_DDS_TYPE(vision_msgs_msg_dds__Detection3DArray_, "");
+#undef MAPLESS_DDS_TYPE
+
+/// Profiles of quality of service, as ROS 2 names them.
+enum class DdsQuality {
+  sensor_data,      ///< best effort, volatile: reads from reliable publishers too
+  reliable,         ///< reliable, volatile
+  transient_local,  ///< reliable, and what was published before is sent to who comes later
+};
+
+/// A participant of a domain. CYCLONEDDS_URI configures it.
+class DdsParticipant {
+ public:
+  explicit DdsParticipant(std::uint32_t domain);
+  ~DdsParticipant();
+  DdsParticipant(const DdsParticipant&) = delete;
+  DdsParticipant& operator=(const DdsParticipant&) = delete;
+  [[nodiscard]] dds_entity_t entity() const { return entity_; }
+
+ private:
+  dds_entity_t entity_;
+};
+
+/// The ROS 2 topic `topic`, without type; the entities end with the participant.
+[[nodiscard]] dds_entity_t make_reader(const DdsParticipant& participant, const std::string& topic,
+                                       const dds_topic_descriptor_t* type, const std::string& hash,
+                                       DdsQuality quality);
+[[nodiscard]] dds_entity_t make_writer(const DdsParticipant& participant, const std::string& topic,
+                                       const dds_topic_descriptor_t* type, const std::string& hash,
+                                       DdsQuality quality);
+[[nodiscard]] bool has_readers(dds_entity_t writer);
+
+/// The topics of ROS 2, sorted, on which others publish messages of this type.
+[[nodiscard]] std::vector<std::string> published_topics(const DdsParticipant& participant,
+                                                        const dds_topic_descriptor_t* type);
+
+template <class Message>
+class DdsReader {
+ public:
+  struct Sample {
+    std::shared_ptr<const Message> message;
+    std::uint64_t publisher;
+  };
+
+  DdsReader(const DdsParticipant& participant, const std::string& topic, DdsQuality quality)
+      : reader_(make_reader(participant, topic, DdsType<Message>::descriptor(), DdsType<Message>::kHash,
+                            quality)) {}
+  [[nodiscard]] dds_entity_t entity() const { return reader_; }
+
+  /// The next message, read into memory of its own; none where none waits.
+  [[nodiscard]] std::optional<Sample> take() const {
+    for (;;) {
+      const std::shared_ptr<Message> message(
+          static_cast<Message*>(dds_alloc(sizeof(Message))),
+          [](Message* m) { dds_sample_free(m, DdsType<Message>::descriptor(), DDS_FREE_ALL); });
+      void* sample = message.get();
+      dds_sample_info_t info = {};
+      if (require_dds(dds_take(reader_, &sample, &info, 1, 1), "reading") == 0) return std::nullopt;
+      if (info.valid_data) return Sample{message, info.publication_handle};
+    }
+  }
+
+ private:
+  dds_entity_t reader_;
+};
+
+template <class Message>
+class DdsWriter {
+ public:
+  DdsWriter(const DdsParticipant& participant, const std::string& topic, DdsQuality quality)
+      : writer_(make_writer(participant, topic, DdsType<Message>::descriptor(), DdsType<Message>::kHash,
+                            quality)) {}
+  [[nodiscard]] bool has_readers() const { return app::has_readers(writer_); }
+  /// A reader that is too slow loses messages; the writer does not wait for it.
+  void write(const Message& message) const {
+    const dds_return_t result = dds_write(writer_, &message);
+    if (result != DDS_RETCODE_TIMEOUT) require_dds(result, "writing");
+  }
+
+ private:
+  dds_entity_t writer_;
+};
+
+}  // namespace mapless::app

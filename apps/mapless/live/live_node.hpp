@@ -1,0 +1,61 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "live/dds_entities.hpp"
+#include <mapless/live/live_detector.hpp>
+
+namespace mapless::app {
+
+/// Settings of a LiveNode beside those of its LiveDetector.
+struct LiveNodeOptions {
+  LiveOptions live;
+  std::string odometry_topic = "odometry_in";
+  std::string prefix;  ///< of the topics written: "mapless/"
+  std::uint32_t domain = 0;
+};
+
+/// A LiveDetector on DDS, with the topics, types and quality of service of ROS 2.
+class LiveNode {
+ public:
+  explicit LiveNode(const LiveNodeOptions& options);
+
+  /// Reads, labels and writes until `stop` returns true. Throws Error where the middleware fails.
+  void run(const std::function<bool()>& stop);
+  [[nodiscard]] LiveDiagnostics diagnostics() const { return live_.diagnostics(); }
+
+ private:
+  void read_all(const std::atomic<bool>& stop);
+  void read_once();
+  void add_transforms(const tf2_msgs_msg_dds__TFMessage_& message, bool is_static);
+  void publish(const LiveOutput& output);
+  void publish_diagnostics();
+  void say_other_topics();
+
+  template <class Message>
+  using Reader = DdsReader<Message>;
+  template <class Message>
+  using Writer = DdsWriter<Message>;
+  using Cloud = sensor_msgs_msg_dds__PointCloud2_;
+  using Transforms = tf2_msgs_msg_dds__TFMessage_;
+
+  LiveNodeOptions options_;
+  int diagnostics_count_ = 0;
+  LiveDetector live_;
+  DdsParticipant participant_;
+  Reader<Cloud> points_;
+  std::optional<Reader<Transforms>> tf_, tf_static_;
+  std::optional<Reader<nav_msgs_msg_dds__Odometry_>> odometry_in_;
+  Writer<Cloud> labelled_, static_, moving_;
+  Writer<vision_msgs_msg_dds__Detection3DArray_> objects_;
+  Writer<visualization_msgs_msg_dds__MarkerArray_> markers_;
+  Writer<nav_msgs_msg_dds__Odometry_> odometry_;
+  Writer<diagnostic_msgs_msg_dds__DiagnosticArray_> diagnostics_;
+  std::optional<Writer<Transforms>> tf_out_;
+};
+
+}  // namespace mapless::app

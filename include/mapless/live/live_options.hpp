@@ -1,0 +1,92 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <tuple>
+#include <vector>
+
+#include <mapless/core/parameters.hpp>
+#include <mapless/lidar/lidar_model.hpp>
+#include <mapless/pipeline/online_detector.hpp>
+
+namespace mapless::inline v1 {
+
+/// Where the motion of the lidar comes from.
+enum class LiveMotion : std::uint8_t {
+  own,       ///< lidar odometry
+  tf,        ///< transforms of the frames (tf, tf_static)
+  odometry,  ///< poses of another odometry (nav_msgs/Odometry), and tf_static for the place of the lidar
+};
+[[nodiscard]] inline std::span<const std::string_view> choice_names(LiveMotion) {
+  static constexpr std::array<std::string_view, 3> kNames = {"own", "tf", "odometry"};
+  return kNames;
+}
+
+/// Parameters of a LiveDetector beside those of detection and odometry.
+struct LiveParameters {
+  LiveMotion motion = LiveMotion::own;
+  bool publish_tf = false;
+  int queue_clouds = 5;
+  int start_queue_clouds = 40;
+  double max_gap_s = 1.0;
+  double pose_wait_s = 0.3;
+
+  static constexpr auto declarations() {
+    using P = LiveParameters;
+    return std::tuple{
+        declare(&P::motion, "motion",
+                "where the motion of the lidar comes from: own (lidar odometry), tf (tf and tf_static), or "
+                "odometry (topic odometry_in and tf_static)",
+                "docs/ros2.md"),
+        declare(&P::publish_tf, "publish_tf", "write the own odometry to tf, too", "docs/ros2.md"),
+        declare(&P::queue_clouds, "queue_clouds", "clouds", 1, 1000,
+                "clouds that wait for detection; where more arrive, the oldest is dropped",
+                "depth of the sensor-data profile of ROS 2"),
+        declare(
+            &P::start_queue_clouds, "start_queue_clouds", "clouds", 1, 1000,
+            "the same until the first labels, for at most 5 s: own odometry needs the first scans without "
+            "a gap, and takes longer for them",
+            "docs/ros2.md"),
+        declare(&P::max_gap_s, "max_gap_s", "s", 0.1, 60,
+                "detection begins anew after a longer time without clouds, and where stamps jump farther",
+                "docs/ros2.md"),
+        declare(&P::pose_wait_s, "pose_wait_s", "s", 0, 10,
+                "with poses from tf or a topic: a cloud waits at most this long for poses that cover it",
+                "docs/ros2.md"),
+    };
+  }
+};
+
+/// Settings of a LiveDetector.
+struct LiveOptions {
+  OnlineDetectorOptions detector;
+  LiveParameters live;
+  std::optional<LidarModel> sensor;  ///< none: recovered from the first eight clouds
+  /// Own odometry is of this frame, which static transforms place on the sensor; empty: of the clouds' frame.
+  std::string base_frame;
+  std::string world_frame = "odom";  ///< of objects and odometry; with given poses, the top of the transforms
+  std::string topic = "points";      ///< of the clouds, for messages
+  std::string sensor_name;           ///< for shells: the name or calibration file that `sensor` is read from
+
+  /// Whether LiveDetector::add_transform gives the poses.
+  [[nodiscard]] bool poses_given() const { return live.motion != LiveMotion::own; }
+};
+
+/// A setting that is a text.
+struct LiveSetting {
+  std::string_view name;
+  std::string* value;
+  std::string_view help;
+};
+
+/// The texts of `options` that a user sets: sensor, world_frame, base_frame.
+[[nodiscard]] std::vector<LiveSetting> live_settings(LiveOptions& options);
+/// The parameters of detection under their own keys, those of odometry under "odometry.", and those of
+/// LiveParameters.
+[[nodiscard]] std::vector<ParameterReference> live_parameters(LiveOptions& options);
+
+}  // namespace mapless

@@ -1,0 +1,135 @@
+#include "labeller.hpp"
+
+#include <chrono>
+#include <cstring>
+#include <functional>
+#include <string_view>
+
+#include <rclcpp_components/register_node_macro.hpp>
+
+#include "parameters.hpp"
+#include <mapless/core/errors.hpp>
+
+namespace mapless_ros {
+namespace {
+
+// How long the end of the node may take.
+constexpr double kLongestWait_s = 0.1;
+
+std::uint64_t publisher_of(const rclcpp::MessageInfo& info) {
+  const auto& gid = info.get_rmw_message_info().publisher_gid.data;
+  return std::hash<std::string_view>()(std::string_view(reinterpret_cast<const char*>(gid), sizeof(gid))) | 1;
+}
+
+rclcpp::QoS reliable() { return rclcpp::QoS(rclcpp::KeepLast(5)).reliable(); }
+
+}  // namespace
+
+Labeller::Labeller(const rclcpp::NodeOptions& options) : Node("labeller", options) {
+  declare_parameters(*this, options_);
+  live_ = std::make_unique<mapless::LiveDetector>(options_);
+  labelled_ = create_publisher<Cloud>("points_labelled", reliable());
+  static_ = create_publisher<Cloud>("points_static", reliable());
+  moving_ = create_publisher<Cloud>("points_moving", reliable());
+  objects_ = create_publisher<vision_msgs::msg::Detection3DArray>("objects", reliable());
+  markers_ = create_publisher<visualization_msgs::msg::MarkerArray>("object_markers", reliable());
+  odometry_ = create_publisher<nav_msgs::msg::Odometry>("odometry", reliable());
+  diagnostics_ = create_publisher<diagnostic_msgs::msg::DiagnosticArray>("/diagnostics", reliable());
+  if (options_.live.publish_tf)
+    tf_out_ = create_publisher<Transforms>("/tf", rclcpp::QoS(rclcpp::KeepLast(100)));
+  subscribe(options_.live.motion);
+  reset_ = create_service<std_srvs::srv::Empty>(
+      "~/reset", [this](const std_srvs::srv::Empty::Request::SharedPtr,
+                        std_srvs::srv::Empty::Response::SharedPtr) { reset_wanted_ = true; });
+  timer_ = create_wall_timer(std::chrono::seconds(1), [this] { publish_diagnostics(); });
+  thread_ = std::thread([this] { label(); });
+}
+
+Labeller::~Labeller() {
+  stop_ = true;
+  if (thread_.joinable()) thread_.join();
+}
+
+void Labeller::subscribe(mapless::LiveMotion motion) {
+  rclcpp::SubscriptionOptions options;
+  options.qos_overriding_options = rclcpp::QosOverridingOptions::with_default_policies();
+  points_ = create_subscription<Cloud>(
+      "points", rclcpp::SensorDataQoS(),
+      [this](Cloud::ConstSharedPtr message, const rclcpp::MessageInfo& info) {
+        live_->add_cloud(cloud_of(message), publisher_of(info));
+      },
+      options);
+  if (motion == mapless::LiveMotion::own && options_.base_frame.empty()) return;
+  tf_static_ = create_subscription<Transforms>(
+      "/tf_static", rclcpp::QoS(rclcpp::KeepLast(100)).reliable().transient_local(),
+      [this](Transforms::ConstSharedPtr message) { add_transforms(*message, true); });
+  if (motion == mapless::LiveMotion::tf) {
+    tf_ = create_subscription<Transforms>(
+        "/tf", rclcpp::QoS(rclcpp::KeepLast(100)).best_effort(),
+        [this](Transforms::ConstSharedPtr message) { add_transforms(*message, false); });
+    return;
+  }
+  if (motion == mapless::LiveMotion::own) return;
+  odometry_in_ = create_subscription<nav_msgs::msg::Odometry>(
+      "odometry_in", rclcpp::SensorDataQoS(), [this](nav_msgs::msg::Odometry::ConstSharedPtr message) {
+        live_->add_transform(options_.world_frame, message->child_frame_id, time_of(message->header.stamp),
+                             transform_of(message->pose.pose), false);
+      });
+}
+
+void Labeller::add_transforms(const Transforms& message, bool is_static) {
+  for (const auto& one : message.transforms) {
+    live_->add_transform(one.header.frame_id, one.child_frame_id, time_of(one.header.stamp),
+                         transform_of(one.transform), is_static);
+  }
+}
+
+void Labeller::label() {
+  while (!stop_) {
+    live_->wait(mapless::Duration::from_seconds(kLongestWait_s));
+    if (reset_wanted_.exchange(false)) {
+      for (const mapless::LiveOutput& output : live_->reset()) publish(output);
+    }
+    for (const mapless::LiveOutput& output : live_->process()) publish(output);
+  }
+}
+
+// Nothing is made that nobody reads.
+void Labeller::publish(const mapless::LiveOutput& output) {
+  const auto is_read = [](const auto& publisher) {
+    return publisher->get_subscription_count() + publisher->get_intra_process_subscription_count() > 0;
+  };
+  if (is_read(labelled_)) labelled_->publish(cloud_message(mapless::labelled_cloud(output)));
+  if (is_read(static_))
+    static_->publish(cloud_message(mapless::selected_cloud(output, mapless::PointMotion::still)));
+  if (is_read(moving_))
+    moving_->publish(cloud_message(mapless::selected_cloud(output, mapless::PointMotion::moving)));
+  if (is_read(objects_)) objects_->publish(objects_message(output));
+  if (is_read(markers_)) markers_->publish(markers_message(output));
+  const auto odometry = mapless::live_odometry(output);
+  if (!odometry) return;
+  const auto message = odometry_message(*odometry, output.world_frame, output.body_frame);
+  odometry_->publish(message);
+  if (tf_out_) tf_out_->publish(transform_message(message));
+}
+
+void Labeller::publish_diagnostics() {
+  for (const mapless::LiveEvent& event : live_->take_events()) {
+    if (event.level == mapless::LiveLevel::error) {
+      RCLCPP_ERROR(get_logger(), "%s", event.text.c_str());
+    } else if (event.level == mapless::LiveLevel::warning) {
+      RCLCPP_WARN(get_logger(), "%s", event.text.c_str());
+    } else {
+      RCLCPP_INFO(get_logger(), "%s", event.text.c_str());
+    }
+  }
+  diagnostic_msgs::msg::DiagnosticArray message;
+  message.header.stamp = now();
+  message.status.push_back(
+      status_message(live_->diagnostics(), std::string(get_fully_qualified_name()) + ": labels"));
+  diagnostics_->publish(message);
+}
+
+}  // namespace mapless_ros
+
+RCLCPP_COMPONENTS_REGISTER_NODE(mapless_ros::Labeller)

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <thread>
+
+#include <rclcpp/rclcpp.hpp>
+#include <std_srvs/srv/empty.hpp>
+
+#include "messages.hpp"
+#include <mapless/live/live_detector.hpp>
+
+namespace mapless_ros {
+
+/// mapless::LiveDetector as a component of ROS 2. Topics, parameters and faults: docs/ros2.md of mapless.
+class Labeller : public rclcpp::Node {
+ public:
+  explicit Labeller(const rclcpp::NodeOptions& options);
+  ~Labeller() override;
+
+ private:
+  using Cloud = sensor_msgs::msg::PointCloud2;
+  using Transforms = tf2_msgs::msg::TFMessage;
+
+  void subscribe(mapless::LiveMotion motion);
+  void add_transforms(const Transforms& message, bool is_static);
+  void label();
+  void publish(const mapless::LiveOutput& output);
+  void publish_diagnostics();
+
+  mapless::LiveOptions options_;
+  std::unique_ptr<mapless::LiveDetector> live_;
+  rclcpp::SubscriptionBase::SharedPtr points_, tf_, tf_static_, odometry_in_;
+  rclcpp::Publisher<Cloud>::SharedPtr labelled_, static_, moving_;
+  rclcpp::Publisher<vision_msgs::msg::Detection3DArray>::SharedPtr objects_;
+  rclcpp::Publisher<visualization_msgs::msg::MarkerArray>::SharedPtr markers_;
+  rclcpp::Publisher<nav_msgs::msg::Odometry>::SharedPtr odometry_;
+  rclcpp::Publisher<Transforms>::SharedPtr tf_out_;
+  rclcpp::Publisher<diagnostic_msgs::msg::DiagnosticArray>::SharedPtr diagnostics_;
+  rclcpp::ServiceBase::SharedPtr reset_;
+  rclcpp::TimerBase::SharedPtr timer_;
+  std::atomic<bool> stop_{false}, reset_wanted_{false};
+  std::thread thread_;
+};
+
+}  // namespace mapless_ros

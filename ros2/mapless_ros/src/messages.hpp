@@ -1,0 +1,34 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include <diagnostic_msgs/msg/diagnostic_array.hpp>
+#include <geometry_msgs/msg/transform_stamped.hpp>
+#include <nav_msgs/msg/odometry.hpp>
+#include <sensor_msgs/msg/point_cloud2.hpp>
+#include <tf2_msgs/msg/tf_message.hpp>
+#include <vision_msgs/msg/detection3_d_array.hpp>
+#include <visualization_msgs/msg/marker_array.hpp>
+
+#include <mapless/live/live_diagnostics.hpp>
+#include <mapless/live/live_output.hpp>
+
+namespace mapless_ros {
+
+mapless::Time time_of(const builtin_interfaces::msg::Time& stamp);
+mapless::SE3 transform_of(const geometry_msgs::msg::Transform& transform);
+mapless::SE3 transform_of(const geometry_msgs::msg::Pose& pose);
+/// Without a copy of the points.
+mapless::PointCloud2 cloud_of(const sensor_msgs::msg::PointCloud2::ConstSharedPtr& message);
+
+sensor_msgs::msg::PointCloud2::UniquePtr cloud_message(const mapless::PointCloud2& cloud);
+nav_msgs::msg::Odometry odometry_message(const mapless::LiveOdometry& odometry,
+                                         const std::string& world_frame, const std::string& body_frame);
+tf2_msgs::msg::TFMessage transform_message(const nav_msgs::msg::Odometry& odometry);
+diagnostic_msgs::msg::DiagnosticStatus status_message(const mapless::LiveDiagnostics& diagnostics,
+                                                      const std::string& name);
+vision_msgs::msg::Detection3DArray objects_message(const mapless::LiveOutput& output);
+visualization_msgs::msg::MarkerArray markers_message(const mapless::LiveOutput& output);
+
+}  // namespace mapless_ros

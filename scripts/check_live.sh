@@ -1,0 +1,22 @@
+#!/bin/sh
+# Runs `mapless live` between publishers and readers of another DDS library, PyPI's cyclonedds, on the loopback
+# interface (tests/live/live_client.py). Needs python3-venv and PyPI; where PyPI cannot be reached, or the command was
+# built without DDS or without the simulator, it says so and ends with exit code 77, which ctest shows as skipped.
+# usage: scripts/check_live.sh MAPLESS
+set -eu
+cd "$(dirname "$0")/.."
+mapless=$1
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+skip() {
+  echo "skipped: $*"
+  exit 77
+}
+"$mapless" live --help | grep -q -- --points || skip "this build has no DDS"
+"$mapless" simulate crossing -o "$work/drive" --sensor VLP-16 --duration-s 2.5 >/dev/null 2>"$work/log" ||
+  skip "$(cat "$work/log")"
+python3 -m venv "$work/environment"
+"$work/environment/bin/python" -m pip install --quiet --disable-pip-version-check 'cyclonedds>=0.10.5' >"$work/log" 2>&1 ||
+  skip "cyclonedds cannot be installed from PyPI: $(tail -n 1 "$work/log")"
+PYTHONDONTWRITEBYTECODE=1 "$work/environment/bin/python" tests/live/live_client.py "$mapless" "$work/drive"

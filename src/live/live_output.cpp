@@ -1,0 +1,128 @@
+#include <cstring>
+#include <map>
+
+#include <mapless/live/live_output.hpp>
+
+namespace mapless::inline v1 {
+namespace {
+
+constexpr std::uint8_t kUint8 = 2;  // PointField.datatype
+constexpr std::uint8_t kUint32 = 6;
+constexpr std::uint32_t kAlignment = 4;
+
+// Calls visit(index of the point, its first byte) for every point.
+template <class Visit>
+void for_each_point(const PointCloud2View& cloud, Visit&& visit) {
+  std::size_t i = 0;
+  for (std::size_t row = 0; row < cloud.height; ++row) {
+    const std::uint8_t* at = cloud.data.data() + row * cloud.row_step;
+    for (std::size_t column = 0; column < cloud.width; ++column, at += cloud.point_step) visit(i++, at);
+  }
+}
+
+PointCloud2 cloud_of(PointCloud2View view, std::vector<std::uint8_t> bytes) {
+  const auto owner = std::make_shared<const std::vector<std::uint8_t>>(std::move(bytes));
+  view.row_step = view.width * view.point_step;
+  view.data = *owner;
+  return {std::move(view), owner};
+}
+
+void write_id(std::uint32_t id, bool is_bigendian, std::uint8_t* at) {
+  for (int byte = 0; byte < 4; ++byte)
+    at[is_bigendian ? 3 - byte : byte] = static_cast<std::uint8_t>(id >> (8 * byte));
+}
+
+}  // namespace
+
+std::vector<PointMotion> point_motions(const LiveOutput& output) {
+  const Detection& detection = output.labelled.detection;
+  const LidarScan& scan = output.labelled.scan();
+  std::vector<PointMotion> motions(scan.input_size, PointMotion::unknown);
+  if (!detection.motion_known) return motions;
+  for (std::size_t i = 0; i < scan.returns.size(); ++i) {
+    motions[scan.returns[i].input_index] = detection.dynamic(i) ? PointMotion::moving : PointMotion::still;
+  }
+  return motions;
+}
+
+PointCloud2 labelled_cloud(const LiveOutput& output) {
+  const PointCloud2View& in = output.cloud.view;
+  PointCloud2View out = in;
+  const std::uint32_t id_offset = (in.point_step + kAlignment - 1) / kAlignment * kAlignment;
+  const std::uint32_t motion_offset = id_offset + 4;
+  out.point_step = id_offset + 8;
+  out.fields.push_back({"object_id", id_offset, kUint32, 1});
+  out.fields.push_back({"moving", motion_offset, kUint8, 1});
+  std::map<std::uint16_t, std::uint32_t> id_of_number = {{0, 0}};
+  for (const TrackedObject& object : output.labelled.detection.tracked)
+    id_of_number[object.number] = object.id;
+  const std::vector<PointMotion> motions = point_motions(output);
+  const std::vector<std::uint16_t> numbers = output.labelled.object_by_input();
+  std::vector<std::uint8_t> bytes(in.size() * out.point_step, 0);
+  for_each_point(in, [&](std::size_t i, const std::uint8_t* point) {
+    std::uint8_t* to = bytes.data() + i * out.point_step;
+    std::memcpy(to, point, in.point_step);
+    if (numbers[i] != 0) write_id(id_of_number[numbers[i]], in.is_bigendian, to + id_offset);
+    to[motion_offset] = static_cast<std::uint8_t>(motions[i]);
+  });
+  return cloud_of(std::move(out), std::move(bytes));
+}
+
+PointCloud2 selected_cloud(const LiveOutput& output, PointMotion motion) {
+  const PointCloud2View& in = output.cloud.view;
+  const std::vector<PointMotion> motions = point_motions(output);
+  std::vector<std::uint8_t> bytes;
+  bytes.reserve(in.data.size());
+  for_each_point(in, [&](std::size_t i, const std::uint8_t* point) {
+    if (motions[i] == motion) bytes.insert(bytes.end(), point, point + in.point_step);
+  });
+  PointCloud2View out = in;
+  out.height = 1;
+  out.width = static_cast<std::uint32_t>(bytes.size() / in.point_step);
+  return cloud_of(std::move(out), std::move(bytes));
+}
+
+std::vector<LiveObject> live_objects(const LiveOutput& output) {
+  const Eigen::Matrix3d& rotation = output.T_w0.rotation();
+  std::vector<LiveObject> objects;
+  for (const TrackedObject& tracked : output.labelled.detection.tracked) {
+    LiveObject object;
+    object.id = tracked.id;
+    object.time = tracked.time;
+    object.centre_w = output.T_w0 * tracked.centre_0;
+    object.rotation_wb = rotation;
+    object.extent_b = tracked.extent_0;
+    object.velocity_w = rotation * tracked.velocity_0;
+    object.velocity_covariance_w = rotation * tracked.velocity_covariance_0 * rotation.transpose();
+    objects.push_back(object);
+  }
+  return objects;
+}
+
+// A perturbation xi of the sensor, exp(xi) T_v0, is Ad(T_bv) xi of the body; so is the velocity. On T_wb it
+// acts from the right, as exp(-Ad xi): along the axes of w it is that, rotated.
+std::optional<LiveOdometry> live_odometry(const LiveOutput& output) {
+  const auto& update = output.labelled.odometry;
+  if (!update || update->knots.empty() || update->state == MotionState::lost || !output.body_known)
+    return std::nullopt;
+  const TrajectoryKnot& knot = update->knots.back();
+  LiveOdometry odometry;
+  odometry.time = knot.time;
+  odometry.T_wb = output.T_w0 * knot.T_v0.inverse() * output.T_vb;
+  const SE3 T_bv = output.T_vb.inverse();
+  Matrix6d to_body = Matrix6d::Zero();
+  to_body.topLeftCorner<3, 3>() = T_bv.rotation();
+  to_body.bottomRightCorner<3, 3>() = T_bv.rotation();
+  to_body.topRightCorner<3, 3>() = hat(T_bv.translation()) * T_bv.rotation();
+  Matrix6d to_world = Matrix6d::Zero();
+  to_world.topLeftCorner<3, 3>() = odometry.T_wb.rotation();
+  to_world.bottomRightCorner<3, 3>() = odometry.T_wb.rotation();
+  to_world = to_world * to_body;
+  odometry.pose_covariance_w = to_world * update->covariance.topLeftCorner<6, 6>() * to_world.transpose();
+  odometry.velocity_b = -(to_body * knot.varpi);
+  odometry.velocity_covariance_b =
+      to_body * update->covariance.bottomRightCorner<6, 6>() * to_body.transpose();
+  return odometry;
+}
+
+}  // namespace mapless

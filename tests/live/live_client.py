@@ -1,0 +1,210 @@
+#!/usr/bin/env python3
+"""Drives `mapless live` as a driver and as a user of ROS 2 do, with another DDS library on the loopback interface:
+clouds of a simulated drive and its poses go in, and what comes out is compared with the truth.
+
+usage: live_client.py MAPLESS DRIVE      DRIVE: of mapless simulate, VLP-16
+"""
+
+import os
+import pathlib
+import random
+import signal
+import struct
+import subprocess
+import sys
+
+LOOPBACK = """<CycloneDDS><Domain><General><Interfaces><NetworkInterface name="lo"/></Interfaces>
+<AllowMulticast>false</AllowMulticast></General><Discovery><ParticipantIndex>auto</ParticipantIndex>
+<Peers><Peer Address="127.0.0.1"/></Peers></Discovery>
+<Internal><SocketReceiveBufferSize max="4MB"/></Internal></Domain></CycloneDDS>"""
+os.environ["CYCLONEDDS_URI"] = LOOPBACK
+DOMAIN = random.SystemRandom().randrange(100, 200)  # other tests may run
+os.environ["ROS_DOMAIN_ID"] = str(DOMAIN)
+
+from cyclonedds.core import Policy, Qos  # noqa: E402
+from cyclonedds.domain import DomainParticipant  # noqa: E402
+from cyclonedds.pub import DataWriter  # noqa: E402
+from cyclonedds.sub import DataReader  # noqa: E402
+from cyclonedds.topic import Topic  # noqa: E402
+from cyclonedds.util import duration  # noqa: E402
+from ros2_types import (  # noqa: E402
+    Detection3DArray,
+    DiagnosticArray,
+    Header,
+    Odometry,
+    PointCloud2,
+    PointField,
+    Quaternion,
+    TFMessage,
+    Time,
+    Transform,
+    TransformStamped,
+    Vector3,
+)
+
+EPOCH_NS = 1_790_000_000_000_000_000
+NS_PER_S = 1_000_000_000
+STEP = 22
+MOVING_CLASS = 251
+RELIABLE = Policy.Reliability.Reliable(duration(milliseconds=100))
+DRIVER = Qos(RELIABLE, Policy.Durability.Volatile, Policy.History.KeepLast(5))
+USER = Qos(RELIABLE, Policy.Durability.Volatile, Policy.History.KeepLast(50))
+STATIC = Qos(RELIABLE, Policy.Durability.TransientLocal, Policy.History.KeepLast(1))
+FIELDS = [("x", 0, 7), ("y", 4, 7), ("z", 8, 7), ("intensity", 12, 7), ("ring", 16, 4), ("time", 18, 7)]
+
+
+def stamp(ns):
+    return Time(sec=ns // NS_PER_S, nanosec=ns % NS_PER_S)
+
+
+def read_scan(drive, k):
+    """Points as the Velodyne driver packs them, and whether each moves in truth."""
+    text, _, data = (drive / "scans" / f"{k:06d}.pcd").read_bytes().partition(b"DATA binary\n")
+    header = dict(line.split(" ", 1) for line in text.decode().splitlines() if " " in line)
+    assert header["FIELDS"] == "x y z t code intensity", header["FIELDS"]
+    width = int(header["WIDTH"])  # columns; a row is a laser
+    labels = (drive / "labels" / f"{k:06d}.label").read_bytes()
+    points, moving = bytearray(), []
+    for i, (x, y, z, t, code, _) in enumerate(struct.iter_unpack("<fffIBB", data)):
+        if code != 0 or i % 2:  # no return, or left out: 200 kB fit into the default buffer of a socket
+            continue
+        points += struct.pack("<ffffHf", x, y, z, 1.0, i // width, t * 1e-9)
+        moving.append(struct.unpack_from("<I", labels, 4 * i)[0] & 0xFFFF == MOVING_CLASS)
+    return bytes(points), moving
+
+
+def cloud_of(points, ns):
+    return PointCloud2(
+        header=Header(stamp(ns), "lidar"),
+        height=1,
+        width=len(points) // STEP,
+        fields=[PointField(name, offset, kind, 1) for name, offset, kind in FIELDS],
+        is_bigendian=False,
+        point_step=STEP,
+        row_step=len(points),
+        data=points,
+        is_dense=True,
+    )
+
+
+def poses_of(drive):
+    """TUM rows: time, position, orientation of the sensor in the world."""
+    for line in (drive / "trajectory.txt").read_text().splitlines():
+        if line.startswith("#"):
+            continue
+        t, *numbers = (float(word) for word in line.split())
+        yield EPOCH_NS + round(t * NS_PER_S), numbers
+
+
+def transform(parent, child, ns, numbers):
+    x, y, z, qx, qy, qz, qw = numbers
+    motion = Transform(Vector3(x, y, z), Quaternion(qx, qy, qz, qw))
+    return TransformStamped(Header(stamp(ns), parent), child, motion)
+
+
+def stamp_of(message):
+    return message.header.stamp.sec * NS_PER_S + message.header.stamp.nanosec
+
+
+class Client:
+    def __init__(self):
+        self.participant = DomainParticipant(DOMAIN)
+        self.points = self.writer("points", PointCloud2, DRIVER)
+        self.tf = self.writer("tf", TFMessage, DRIVER)
+        self.tf_static = self.writer("tf_static", TFMessage, STATIC)
+        names = {"points_labelled": PointCloud2, "points_static": PointCloud2, "points_moving": PointCloud2}
+        names |= {"objects": Detection3DArray, "odometry": Odometry, "diagnostics": DiagnosticArray}
+        self.readers = {
+            name: DataReader(self.participant, Topic(self.participant, f"rt/{name}", kind), qos=USER)
+            for name, kind in names.items()
+        }
+        self.received = {name: [] for name in names}
+
+    def writer(self, name, kind, qos):
+        return DataWriter(self.participant, Topic(self.participant, f"rt/{name}", kind), qos=qos)
+
+    def collect(self, milliseconds):
+        """What has come, at once where labels have come, else after so long."""
+        for message in self.readers["points_labelled"].take_iter(timeout=duration(milliseconds=milliseconds)):
+            self.received["points_labelled"].append(message)
+            break
+        for name, reader in self.readers.items():
+            self.received[name] += [m for m in reader.take(N=50) if hasattr(m, "header")]
+
+    def wait_for_node(self):
+        for _ in range(300):
+            if self.points.get_matched_subscriptions() and self.readers["points_labelled"].get_matched_publications():
+                return
+            self.collect(100)
+        sys.exit("mapless live was not found within 30 s")
+
+
+def check_labels(received, truth):
+    found = {True: [0, 0], False: [0, 0]}
+    for message in received:
+        names = [field.name for field in message.fields]
+        assert names == [*(name for name, _, _ in FIELDS), "object_id", "moving"], names
+        points, moving = truth[stamp_of(message)]
+        data, step = bytes(message.data), message.point_step
+        assert message.width == len(moving) and len(data) == step * message.width
+        for i, is_moving in enumerate(moving):
+            point = data[i * step : (i + 1) * step]
+            assert point[:STEP] == points[i * STEP : (i + 1) * STEP], "a field has changed on its way"
+            assert (point[28] == 1) == (struct.unpack_from("<I", point, 24)[0] != 0)
+            found[is_moving][point[28] == 1] += 1
+    recall = found[True][1] / sum(found[True])
+    precision = found[True][1] / (found[True][1] + found[False][1])
+    print(f"{len(received)} labelled clouds, precision {precision:.3f}, recall {recall:.3f}")
+    assert precision > 0.7 and recall > 0.5
+
+
+def run(client, drive, own_odometry):
+    count = len(list((drive / "scans").iterdir()))
+    truth = {}
+    if not own_odometry:
+        client.tf_static.write(TFMessage([transform("base_link", "lidar", EPOCH_NS, (0, 0, 0, 0, 0, 0, 1))]))
+        for ns, numbers in poses_of(drive):
+            client.tf.write(TFMessage([transform("odom", "base_link", ns, numbers)]))
+            client.collect(1)
+    for k in range(count):
+        points, moving = read_scan(drive, k)
+        ns = EPOCH_NS + k * NS_PER_S // 10
+        truth[ns] = points, moving
+        client.points.write(cloud_of(points, ns))
+        client.collect(100)
+    for _ in range(100):
+        if len(client.received["points_labelled"]) >= count - 3:
+            break
+        client.collect(100)
+    check_labels(client.received["points_labelled"], truth)
+    assert len(client.received["points_labelled"]) >= count - 3
+    assert len(client.received["objects"]) >= count - 3
+    assert any(message.detections for message in client.received["objects"])
+    moved = sum(message.width for message in client.received["points_moving"])
+    stood = sum(message.width for message in client.received["points_static"])
+    assert 0 < moved < stood
+    assert bool(client.received["odometry"]) == own_odometry
+    status = client.received["diagnostics"][-1].status[0]
+    values = {value.key: value.value for value in status.values}
+    print(f"diagnostics: {status.message}: {values}")
+    assert values["dropped"] == "0", values
+
+
+def main():
+    command, drive = sys.argv[1], pathlib.Path(sys.argv[2])
+    for own_odometry in (False, True):
+        motion = "own" if own_odometry else "tf"
+        node = subprocess.Popen([command, "live", "--sensor", "VLP-16", "--motion", motion])
+        try:
+            client = Client()
+            client.wait_for_node()
+            run(client, drive, own_odometry)
+            node.send_signal(signal.SIGINT)
+            assert node.wait(timeout=30) == 0, "the exit code after SIGINT is not 0"
+        finally:
+            node.kill()
+        print(f"motion {motion}: passed")
+
+
+if __name__ == "__main__":
+    main()
