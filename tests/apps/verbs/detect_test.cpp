@@ -311,6 +311,14 @@ TEST_F(DetectTest, EstimatesATrajectoryThatIsThereWhereAskedTo) {
   EXPECT_EQ(detect({"--odometry", "--stationary", "--overwrite"}).exit_code, 2);
 }
 
+TEST_F(DetectTest, TellsTheOdometryWhatIsKnownOfTheMotion) {
+  const std::string speeds = folder / "speeds.csv";
+  write_file_atomically(speeds, "time_s,speed_m_s\n0.75,30\n");  // 8 m/s in truth
+  EXPECT_EQ(detect({"--odometry", "--speed", speeds}).exit_code, 4);
+  EXPECT_GT(summary()["odometry"]["lost"], 0);
+  expect_error(detect({"--speed", speeds, "--overwrite"}), 2, {"--speed", "--odometry"});
+}
+
 TEST_F(DetectTest, EstimatesAMissingTrajectory) {
   const std::string copy = street_copy();
   fs::remove(copy + "/trajectory.txt");

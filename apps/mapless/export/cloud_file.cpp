@@ -1,0 +1,62 @@
+#include "export/cloud_file.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+
+#include <fmt/format.h>
+
+namespace mapless::app {
+namespace {
+
+static_assert(std::endian::native == std::endian::little);
+
+constexpr double kFloatReach_m = 8192;
+
+bool needs_doubles(const Cloud& cloud) {
+  return std::any_of(cloud.points.begin(), cloud.points.end(),
+                     [](const Eigen::Vector3d& p) { return p.cwiseAbs().maxCoeff() >= kFloatReach_m; });
+}
+
+std::string pcd_header(const Cloud& cloud, bool doubles) {
+  std::string fields = "x y z", sizes = doubles ? "8 8 8" : "4 4 4", types = "F F F", counts = "1 1 1";
+  for (const CloudColumn& column : cloud.columns) {
+    fields += fmt::format(" {}", column.name);
+    sizes += " 4";
+    types += " U";
+    counts += " 1";
+  }
+  return fmt::format(
+      "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS {}\nSIZE {}\nTYPE {}\nCOUNT {}\n"
+      "WIDTH {}\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS {}\nDATA binary\n",
+      fields, sizes, types, counts, cloud.points.size(), cloud.points.size());
+}
+
+std::string ply_header(const Cloud& cloud, bool doubles) {
+  std::string out =
+      fmt::format("ply\nformat binary_little_endian 1.0\nelement vertex {}\n", cloud.points.size());
+  for (const char axis : {'x', 'y', 'z'})
+    out += fmt::format("property {} {}\n", doubles ? "double" : "float", axis);
+  for (const CloudColumn& column : cloud.columns) out += fmt::format("property uint {}\n", column.name);
+  return out + "end_header\n";
+}
+
+template <class Number>
+void append(std::string& out, Number value) {
+  out.append(reinterpret_cast<const char*>(&value), sizeof value);
+}
+
+}  // namespace
+
+std::string cloud_file(const Cloud& cloud, CloudFormat format) {
+  const bool doubles = needs_doubles(cloud);
+  std::string out = format == CloudFormat::pcd ? pcd_header(cloud, doubles) : ply_header(cloud, doubles);
+  out.reserve(out.size() + cloud.points.size() * ((doubles ? 24 : 12) + 4 * cloud.columns.size()));
+  for (std::size_t i = 0; i < cloud.points.size(); ++i) {
+    for (const double v : cloud.points[i]) doubles ? append(out, v) : append(out, static_cast<float>(v));
+    for (const CloudColumn& column : cloud.columns) append(out, column.values[i]);
+  }
+  return out;
+}
+
+}  // namespace mapless::app

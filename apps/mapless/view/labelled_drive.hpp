@@ -1,0 +1,64 @@
+#pragma once
+
+/// @file
+/// Folder view: a recording and a result of mapless detect, read together, as the page of `mapless view` and
+/// the files of `mapless export` show them. In go a Dataset and a ResultFolder; out come motion-compensated,
+/// labelled points, the bytes of the page, or clouds. Nothing here decides whether a point is dynamic.
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include <mapless/geometry/compensated_scan.hpp>
+#include <mapless/io/dataset.hpp>
+#include <mapless/io/labels.hpp>
+#include <mapless/io/result_folder.hpp>
+#include <mapless/lidar/lidar_scan.hpp>
+#include <mapless/trajectory/trajectory.hpp>
+
+namespace mapless::app {
+
+/// One scan with its labels. `labels`, `truth` and `stages` have one element per input record.
+struct LabelledCloud {
+  std::size_t number = 0;  ///< of the scan in the recording, from 0
+  std::shared_ptr<const LidarScan> scan;
+  SE3 T_0v;            ///< world from sensor at the start of the scan
+  LocalPoints points;  ///< motion-compensated, one per return; world axes, relative to points.origin_0
+  std::vector<std::uint32_t> labels;
+  std::optional<std::vector<std::uint32_t>> truth;
+  std::optional<std::vector<std::uint8_t>> stages;  ///< bit s: dynamic after stage s (detection.hpp)
+};
+
+/// The labelled scans of a recording. Without a result, the true labels of the recording are the labels.
+/// Poses are those of the result, else of the recording, else the sensor is taken to stand.
+class LabelledDrive {
+ public:
+  /// `dataset` outlives the drive. `result` empty: none. Throws InputError for a result that cannot be read,
+  /// ParameterError if there is neither a result nor a true label.
+  LabelledDrive(const Dataset& dataset, const std::filesystem::path& result);
+
+  /// Numbers of the scans that have labels, increasing.
+  [[nodiscard]] const std::vector<std::size_t>& scans() const { return scans_; }
+  /// Throws InputError for files that do not fit the recording. Thread-safe.
+  [[nodiscard]] LabelledCloud read(std::size_t scan) const;
+  /// The objects of the result in one scan, by id; none without a result.
+  [[nodiscard]] const std::vector<ObjectRow>& objects(std::size_t scan) const;
+  [[nodiscard]] const Dataset& dataset() const { return dataset_; }
+  [[nodiscard]] const std::optional<ResultFolder>& result() const { return result_; }
+  /// False where neither the result nor the recording has poses.
+  [[nodiscard]] bool has_poses() const { return has_poses_; }
+
+ private:
+  const Dataset& dataset_;
+  std::optional<ResultFolder> result_;
+  std::vector<std::size_t> scans_;
+  std::shared_ptr<const Trajectory> trajectory_;
+  bool has_poses_ = true;
+  std::map<std::size_t, std::vector<ObjectRow>> objects_;
+};
+
+}  // namespace mapless::app

@@ -1,0 +1,147 @@
+#include "view/scan_block.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <type_traits>
+#include <vector>
+
+#include <zlib.h>
+
+#include <mapless/core/errors.hpp>
+
+namespace mapless::app {
+namespace {
+
+constexpr unsigned kNoTruth = 3;
+
+unsigned class_bits(std::uint32_t label) {
+  switch (motion_of_label(label)) {
+    case MotionTruth::still:
+      return 1;
+    case MotionTruth::moving:
+      return 2;
+    case MotionTruth::unknown:
+      return 0;
+  }
+  return 0;
+}
+
+// Differences modulo 2^bits, zigzag coded: small of either sign become small. Low bytes first.
+template <class Unsigned>
+void append_planes(std::string& out, const std::vector<Unsigned>& values) {
+  using Signed = std::make_signed_t<Unsigned>;
+  std::vector<Unsigned> coded(values.size());
+  Unsigned before = 0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const auto difference = static_cast<Signed>(static_cast<Unsigned>(values[i] - before));
+    const Unsigned sign = difference < 0 ? std::numeric_limits<Unsigned>::max() : Unsigned{0};
+    coded[i] = static_cast<Unsigned>(static_cast<Unsigned>(static_cast<Unsigned>(difference) << 1U) ^ sign);
+    before = values[i];
+  }
+  for (unsigned shift = 0; shift < 8 * sizeof(Unsigned); shift += 8) {
+    for (const Unsigned c : coded) out.push_back(static_cast<char>((c >> shift) & 0xFFU));
+  }
+}
+
+double step_of(const LocalPoints& points) {
+  float farthest = 0;
+  // Turning the axes keeps the norm, so every coordinate is within it.
+  for (const Eigen::Vector3f& p : points.points) farthest = std::max(farthest, p.norm());
+  return std::max(kCoordinateStep_m, 1.001 * farthest / std::numeric_limits<std::int16_t>::max());
+}
+
+void append_coordinates(std::string& out, const LocalPoints& points, const Eigen::Matrix3d& R_page_world,
+                        double step_m) {
+  const Eigen::Matrix3f R = (R_page_world / step_m).cast<float>();
+  std::array<std::vector<std::uint16_t>, 3> axes;
+  for (auto& axis : axes) axis.reserve(points.points.size());
+  for (const Eigen::Vector3f& p : points.points) {
+    const Eigen::Vector3f steps = R * p;
+    for (std::size_t a = 0; a < 3; ++a) {
+      const auto whole = static_cast<std::int16_t>(std::lround(steps[static_cast<Eigen::Index>(a)]));
+      axes.at(a).push_back(static_cast<std::uint16_t>(whole));
+    }
+  }
+  for (const auto& axis : axes) append_planes(out, axis);
+}
+
+void append_labels(std::string& out, ScanBlock& block, const LabelledCloud& cloud) {
+  const auto& returns = cloud.scan->returns;
+  std::vector<std::uint16_t> objects;
+  objects.reserve(returns.size());
+  for (const LidarReturn& r : returns) {
+    const std::uint32_t label = cloud.labels[r.input_index];
+    const unsigned found = class_bits(label);
+    const unsigned truth = cloud.truth ? class_bits((*cloud.truth)[r.input_index]) : kNoTruth;
+    block.dynamic += found == 2 ? 1U : 0U;
+    block.hits += found == 2 && truth == 2 ? 1U : 0U;
+    block.false_positives += found == 2 && truth == 1 ? 1U : 0U;
+    block.missed += found != 2 && truth == 2 ? 1U : 0U;
+    out.push_back(static_cast<char>(found | truth << 2U));
+    objects.push_back(static_cast<std::uint16_t>(label >> 16U));
+  }
+  append_planes(out, objects);
+}
+
+}  // namespace
+
+ScanBlock encode_scan(const LabelledCloud& cloud, const Eigen::Matrix3d& R_page_world, bool with_stages) {
+  const LidarScan& scan = *cloud.scan;
+  ScanBlock block;
+  block.points = scan.returns.size();
+  block.step_m = step_of(cloud.points);
+  std::vector<std::uint32_t> of_laser(static_cast<std::size_t>(scan.rows())), records;
+  std::vector<std::uint16_t> columns;
+  for (const LidarReturn& r : scan.returns) {
+    ++of_laser[static_cast<std::size_t>(r.laser)];
+    columns.push_back(static_cast<std::uint16_t>(r.column));
+    records.push_back(r.input_index);
+  }
+  std::string raw;
+  append_planes(raw, of_laser);
+  append_coordinates(raw, cloud.points, R_page_world, block.step_m);
+  append_planes(raw, columns);
+  append_planes(raw, records);
+  append_labels(raw, block, cloud);
+  if (with_stages) {
+    for (const LidarReturn& r : scan.returns)
+      raw.push_back(cloud.stages ? static_cast<char>((*cloud.stages)[r.input_index]) : '\0');
+  }
+  block.bytes = compress_zlib(raw);
+  return block;
+}
+
+std::string compress_zlib(const std::string& bytes) {
+  uLongf size = compressBound(static_cast<uLong>(bytes.size()));
+  std::string out(size, '\0');
+  // Level 6: level 9 takes four times as long for 1 % fewer bytes.
+  const int outcome =
+      compress2(reinterpret_cast<Bytef*>(out.data()), &size, reinterpret_cast<const Bytef*>(bytes.data()),
+                static_cast<uLong>(bytes.size()), 6);
+  if (outcome != Z_OK) throw Error({"", "", "", "not enough memory to compress a scan", "close programs"});
+  out.resize(size);
+  return out;
+}
+
+std::string base64(const std::string& bytes) {
+  static constexpr std::string_view kDigits =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string out;
+  out.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    const auto byte = [&](std::size_t k) {
+      return k < bytes.size() ? static_cast<std::uint32_t>(static_cast<unsigned char>(bytes[k])) : 0U;
+    };
+    const std::uint32_t three = byte(i) << 16U | byte(i + 1) << 8U | byte(i + 2);
+    out.push_back(kDigits[three >> 18U]);
+    out.push_back(kDigits[three >> 12U & 63U]);
+    out.push_back(i + 1 < bytes.size() ? kDigits[three >> 6U & 63U] : '=');
+    out.push_back(i + 2 < bytes.size() ? kDigits[three & 63U] : '=');
+  }
+  return out;
+}
+
+}  // namespace mapless::app

@@ -1,0 +1,71 @@
+#include "export/cloud_file.hpp"
+
+#include <cstring>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "export/voxel_map.hpp"
+#include <mapless/core/errors.hpp>
+
+namespace mapless::app {
+namespace MAPLESS_FILE {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+template <class Number>
+Number number_at(const std::string& bytes, std::size_t at) {
+  Number out;
+  std::memcpy(&out, bytes.data() + at, sizeof out);
+  return out;
+}
+
+std::size_t data_of(const std::string& bytes, const std::string& last_header_line) {
+  return bytes.find(last_header_line) + last_header_line.size();
+}
+
+TEST(CloudFile, PcdHasFloatsAndColumns) {
+  const Cloud cloud{{{1, 2, 3}, {-4, 5.5, 6}}, {{"label", {9, 251}}}};
+  const std::string bytes = cloud_file(cloud, CloudFormat::pcd);
+  EXPECT_THAT(bytes, HasSubstr("FIELDS x y z label\nSIZE 4 4 4 4\nTYPE F F F U\nCOUNT 1 1 1 1\nWIDTH 2\n"));
+  const std::size_t data = data_of(bytes, "DATA binary\n");
+  ASSERT_EQ(bytes.size(), data + 2 * 16);
+  EXPECT_EQ(number_at<float>(bytes, data + 16), -4);
+  EXPECT_EQ(number_at<float>(bytes, data + 20), 5.5F);
+  EXPECT_EQ(number_at<std::uint32_t>(bytes, data + 28), 251U);
+}
+
+TEST(CloudFile, FarCoordinatesAreDoublesInPlyAsInPcd) {
+  const double east_m = 458000.1234;
+  const Cloud cloud{{{east_m, 0, 0}}, {{"points", {7}}}};
+  const std::string ply = cloud_file(cloud, CloudFormat::ply);
+  EXPECT_THAT(ply, HasSubstr("element vertex 1\nproperty double x\n"));
+  const std::size_t data = data_of(ply, "end_header\n");
+  ASSERT_EQ(ply.size(), data + 28);
+  EXPECT_EQ(number_at<double>(ply, data), east_m);
+  EXPECT_EQ(number_at<std::uint32_t>(ply, data + 24), 7U);
+  EXPECT_THAT(cloud_file(cloud, CloudFormat::pcd), HasSubstr("SIZE 8 8 8 4\n"));
+}
+
+TEST(VoxelMap, HasTheMeanOfEachVoxel) {
+  VoxelMap map(1.0);  // voxels begin at the first point
+  map.add({10, 0, 0});
+  map.add({10.5, 0.5, 0});
+  map.add({9.5, 0, 0});
+  map.add({10.25, 0.25, 0.75});
+  const Cloud cloud = map.cloud();
+  ASSERT_EQ(cloud.points.size(), 2U);
+  EXPECT_TRUE(cloud.points[0].isApprox(Eigen::Vector3d(10.25, 0.25, 0.25)));
+  EXPECT_TRUE(cloud.points[1].isApprox(Eigen::Vector3d(9.5, 0, 0)));
+  EXPECT_THAT(cloud.columns.front().values, ElementsAre(3, 1));
+}
+
+TEST(VoxelMap, RefusesAPointBeyondItsKeys) {
+  VoxelMap map(0.001);
+  map.add({0, 0, 0});
+  EXPECT_THROW(map.add({2000, 0, 0}), InputError);
+}
+
+}  // namespace MAPLESS_FILE
+}  // namespace mapless::app
