@@ -1,0 +1,1 @@
+"""What the engines need beside `mapless batch run --index`."""
