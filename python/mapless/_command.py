@@ -20,6 +20,14 @@ def run(arguments: list[str]) -> int:
 
 
 def main() -> None:
+    if sys.argv[1:2] == ["batch"]:
+        from mapless.batch.command import main as batch
+
+        sys.exit(batch(sys.argv[2:]))
+    if sys.argv[1:2] == ["evaluate"] and "--protocol" in sys.argv:
+        from mapless.protocols import main as evaluate_protocol
+
+        sys.exit(evaluate_protocol(sys.argv[2:]))
     # Python would notice Ctrl-C only once the command has ended.
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     sys.exit(run(sys.argv[1:]))

@@ -28,6 +28,9 @@ RANGE_SAMPLES = 2000
 # Floating times of the Unix epoch, 1973 to 5138, by the unit they must have: 1e11 s is far in the future, and 1e11 ms
 # in the past.
 EPOCH_UNITS: tuple[tuple[float, TimeUnit], ...] = ((1e17, "ns"), (1e14, "us"), (1e11, "ms"))
+# Between the first and the last point of a scan, which lasts a few hundredths of a second to half a second: what is
+# more than so much is in the unit beside it. A scan of 10 ms in us and one of 10 s in ms are both 1e4; neither is.
+SPAN_UNITS: tuple[tuple[float, TimeUnit], ...] = ((1e6, "ns"), (2e3, "us"), (5.0, "ms"))
 
 
 @dataclasses.dataclass
@@ -91,14 +94,15 @@ def fields_of(
 
 
 def unit_of(time: Array) -> TimeUnit:
-    """Integers are nanoseconds; floating numbers seconds, unless they are times of the Unix epoch in another unit."""
+    """Integers are nanoseconds; floating numbers seconds, unless they are of the Unix epoch or last too long for it."""
     if time.dtype.kind != "f":
         return "ns"
     finite = time[np.isfinite(time)]
     if finite.size == 0:
         return "s"
-    least = float(finite.min())
-    return next((unit for bound, unit in EPOCH_UNITS if least >= bound), "s")
+    least, span = float(finite.min()), float(finite.max()) - float(finite.min())
+    since_start: TimeUnit = next((unit for bound, unit in SPAN_UNITS if span >= bound), "s")
+    return next((unit for bound, unit in EPOCH_UNITS if least >= bound), since_start)
 
 
 def first_name(names: Sequence[str], wanted: Sequence[str]) -> str | None:

@@ -34,8 +34,10 @@ def open(
 def open_in_python(path: str, format: str, sensor: str, given: Mapping[str, str]) -> _core.Recording | None:
     """None: no format that Python reads. `given`: options of the readers by flag."""
     options = Options(sensor=sensor, **{FIELDS[flag]: text for flag, text in given.items()})
+    if not format and options.columns is not None and not any(pathlib.Path(path).glob("*.npy")):
+        format = "bin"
     for reader in READERS:
         if format in reader.formats or (not format and reader.fits(pathlib.Path(path))):
-            source = reader.open(pathlib.Path(path), options)
+            source = reader.open(pathlib.Path(path), options, format)
             return _core.recording_of(source, sensor or source.sensor)
     return None

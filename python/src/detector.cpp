@@ -108,6 +108,13 @@ void bind_found(nb::module_& m) {
       .def_prop_ro(
           "trajectory", [](const FoundScan& f) { return TrajectoryHandle{f.trajectory}; },
           "the motion of the sensor, during the scan too")
+      .def_prop_ro(
+          "motion_state", [](const FoundScan& f) { return std::string(name_of(f.motion_state)); },
+          "how far the motion can be relied on: good, degenerate (a direction is uncertain), or lost (no "
+          "motion;\n"
+          "every label is 0)",
+          nb::for_getter(
+              nb::sig("def motion_state(self, /) -> typing.Literal['good', 'degenerate', 'lost']")))
       .def_ro("trouble", &FoundScan::trouble, "what limits the estimate of the motion; empty: nothing");
 }
 

@@ -104,6 +104,9 @@ void bind_recordings(nb::module_& m) {
           nb::arg("k"), nb::sig("def labels(self, k: int) -> numpy.typing.NDArray[numpy.uint32] | None"))
       .def("read", read_scan, nb::arg("k"));
   m.def("open_folder", open_folder, nb::arg("path"), nb::arg("format") = "", nb::arg("sensor") = "");
+  m.def(
+      "recognised_formats", [](const std::string& path) { return recognised_formats(path); }, nb::arg("path"),
+      "Names of the formats of the C++ library whose files the folder holds, found by their names alone.");
   m.def("recording_of", recording_of, nb::arg("source"), nb::arg("sensor") = "",
         "A recording that Python reads: `source` has the members of mapless.CloudSource.");
 }

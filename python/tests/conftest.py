@@ -2,7 +2,6 @@
 
 import pathlib
 
-import numpy as np
 import pytest
 
 import mapless
@@ -32,11 +31,7 @@ def native_result(drive, tmp_path_factory) -> mapless.Result:
     return mapless.detect(drive, tmp_path_factory.mktemp("result") / "out", odometry=True)
 
 
-def compact(scan: mapless.Scan) -> np.ndarray:
-    """The returns of a scan as a driver publishes them: rows without a return left out."""
-    return np.isfinite(scan.points).all(axis=1)
-
-
-def iou(a: np.ndarray, b: np.ndarray) -> float:
-    either = (a | b).sum()
-    return float((a & b).sum() / either) if either else 1.0
+@pytest.fixture(scope="session")
+def posed_result(drive, tmp_path_factory) -> mapless.Result:
+    """Labels of the native recording by the command, with its poses."""
+    return mapless.detect(drive, tmp_path_factory.mktemp("posed") / "out")

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import mapless
-from conftest import compact, iou
+from comparison import compact, iou
 
 rosbags = pytest.importorskip("rosbags")
 from rosbags.rosbag1 import Writer as Writer1  # noqa: E402

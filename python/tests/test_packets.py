@@ -105,6 +105,7 @@ def test_a_missing_package_is_named_with_the_command_that_installs_it(tmp_path, 
         ("mrpt_velodyne/sample_velodyne_hdl32.pcap", "velodyne_decoder", 32, 3),
         ("mrpt_velodyne/sample_velodyne_vlp16_gps.pcap", "velodyne_decoder", 16, 4),
         ("nebula/velodyne_vlp32/1713492677464078412", "velodyne_decoder", 32, 5),
+        ("nebula/velodyne_vls128/*/*.db3", "velodyne_decoder", 128, 4),  # its metadata.yaml is not complete
         ("ouster_sdk/OS-1-128_v2.3.0_1024x10_lb_n3.pcap", "ouster.sdk", 128, 3),
     ],
 )
@@ -116,5 +117,13 @@ def test_real_captures_run_end_to_end(name, package, lasers, scans, tmp_path):
     assert recording[1].ring.max() == lasers - 1
     survey = mapless._verbs.run_verb("info", str(path))
     assert "cannot be read" not in survey
+    if recording.format == "ouster":
+        assert recording.sensor == path.stem.removesuffix("_lb_n3")  # its beams are those of the metadata
     result = mapless.detect(path, tmp_path / "out")
     assert [len(result.label(k)) for k in result.scans] == [len(scan) for scan in recording]
+
+
+def test_a_bag_with_incomplete_metadata_is_refused_with_the_way_out():
+    pytest.importorskip("rosbags")
+    with pytest.raises(mapless.InputError, match="or give one of its files: 1614315746471294674_0.db3"):
+        mapless.open(real("nebula/velodyne_vls128/*/metadata.yaml").parent)

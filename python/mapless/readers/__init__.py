@@ -2,7 +2,7 @@
 
 formats: tuple[str, ...]                       names for --format
 fits(path) -> bool                             whether `path` looks like one of them, by its name or first bytes
-open(path, options) -> mapless.CloudSource     raises InputError
+open(path, options, format) -> CloudSource     `format`: one of them, or ""; raises InputError
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ import pathlib
 from typing import Protocol
 
 from mapless._recording import CloudSource
-from mapless.readers import bags, packets
+from mapless.readers import argoverse2, bags, boreas, helimos, helipr, nuscenes, packets, point_folders
 from mapless.readers.options import FIELDS, OPTIONS, Options
 
 __all__ = ["FIELDS", "OPTIONS", "READERS", "Options", "Reader"]
@@ -23,7 +23,16 @@ class Reader(Protocol):
 
     def fits(self, path: pathlib.Path) -> bool: ...
 
-    def open(self, path: pathlib.Path, options: Options) -> CloudSource: ...
+    def open(self, path: pathlib.Path, options: Options, format: str = "") -> CloudSource: ...
 
 
-READERS: tuple[Reader, ...] = (bags.BagReader(), packets.PacketReader())
+READERS: tuple[Reader, ...] = (
+    bags.BagReader(),
+    packets.PacketReader(),
+    argoverse2.ArgoverseReader(),
+    boreas.BoreasReader(),
+    helipr.HeliprReader(),
+    nuscenes.NuScenesReader(),
+    helimos.HelimosReader(),
+    point_folders.PointFolderReader(),
+)

@@ -51,7 +51,9 @@ def open_reader(path: pathlib.Path) -> Any:
         reader = AnyReader(paths, default_typestore=store)
         reader.open()
     except (AnyReaderError, OSError, ValueError, AssertionError, KeyError) as error:
-        raise InputError(f"{path}: not a complete bag: {error}; 'ros2 bag reindex' may repair it") from None
+        parts = sorted(file.name for file in path.glob("*") if file.suffix in (".db3", ".mcap"))
+        instead = f", or give one of its files: {', '.join(parts)}" if parts else ""
+        raise InputError(f"{path}: not a complete bag: {error}; 'ros2 bag reindex' may repair it{instead}") from None
     return reader
 
 
@@ -157,5 +159,5 @@ class BagReader:
             return (path / "metadata.yaml").exists() or any(path.glob("*.bag"))
         return path.is_file() and path.suffix in SUFFIXES
 
-    def open(self, path: pathlib.Path, options: Options) -> CloudSource:
+    def open(self, path: pathlib.Path, options: Options, format: str = "") -> CloudSource:
         return Bag(path, options)

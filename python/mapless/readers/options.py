@@ -7,6 +7,10 @@ import dataclasses
 OPTIONS = {
     "--topic": "topic of the clouds in a bag; not needed where there is one",
     "--meta": "metadata (JSON) of an Ouster capture; not needed where it lies beside it with the same name",
+    "--columns": "what a folder of .bin or .npy files has per point, in order: x,y,z,intensity,ring:u2,time:f8 (float32 "
+    "where there is no type)",
+    "--lidar": "which sensor of a recording of several: up_lidar or down_lidar of Argoverse 2, Ouster or Velodyne of HeLiPR",
+    "--scene": "which drive of a data set of several: scene-0061 of nuScenes",
     "--pose-topic": "topic of the odometry, poses or transforms in a bag: its poses in place of own odometry",
     "--world-frame": "with --pose-topic: the frame of the poses; not needed where the transforms have one at the top",
 }
@@ -18,6 +22,9 @@ class Options:
     sensor: str = ""
     topic: str | None = None
     meta: str | None = None
+    columns: str | None = None
+    lidar: str | None = None
+    scene: str | None = None
     pose_topic: str | None = None
     world_frame: str | None = None
 

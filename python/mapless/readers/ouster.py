@@ -49,6 +49,9 @@ class OusterCapture(CloudSource):
         self.starts_ns = [fields.stamp_ns for fields in self._decoded()]
         if not self.starts_ns:
             raise InputError(f"{path}: no complete scan of an Ouster sensor; does {metadata} belong to it?")
+        # Metadata of sensors with fewer beams than rows have made-up angles, 0 each; their beams are recovered.
+        if metadata is not None and self._beams_are_known:
+            self.sensor = str(metadata)
         self.notes = [
             f"scans: of an {self._product}, decoded by ouster-sdk"
             + ("" if metadata is None else f" with the metadata {metadata}"),
@@ -73,6 +76,7 @@ class OusterCapture(CloudSource):
     def _fields(self, frame: Any) -> Fields:
         info = frame.sensor_info
         self._product = info.prod_line
+        self._beams_are_known = len(set(info.beam_altitude_angles)) == len(info.beam_altitude_angles)
         valid = (np.asarray(frame.status) & 1).astype(bool)
         times_ns = column_times_ns(np.asarray(frame.timestamp), valid)
         ranges = np.where(valid, frame.field("RANGE"), 0)

@@ -78,7 +78,7 @@ class PacketReader:
     def fits(self, path: pathlib.Path) -> bool:
         return path.is_file() and path.suffix.lower() in (*SUFFIXES, ".osf")
 
-    def open(self, path: pathlib.Path, options: Options) -> CloudSource:
+    def open(self, path: pathlib.Path, options: Options, format: str = "") -> CloudSource:
         from mapless.readers import ouster, velodyne
 
         if not path.is_file():

@@ -9,7 +9,7 @@ from typing import Generic, TypeVar
 
 T = TypeVar("T")
 
-# Readers in several threads ask a few scans out of order: so many are kept, that none of them starts again.
+# Threads that read ahead ask for scans slightly out of order. With this many scans kept, none has to be decoded again.
 KEPT_SCANS = 8
 
 

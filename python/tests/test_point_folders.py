@@ -1,0 +1,157 @@
+"""Plain folders of points: .bin with named columns, .npy, .ply, .las."""
+
+import numpy as np
+import pytest
+
+import mapless
+from comparison import compact, iou
+
+XYZIRT = np.dtype([(name, "<f4") for name in ("x", "y", "z", "intensity", "ring", "time")])
+
+
+def rows_of(scan, dtype=XYZIRT):
+    rows = np.zeros(len(scan), dtype)
+    for i, name in enumerate("xyz"):
+        rows[name] = scan.points[:, i]
+    rows["ring"] = scan.ring
+    rows["time"] = np.nan_to_num(scan.time_s)
+    return rows[compact(scan)]
+
+
+def write_bin(path, rows):
+    rows.tofile(path)
+
+
+def write_npy(path, rows):
+    np.save(path, np.column_stack([rows[name] for name in rows.dtype.names]))
+
+
+def write_structured_npy(path, rows):
+    np.save(path, rows)
+
+
+def write_ply(path, rows):
+    names = {"ring": "scalar_ring", "time": "timestamp"}
+    properties = "".join(f"property float {names.get(name, name)}\n" for name in rows.dtype.names)
+    header = f"ply\nformat binary_little_endian 1.0\nelement vertex {len(rows)}\n{properties}end_header\n"
+    path.write_bytes(header.encode() + rows.tobytes())
+
+
+def write_ascii_ply(path, rows):
+    header = f"ply\nformat ascii 1.0\nelement vertex {len(rows)}\n"
+    header += "".join(f"property double {name}\n" for name in rows.dtype.names) + "end_header\n"
+    lines = [" ".join(f"{number:.9g}" for number in row) for row in rows.tolist()]
+    path.write_text(header + "\n".join(lines) + "\n")
+
+
+def write_las(path, rows):
+    laspy = pytest.importorskip("laspy")
+    las = laspy.create(point_format=0, file_version="1.2")
+    las.header.scales = [1e-5] * 3
+    for name in ("ring", "time"):
+        las.add_extra_dim(laspy.ExtraBytesParams(name=name, type=np.float32))
+        las[name] = rows[name]
+    las.x, las.y, las.z = rows["x"], rows["y"], rows["z"]
+    las.write(str(path))
+
+
+def folder_of(scans, tmp_path, suffix, write, name=lambda k, scan: f"{k:06d}", times=True):
+    folder = tmp_path / "drive"
+    folder.mkdir()
+    for k, scan in enumerate(scans):
+        write(folder / f"{name(k, scan)}{suffix}", rows_of(scan))
+    if times:
+        (folder / "times.txt").write_text("".join(f"{scan.stamp_ns * 1e-9:.9f}\n" for scan in scans))
+    return folder
+
+
+@pytest.mark.parametrize(
+    ("suffix", "write", "columns"),
+    [
+        (".bin", write_bin, "x,y,z,intensity,ring,time"),
+        (".npy", write_npy, "x,y,z,intensity,ring,time"),
+        (".npy", write_structured_npy, None),
+        (".ply", write_ply, None),
+        (".ply", write_ascii_ply, None),
+        (".las", write_las, None),
+    ],
+)
+def test_scans_of_a_folder_are_those_written(suffix, write, columns, scans, tmp_path):
+    folder = folder_of(scans[:3], tmp_path, suffix, write)
+    recording = mapless.open(folder, sensor="VLP-16", columns=columns)
+    assert (recording.format, len(recording)) == (suffix[1:], 3)
+    for found, scan in zip(recording, scans[:3], strict=True):
+        kept = compact(scan)
+        np.testing.assert_allclose(found.points, scan.points[kept], atol=2e-5)
+        np.testing.assert_array_equal(found.ring, scan.ring[kept])
+        offset_s = (found.stamp_ns - scan.stamp_ns) * 1e-9
+        np.testing.assert_allclose(found.time_s + offset_s, scan.time_s[kept], atol=2e-8)
+
+
+def test_a_folder_gives_the_labels_of_the_native_recording(scans, native_result, tmp_path):
+    folder = folder_of(scans, tmp_path, ".bin", write_bin)
+    result = mapless.detect(folder, tmp_path / "out", sensor="VLP-16", columns="x,y,z,intensity,ring,time")
+    found = np.concatenate([result.moving(k) for k in result.scans])
+    expected = np.concatenate([native_result.moving(k)[compact(scans[k])] for k in result.scans])
+    assert iou(found, expected) > 0.97  # a folder has no rays without a return
+
+
+def test_times_of_scans_come_from_names_or_absolute_times(scans, tmp_path):
+    def epoch_name(k, scan):
+        return str(1_790_000_000_000_000_000 + scan.stamp_ns)
+
+    folder = folder_of(scans[:2], tmp_path, ".npy", write_structured_npy, name=epoch_name, times=False)
+    first, second = mapless.open(folder, sensor="VLP-16")
+    assert second.stamp_ns - first.stamp_ns == pytest.approx(scans[1].stamp_ns - scans[0].stamp_ns, abs=100_000)
+    assert first.stamp_ns >= 1_790_000_000_000_000_000
+
+
+def test_a_folder_without_any_time_of_scans_is_refused(scans, tmp_path):
+    folder = folder_of(scans[:2], tmp_path, ".npy", write_structured_npy, times=False)
+    with pytest.raises(mapless.InputError, match="no time of each scan: put a times.txt"):
+        mapless.open(folder, sensor="VLP-16")
+
+
+def test_five_floats_a_point_in_a_folder_of_kitti_are_refused_with_the_remedy(scans, tmp_path):
+    five = np.dtype([(name, "<f4") for name in ("x", "y", "z", "intensity", "ring")])
+    sequence = tmp_path / "00"
+    (sequence / "velodyne").mkdir(parents=True)
+    for k, scan in enumerate(scans[:2]):
+        rows = rows_of(scan)[list(five.names)].astype(five)
+        rows[: len(rows) // 4 * 4].tofile(sequence / "velodyne" / f"{k:06d}.bin")  # a multiple of 16 bytes too
+    (sequence / "times.txt").write_text("0.0\n0.1\n")
+    with pytest.raises(mapless.InputError, match="five floats a point.*--columns x,y,z,intensity,ring"):
+        mapless.open(sequence)
+    recording = mapless.open(sequence, columns="x,y,z,intensity,ring", sensor="VLP-16")
+    np.testing.assert_array_equal(recording[0].ring[:100], scans[0].ring[compact(scans[0])][:100])
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({}, "name their columns, as --columns x,y,z,intensity,ring,time"),
+        ({"columns": "x,y,z,ring,ring"}, "ring is there 2 times"),
+        ({"columns": "x,y,intensity"}, "z is there 0 times"),
+        ({"columns": "x,y,z,ring:u3"}, "'ring:u3': expected a name, or name:type"),
+        ({"columns": "x,y,z,i,j,k,l"}, "not whole points of 28 bytes"),
+    ],
+)
+def test_wrong_columns_are_named(options, message, scans, tmp_path):
+    folder = folder_of(scans[:1], tmp_path, ".bin", lambda path, rows: rows[:50].tofile(path))
+    with pytest.raises(mapless.InputError, match=message):
+        mapless.open(folder, **options)
+
+
+@pytest.mark.parametrize(
+    ("data", "message"),
+    [
+        (b"plywood", "no header"),
+        (b"ply\nformat ascii 1.0\nelement face 1\nelement vertex 1\nend_header\n", "expected the element vertex first"),
+        (b"ply\nformat binary_little_endian 1.0\nelement vertex 9\nproperty float x\nend_header\nabcdefgh", "2 of 9"),
+        (b"ply\nformat ascii 1.0\nelement vertex 1\nproperty list uchar int a\nend_header\n", "expected a number"),
+    ],
+)
+def test_damaged_ply_files_are_named(data, message, tmp_path):
+    (tmp_path / "0.ply").write_bytes(data)
+    with pytest.raises(mapless.InputError, match=message):
+        mapless.open(tmp_path)

@@ -1,0 +1,149 @@
+"""What drivers do to clouds without a word: each is handled, or refused with the reason."""
+
+import numpy as np
+import pytest
+
+import mapless
+from comparison import compact, iou
+
+DTYPE = np.dtype([("x", "f4"), ("y", "f4"), ("z", "f4"), ("ring", "u2"), ("time", "f4"), ("scan", "i4"), ("row", "i4")])
+
+
+def cloud_of(scans, k):
+    """The returns of a scan with their times since its stamp, and where each came from."""
+    scan = scans[k]
+    cloud = np.zeros(len(scan), DTYPE)
+    for i, name in enumerate("xyz"):
+        cloud[name] = scan.points[:, i]
+    cloud["ring"], cloud["scan"], cloud["row"] = scan.ring, k, np.arange(len(scan))
+    cloud["time"] = np.nan_to_num(scan.time_s)
+    return cloud[compact(scan)]
+
+
+def moving_of(clouds, stamps_ns):
+    """Whether each point moves, of all clouds in one array."""
+    detector = mapless.OnlineDetector("VLP-16")
+    found = [f for cloud, ns in zip(clouds, stamps_ns, strict=True) for f in detector.push(cloud, stamp_ns=ns)]
+    found += detector.flush()
+    assert [len(f.moving) for f in found] == [len(cloud) for cloud in clouds]
+    return np.concatenate([f.moving for f in found])
+
+
+@pytest.fixture(scope="module")
+def usual(scans):
+    """The clouds of a driver that does everything right, their stamps, and what moves by scan and row."""
+    clouds = [cloud_of(scans, k) for k in range(len(scans))]
+    stamps_ns = [scan.stamp_ns for scan in scans]
+    return clouds, stamps_ns, by_place(clouds, moving_of(clouds, stamps_ns))
+
+
+def by_place(clouds, moving):
+    points = np.concatenate(clouds)
+    most = int(points["row"].max()) + 1
+    out = np.full((int(points["scan"].max()) + 1, most), -1, np.int8)
+    out[points["scan"], points["row"]] = moving
+    return out
+
+
+def likeness(a, b):
+    both = (a >= 0) & (b >= 0)
+    return iou(a[both] == 1, b[both] == 1)
+
+
+def test_the_stamp_of_the_last_packet_and_negative_times_give_the_same_labels(usual):
+    clouds, stamps_ns, expected = usual
+    shifted = [cloud.copy() for cloud in clouds]
+    for cloud in shifted:
+        cloud["time"] -= np.float32(0.1)
+    found = by_place(shifted, moving_of(shifted, [ns + 100_000_000 for ns in stamps_ns]))
+    assert likeness(found, expected) > 0.99  # float32 rounds the times
+
+
+def test_the_order_of_the_points_does_not_matter(usual):
+    clouds, stamps_ns, expected = usual
+    random = np.random.default_rng(7)
+    shuffled = [cloud[random.permutation(len(cloud))] for cloud in clouds]  # columns of a destaggered image are no instants
+    assert likeness(by_place(shuffled, moving_of(shuffled, stamps_ns)), expected) > 0.99
+
+
+def test_clouds_that_start_within_a_turn_give_nearly_the_same_labels(usual):
+    clouds, stamps_ns, expected = usual
+    halves = [(cloud[cloud["time"] < 0.05], cloud[cloud["time"] >= 0.05]) for cloud in clouds]
+    shifted, starts_ns = [], []
+    for (_, late), (early, _), ns in zip(halves, halves[1:], stamps_ns):
+        early = early.copy()
+        early["time"] += np.float32(0.1)
+        cloud = np.concatenate([late, early])
+        cloud["time"] -= np.float32(0.05)
+        shifted.append(cloud)
+        starts_ns.append(ns + 50_000_000)
+    assert likeness(by_place(shifted, moving_of(shifted, starts_ns)), expected) > 0.85
+
+
+def test_lost_packets_leave_the_labels_of_the_other_points(usual):
+    clouds, stamps_ns, expected = usual
+    lossy = [cloud[(cloud["time"] < 0.02 + 0.005 * k) | (cloud["time"] > 0.025 + 0.005 * k)] for k, cloud in enumerate(clouds)]
+    assert sum(map(len, lossy)) < 0.97 * sum(map(len, clouds))
+    assert likeness(by_place(lossy, moving_of(lossy, stamps_ns)), expected) > 0.9
+
+
+def test_a_second_return_of_a_ray_does_not_change_the_labels_of_the_nearest(usual):
+    clouds, stamps_ns, expected = usual
+    random = np.random.default_rng(8)
+    double, firsts = [], []
+    for cloud in clouds:
+        through = cloud[random.random(len(cloud)) < 0.3]  # leaves, glass: half of the light goes on
+        for axis in "xyz":
+            through[axis] *= np.float32(1.3)
+        double.append(np.concatenate([cloud, through]))
+        firsts.append(np.arange(len(double[-1])) < len(cloud))
+    moving = moving_of(double, stamps_ns)
+    assert likeness(by_place(clouds, moving[np.concatenate(firsts)]), expected) > 0.85
+
+
+def test_times_that_are_all_zero_are_refused_or_recovered(usual):
+    clouds, stamps_ns, expected = usual
+    zero = [cloud.copy() for cloud in clouds]
+    for cloud in zero:
+        cloud["time"] = 0  # as the Velodyne driver leaves them for an HDL-64E
+    with pytest.raises(mapless.InputError, match="all points have it.*leave the times out"):
+        mapless.OnlineDetector("VLP-16").push(zero[0], stamp_ns=stamps_ns[0])
+    without = [cloud[["x", "y", "z", "ring", "scan", "row"]] for cloud in clouds]
+    assert likeness(by_place(without, moving_of(without, stamps_ns)), expected) > 0.9
+
+
+def test_coarse_times_since_boot_are_refused(usual):
+    clouds, stamps_ns, _ = usual
+    cloud = clouds[0].copy()
+    cloud["time"] += np.float32(86_400)
+    with pytest.raises(mapless.InputError, match="cannot tell two columns apart"):
+        mapless.OnlineDetector("VLP-16").push(cloud, stamp_ns=86_400 * 10**9)
+
+
+def test_millimetres_are_refused(usual):
+    clouds, stamps_ns, _ = usual
+    cloud = clouds[0].copy()
+    for axis in "xyz":
+        cloud[axis] *= 1000
+    with pytest.raises(mapless.InputError, match="millimetres"):
+        mapless.OnlineDetector("VLP-16").push(cloud, stamp_ns=stamps_ns[0])
+
+
+def test_a_stamp_twice_is_refused_and_the_detector_goes_on(usual):
+    clouds, stamps_ns, _ = usual
+    detector = mapless.OnlineDetector("VLP-16")
+    detector.push(clouds[0], stamp_ns=stamps_ns[0])
+    with pytest.raises(mapless.InputError, match="start"):
+        detector.push(clouds[0], stamp_ns=stamps_ns[0])
+    detector.push(clouds[1], stamp_ns=stamps_ns[1])
+    assert len(detector.flush()) == 2
+
+
+def test_a_sensor_that_turns_the_other_way_is_recovered(scans):
+    mirrored = [cloud_of(scans, k) for k in range(8)]
+    for cloud in mirrored:
+        cloud["y"] *= -1
+    detector = mapless.OnlineDetector()
+    for cloud, scan in zip(mirrored, scans):
+        detector.push(cloud, stamp_ns=scan.stamp_ns)
+    assert any("counter-clockwise" in note for note in detector.notes)
