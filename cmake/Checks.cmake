@@ -31,7 +31,7 @@ mapless_check(lint.checks ${Python3_EXECUTABLE} -m unittest discover -s tests/sc
 mapless_parallel_check(lint.tidy ${scripts}/check_tidy.sh ${MAPLESS_RUN_CLANG_TIDY} ${PROJECT_SOURCE_DIR}/build/tidy)
 
 mapless_parallel_check(lint.headers ${Python3_EXECUTABLE} ${scripts}/check_headers.py --compiler ${CMAKE_CXX_COMPILER}
-                       --generated ${PROJECT_BINARY_DIR}/src)
+                       --generated ${PROJECT_BINARY_DIR}/src ${PROJECT_BINARY_DIR}/apps/mapless)
 mapless_check(docs.reference ${MAPLESS_DOXYGEN} docs/Doxyfile)
 
 # Recordings are simulated: without the simulator there is nothing to compare.
@@ -42,9 +42,19 @@ endif()
 mapless_parallel_check(package.example ${scripts}/check_package.sh ${PROJECT_BINARY_DIR}
                        $<$<TARGET_EXISTS:mapless_make_scene>:$<TARGET_FILE:mapless_make_scene>>)
 
+# Skipped, by name, where npm, its registry or Chromium is missing.
+mapless_check(viewer.page ${scripts}/check_viewer.sh $<TARGET_FILE:mapless_command> ${PROJECT_BINARY_DIR})
+set_tests_properties(viewer.page PROPERTIES SKIP_RETURN_CODE 77)
+
 # Skipped, by name, where PyPI cannot be reached.
 mapless_parallel_check(package.wheel ${scripts}/check_wheel.sh ${PROJECT_BINARY_DIR})
 set_tests_properties(package.wheel PROPERTIES SKIP_RETURN_CODE 77)
+
+mapless_check(ros2.package ${scripts}/check_ros2.sh $<TARGET_FILE:mapless_command> ${CMAKE_CXX_COMPILER})
+
+# As above; and where this build has no DDS.
+mapless_parallel_check(live.dds ${scripts}/check_live.sh $<TARGET_FILE:mapless_command>)
+set_tests_properties(live.dds PROPERTIES SKIP_RETURN_CODE 77)
 
 mapless_parallel_check(sanitizer.address_undefined ${scripts}/check_sanitizer.sh asan)
 mapless_parallel_check(sanitizer.thread ${scripts}/check_sanitizer.sh tsan)

@@ -12,16 +12,17 @@ import re
 import sys
 
 # A room may include itself and those before it.
-ROOMS = ["core", "lidar", "trajectory", "geometry", "odometry", "detection", "pipeline", "io", "simulation", "evaluation"]
+ROOMS = ["core", "lidar", "trajectory", "geometry", "odometry", "detection", "pipeline", "live", "io", "simulation"]
+ROOMS += ["evaluation"]
 # Code that makes the truth or compares with it must not know how it is detected.
-FORBIDDEN = {"simulation": {"detection", "pipeline"}, "evaluation": {"detection", "pipeline"}}
+FORBIDDEN = {"simulation": {"detection", "pipeline", "live"}, "evaluation": {"detection", "pipeline", "live"}}
 SOURCE_FOLDERS = ["include", "src", "apps", "tests", "benchmarks", "examples", "python", "viewer", "ros2"]
 # Those use the library as anyone else would: by its installed headers.
 OUTSIDE_FOLDERS = ["apps", "examples", "benchmarks", "python", "viewer", "ros2"]
 MAX_FILE_LINES = 400
 MAX_FUNCTION_LINES = 60
 MAX_MODULES_IN_FOLDER = 15
-MAX_PUBLIC_HEADERS = 30
+MAX_PUBLIC_HEADERS = 35
 CODE_SUFFIXES = (".hpp", ".cpp", ".inc")
 # An include without angle brackets is looked for here, from the root.
 INCLUDE_FOLDERS = ["include", "src", "apps/mapless", "tests"]

@@ -18,6 +18,8 @@ asan) # All but whole scenes, most drives, statistics of many trials and compari
   GTEST_FILTER="$GTEST_FILTER:ObjectTracker.FollowsABraking*:Scene.ALonger*:Scene.AnotherSeed*"
   GTEST_FILTER="$GTEST_FILTER:*EverySceneIsTheSame*:Traffic.StopsAndStarts*:DetectionRunThreads.OdometryBeside*"
   GTEST_FILTER="$GTEST_FILTER:BenchmarkTest.Same*:BenchmarkTest.ARecording*:BenchmarkTest.Own*:BenchmarkTest.ARunIs*"
+  # Own odometry, as in OnlineDetectorThreads.
+  GTEST_FILTER="$GTEST_FILTER:LiveDetector.LabelsAre*:LiveDetector.OwnOdometry*"
   # The same code as SideBySideGivesTheSame.
   GTEST_FILTER="$GTEST_FILTER:OnlineDetectorThreads.IsOdometry*:OnlineDetectorThreads.AnyNumber*:OnlineDetectorThreads.CatchingUp*"
   GTEST_FILTER="$GTEST_FILTER:OnlineDetectorThreads.SideBySideTheLabels*:OnlineDetectorThreads.AScanThat*"

@@ -7,6 +7,6 @@ set -eu
 cd "$(dirname "$0")/.."
 cmake --preset release -B "$2" \
   -DMAPLESS_PRECOMPILE_HEADERS=OFF -DMAPLESS_BUILD_TESTS=OFF -DMAPLESS_BUILD_BENCHMARKS=OFF >/dev/null
-cmake --build "$2" --target mapless_messages >/dev/null
+cmake --build "$2" --target mapless_generated >/dev/null
 "$1" -quiet -p "$2" -j "${JOBS:-$(nproc)}" -extra-arg=-Wno-unknown-warning-option \
   -extra-arg=-Wno-shadow '/Unity/'

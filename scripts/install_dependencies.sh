@@ -7,9 +7,9 @@ set -eu
 
 packages="cmake g++ ninja-build pkg-config
   libeigen3-dev libtbb-dev libnanoflann-dev libyaml-cpp-dev libfmt-dev
-  libprotobuf-dev protobuf-compiler libcli11-dev nlohmann-json3-dev libpng-dev"
-# Without it the simulator is left out.
-optional="libembree-dev"
+  libprotobuf-dev protobuf-compiler libcli11-dev nlohmann-json3-dev libpng-dev zlib1g-dev"
+# Without the first the simulator is left out, without the others mapless live.
+optional="libembree-dev cyclonedds-dev cyclonedds-tools"
 
 fail() {
   echo "scripts/install_dependencies.sh: $*" >&2
@@ -18,6 +18,7 @@ fail() {
 
 system=unknown
 [ ! -r /etc/os-release ] || system=$(. /etc/os-release && echo "${ID:-unknown} ${VERSION_ID:-}")
+[ "$system" != "ubuntu 22.04" ] || optional="libembree-dev" # it has no Cyclone DDS 0.10
 case $system in
 "debian 12" | "ubuntu 22.04") clang_tools="clang-format clang-tidy" ;; # version 14, as .clang-format wants it
 "ubuntu 24.04") clang_tools="clang-format-14 clang-tidy-14" ;;
@@ -70,9 +71,10 @@ if ! $apt update; then
   [ -n "$missing" ] || exit 0
   fail "'apt-get update' failed (its reason is above); missing packages:$missing"
 fi
-# shellcheck disable=SC2086
-[ -z "$missing_optional" ] || $apt install -y --no-install-recommends $missing_optional ||
-  echo "without$missing_optional: the build will have no simulator" >&2
+for package in $missing_optional; do
+  $apt install -y --no-install-recommends "$package" ||
+    echo "without $package: the build will have no $([ "$package" = libembree-dev ] && echo simulator || echo 'mapless live')" >&2
+done
 # shellcheck disable=SC2086
 [ -z "$missing" ] || $apt install -y --no-install-recommends $missing ||
   fail "'apt-get install' failed (its reason is above); missing packages:$missing"

@@ -3,6 +3,9 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#ifdef MAPLESS_DDS
+#include "live/live.hpp"
+#endif
 #include "terminal/exit_codes.hpp"
 #include "verbs/command.hpp"
 
@@ -20,5 +23,9 @@ void hold_standard_descriptors() {
 
 int main(int argc, char** argv) {
   hold_standard_descriptors();
+#ifdef MAPLESS_DDS
+  return mapless::app::run_command(argc, argv, mapless::app::add_live);
+#else
   return mapless::app::run_command(argc, argv);
+#endif
 }

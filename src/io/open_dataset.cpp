@@ -45,24 +45,21 @@ const Format& named_format(const std::string& name) {
 }
 
 const Format& recognised_format(const fs::path& path) {
-  std::vector<const Format*> fitting;
-  std::vector<std::string> names;
-  std::string looked_for;
-  for (const Format& format : formats()) {
-    looked_for += (looked_for.empty() ? "" : ", ") + format.looked_for + " (" + format.name + ")";
-    if (!format.looks_like(path)) continue;
-    fitting.push_back(&format);
-    names.push_back(format.name);
+  const std::vector<std::string> names = recognised_formats(path);
+  if (names.empty()) {
+    std::string looked_for;
+    for (const Format& format : formats())
+      looked_for += (looked_for.empty() ? "" : ", ") + format.looked_for + " (" + format.name + ")";
+    throw InputError(
+        {path.string(), "format", "none", "no recording here; looked for " + looked_for,
+         "give the folder of a recording, or name its format with --format; the Python package reads more "
+         "formats (docs/python_formats.md)"});
   }
-  if (fitting.empty()) {
-    throw InputError({path.string(), "format", "none", "no recording here; looked for " + looked_for,
-                      "give the folder of a recording, or name its format with --format"});
-  }
-  if (fitting.size() > 1) {
+  if (names.size() > 1) {
     throw InputError({path.string(), "format", joined(names), "the folder holds more than one recording",
                       "name the one to read with --format"});
   }
-  return *fitting.front();
+  return named_format(names.front());
 }
 
 // Container formats for which Python has libraries that are kept up to date.
@@ -89,6 +86,14 @@ std::unique_ptr<Dataset> open_dataset(const fs::path& path, const DatasetOptions
   throw_read_error({error.path1().string(), "", "", "cannot be looked at: " + error.code().message(),
                     "check the path and its permissions"},
                    error.code());
+}
+
+std::vector<std::string> recognised_formats(const fs::path& path) {
+  std::vector<std::string> names;
+  for (const Format& format : formats()) {
+    if (format.looks_like(path)) names.push_back(format.name);
+  }
+  return names;
 }
 
 const std::vector<std::string>& dataset_formats() {

@@ -38,10 +38,12 @@ class Demo(unittest.TestCase):
                          " --labels truth --sensor=VLP-16")
         self.assertEqual(calls["evaluate"], "evaluate drive out/result --json out/evaluation.json"
                          " --labels truth --sensor=VLP-16")
+        self.assertEqual(calls["view"], "view drive out/result -o out/drive.html --labels truth --sensor=VLP-16")
 
     def test_without_a_recording_it_is_the_quick_benchmark(self):
         calls, _ = self.run_demo("--profile paper", recording="")
-        self.assertEqual(calls, {"benchmark": "benchmark --quick -o out/benchmark --profile paper"})
+        self.assertEqual(calls["benchmark"], "benchmark --quick -o out/benchmark --profile paper")
+        self.assertEqual(calls["view"], "view out/town out/town_result -o out/drive.html")
 
     def test_the_evaluation_holds_the_table_alone(self):
         self.assertEqual(self.run_demo("")[1], "table\n")

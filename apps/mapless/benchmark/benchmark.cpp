@@ -22,6 +22,7 @@
 #include "benchmark/speed/speed_plots.hpp"
 #include "benchmark/work_pool.hpp"
 #include "options/option_checks.hpp"
+#include "reports/json.hpp"
 #include "reports/json_text.hpp"
 #include "terminal/interrupt.hpp"
 #include "terminal/stderr.hpp"
@@ -35,8 +36,6 @@ namespace mapless::app {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
-
 struct BenchmarkOptions {
   PlanOptions plan;
   std::string output;

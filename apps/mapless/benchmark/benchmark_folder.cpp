@@ -2,7 +2,8 @@
 
 #include <system_error>
 
-#include "benchmark/digest.hpp"
+#include "reports/digest.hpp"
+#include "reports/json.hpp"
 #include "reports/json_text.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/io/files.hpp>
@@ -11,8 +12,6 @@ namespace mapless::app {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
-
 [[noreturn]] void refuse(const fs::path& folder, const std::string& problem) {
   throw OutputError(
       {folder.string(), "", "", problem, "choose a new folder, or one of an earlier benchmark"});

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include <nlohmann/json.hpp>
+#include "reports/json.hpp"
 
 namespace mapless::app {
 
@@ -37,14 +37,12 @@ class BenchmarkFolder {
 
   /// The result of a finished run; absent if the run or one of its pictures is missing. `stem` names its
   /// file; `job` has all settings that determine its figures.
-  [[nodiscard]] std::optional<nlohmann::ordered_json> finished(const std::string& stem,
-                                                               const nlohmann::ordered_json& job) const;
-  void finish(const std::string& stem, const nlohmann::ordered_json& job,
-              const nlohmann::ordered_json& result) const;
+  [[nodiscard]] std::optional<Json> finished(const std::string& stem, const Json& job) const;
+  void finish(const std::string& stem, const Json& job, const Json& result) const;
 
  private:
   [[nodiscard]] std::filesystem::path row_file(const std::string& stem) const;
-  [[nodiscard]] nlohmann::ordered_json row_head(const nlohmann::ordered_json& job) const;
+  [[nodiscard]] Json row_head(const Json& job) const;
 
   std::filesystem::path path_;
   std::string build_;

@@ -14,6 +14,7 @@
 #include "benchmark/movers/mover_views.hpp"
 #include "pictures/scan_picture.hpp"
 #include "reports/evaluation_json.hpp"
+#include "reports/json.hpp"
 #include "run/run_summary.hpp"
 #include "terminal/interrupt.hpp"
 #include <mapless/evaluation/evaluator.hpp>
@@ -25,8 +26,6 @@
 
 namespace mapless::app {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 class JobRun {
  public:

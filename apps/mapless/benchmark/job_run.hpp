@@ -4,9 +4,8 @@
 #include <functional>
 #include <optional>
 
-#include <nlohmann/json.hpp>
-
 #include "benchmark/plan.hpp"
+#include "reports/json.hpp"
 
 namespace mapless::app {
 
@@ -17,9 +16,8 @@ namespace mapless::app {
 /// The result has: scans; final and stages (rates); timing (timing_json) and threads, their number;
 /// odometry_trouble; for a job of the table also measures (EvaluationReport, sight, delays), and with
 /// pictures a list of them (draw_gallery, and one of kind "scan").
-[[nodiscard]] std::optional<nlohmann::ordered_json> run_job(const Job& job,
-                                                            const std::filesystem::path& recording,
-                                                            const std::filesystem::path& pictures,
-                                                            const std::function<void()>& scan_done);
+[[nodiscard]] std::optional<Json> run_job(const Job& job, const std::filesystem::path& recording,
+                                          const std::filesystem::path& pictures,
+                                          const std::function<void()>& scan_done);
 
 }  // namespace mapless::app

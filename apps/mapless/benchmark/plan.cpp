@@ -8,7 +8,8 @@
 
 #include <fmt/format.h>
 
-#include "benchmark/digest.hpp"
+#include "reports/digest.hpp"
+#include "reports/json.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/core/parameters.hpp>
 #include <mapless/io/files.hpp>
@@ -17,8 +18,6 @@
 
 namespace mapless::app {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr std::string_view kMainSensor = "HDL-64E-S2";
 constexpr double kMainNoise_m = 0.02;

@@ -5,9 +5,8 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "options/parameter_options.hpp"
+#include "reports/json.hpp"
 #include <mapless/lidar/lidar_model.hpp>
 
 namespace mapless::app {
@@ -27,7 +26,7 @@ struct RecordingKey {
 
   /// Name of its folder; different keys have different names.
   [[nodiscard]] std::string name() const;
-  [[nodiscard]] nlohmann::ordered_json json() const;
+  [[nodiscard]] Json json() const;
   /// Throws InputError for a sensor file that cannot be read.
   [[nodiscard]] LidarModel model() const;
 };
@@ -53,7 +52,7 @@ struct Job {
   /// Name of its file without extension, unique in a plan.
   [[nodiscard]] std::string stem() const;
   /// All settings that determine its figures.
-  [[nodiscard]] nlohmann::ordered_json json() const;
+  [[nodiscard]] Json json() const;
 };
 
 struct PlanOptions {

@@ -8,7 +8,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "benchmark/digest.hpp"
+#include "reports/digest.hpp"
+#include "reports/json.hpp"
 #include "reports/json_text.hpp"
 #include "terminal/interrupt.hpp"
 #include <mapless/core/errors.hpp>
@@ -69,7 +70,7 @@ std::string digest_of(const Scene& scene, const SimulatedScan& first, const Simu
 }
 
 std::string manifest_text(const RecordingKey& key, const std::string& digest) {
-  nlohmann::ordered_json manifest = key.json();
+  Json manifest = key.json();
   manifest["scans"] = RecordingStore::scans(key);
   manifest["digest"] = digest;
   return json_text(manifest);

@@ -2,10 +2,10 @@
 
 #include <cmath>
 
+#include "reports/json.hpp"
+
 namespace mapless::app {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 Json rate_json(const std::optional<double>& rate) { return rate ? Json(*rate) : Json(nullptr); }
 

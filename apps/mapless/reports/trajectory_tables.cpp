@@ -5,10 +5,10 @@
 
 #include <fmt/format.h>
 
+#include "reports/json.hpp"
+
 namespace mapless::app {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 std::string row(std::string_view name, std::string_view unit, const ErrorFigures& f) {
   return fmt::format("{:<44}{:<8}{:>9.4f}{:>9.4f}{:>9.4f}{:>9.4f}{:>9.4f}{:>9}\n", name, unit, f.rmse, f.mean,

@@ -2,8 +2,7 @@
 
 #include <string>
 
-#include <nlohmann/json.hpp>
-
+#include "reports/json.hpp"
 #include <mapless/evaluation/trajectory_evaluation.hpp>
 
 namespace mapless::app {
@@ -12,6 +11,6 @@ namespace mapless::app {
 [[nodiscard]] std::string trajectory_tables(const TrajectoryReport& report);
 
 /// Every member of the report under its own name; an absent one is null.
-[[nodiscard]] nlohmann::ordered_json to_json(const TrajectoryReport& report);
+[[nodiscard]] Json to_json(const TrajectoryReport& report);
 
 }  // namespace mapless::app

@@ -1,9 +1,12 @@
 #include "run/detection_run.hpp"
 
+#include <algorithm>
+#include <cstdint>
 #include <utility>
 
 #include "run/scan_poses.hpp"
 #include "terminal/interrupt.hpp"
+#include <mapless/core/errors.hpp>
 #include <mapless/core/time.hpp>
 #include <mapless/geometry/compensated_scan.hpp>
 #include <mapless/io/files.hpp>
@@ -21,12 +24,13 @@ constexpr std::size_t kMostUnwritten = 4;
 DetectionRun::DetectionRun(const Dataset& dataset, std::shared_ptr<const Trajectory> given,
                            const ResultFolder& result, const OnlineDetectorOptions& options,
                            RunSummary& summary, ScanSelection selection, std::optional<RealTimePace> pace,
-                           std::function<void()> make_folder)
+                           std::function<void()> make_folder, std::size_t finished_before)
     : dataset_(dataset),
       given_(std::move(given)),
       result_(result),
       selection_(selection),
       make_folder_(std::move(make_folder)),
+      finished_before_(finished_before),
       online_(options),
       pace_(std::move(pace)),
       summary_(summary),
@@ -54,15 +58,9 @@ bool DetectionRun::run() {
 
 void DetectionRun::write_outcome() {
   progress_.clear();
-  if (!objects_) return;
-  write_kitti_poses(result_.kitti_poses(), poses_);
-  std::vector<TimedPose> rows = rows_;
-  append_last_pose(rows, *last_trajectory_, last_end_);
-  write_tum_trajectory(result_.trajectory(), rows);
-  if (!given_) {
-    write_motion_table(result_.poses(), motions_);
-    summary_.set_odometry(online_.odometry_report());
-  }
+  if (summary_.scans() == 0 || summary_.scans() < finished_before_) return;
+  tables_->finish(*last_trajectory_, last_end_);
+  if (!given_) summary_.set_odometry(online_.odometry_report());
   input_output_.reading = reader_.busy();
   input_output_.writing = writer_.busy();
   summary_.set_input_output(input_output_);
@@ -132,24 +130,55 @@ void DetectionRun::finish(std::vector<LabelledScan> scans) {
 }
 
 void DetectionRun::write(const FinishedScan& scan) {
-  if (!objects_) {
-    make_folder_();
-    objects_.emplace(result_.objects());
+  if (!tables_) {
+    if (finished_before_ == 0) make_folder_();
+    tables_.emplace(result_, !given_,
+                    finished_before_ > 0 ? GrowingFile::Start::resumed : GrowingFile::Start::anew);
   }
   const Detection& detection = scan.labelled.detection;
-  objects_->add(object_rows(scan.k, detection.tracked));
-  write_stage_file(result_.stage_file(scan.k), stage_masks_of(detection));
-  write_label_file(result_.label_file(scan.k), labels_of(detection, detection.tracked));
+  const ScanFiles files = {stage_masks_of(detection), labels_of(detection, detection.tracked), rows_of(scan)};
+  summary_.scans() < finished_before_ ? verify(scan.k, files) : add(scan.k, files);
   summary_.add(detection);
-  poses_.push_back(scan.poses.front());
-  append_poses(rows_, scan.poses);
-  if (scan.labelled.odometry) {
-    const double duration_s = (detection.scan->end() - detection.scan->start).seconds();
-    motions_.push_back(motion_row(scan.k, scan.poses.front(), duration_s, *scan.labelled.odometry));
-  }
   last_trajectory_ = scan.labelled.trajectory;
   last_end_ = detection.scan->end();
   progress_.update(summary_.scans(), selection_.count);
+}
+
+void DetectionRun::add(std::size_t k, const ScanFiles& files) {
+  write_stage_file(result_.stage_file(k), files.stages);
+  tables_->add(files.rows);
+  try {
+    write_label_file(result_.label_file(k), files.labels);
+  } catch (const OutputError&) {
+    tables_->undo_add();
+    throw;
+  }
+}
+
+// The scan was finished by the earlier run.
+void DetectionRun::verify(std::size_t k, const ScanFiles& files) {
+  const auto refuse = [](const std::filesystem::path& file) {
+    throw InputError({file.string(), "content", "",
+                      "differs from what this run computes: the file or the recording has changed",
+                      "start anew with --overwrite"});
+  };
+  const std::string stages = read_whole_file(result_.stage_file(k));
+  if (!std::equal(stages.begin(), stages.end(), files.stages.begin(), files.stages.end(),
+                  [](char a, std::uint8_t b) { return static_cast<std::uint8_t>(a) == b; }))
+    refuse(result_.stage_file(k));
+  if (read_label_file(result_.label_file(k), files.labels.size()) != files.labels)
+    refuse(result_.label_file(k));
+  tables_->verify(files.rows);
+}
+
+TableRows DetectionRun::rows_of(const FinishedScan& scan) {
+  const Detection& detection = scan.labelled.detection;
+  TableRows rows = {object_rows(scan.k, detection.tracked), scan.poses, std::nullopt};
+  if (scan.labelled.odometry) {
+    const double duration_s = (detection.scan->end() - detection.scan->start).seconds();
+    rows.motion = motion_row(scan.k, scan.poses.front(), duration_s, *scan.labelled.odometry);
+  }
+  return rows;
 }
 
 }  // namespace mapless::app

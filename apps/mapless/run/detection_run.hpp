@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <deque>
 #include <functional>
 #include <memory>
@@ -10,12 +11,12 @@
 #include "run/input_output_report.hpp"
 #include "run/lost_motion.hpp"
 #include "run/real_time_pace.hpp"
+#include "run/result_tables.hpp"
 #include "run/run_summary.hpp"
 #include "run/scan_reader.hpp"
 #include "run/worker_thread.hpp"
 #include "terminal/progress.hpp"
 #include <mapless/io/dataset.hpp>
-#include <mapless/io/labels.hpp>
 #include <mapless/io/result_folder.hpp>
 #include <mapless/pipeline/online_detector.hpp>
 
@@ -36,13 +37,18 @@ class DetectionRun {
   /// passed by reference outlive the run.
   DetectionRun(const Dataset& dataset, std::shared_ptr<const Trajectory> given, const ResultFolder& result,
                const OnlineDetectorOptions& options, RunSummary& summary, ScanSelection selection,
-               std::optional<RealTimePace> pace, std::function<void()> make_folder);
+               std::optional<RealTimePace> pace, std::function<void()> make_folder,
+               std::size_t finished_before = 0);
+
+  /// OnlineDetector::add_measurement; before run().
+  void add_measurement(const MotionMeasurement& measured) { online_.add_measurement(measured); }
 
   /// False where it was interrupted. Throws what reading, detecting or writing threw. Either way the results
   /// of scans finished before are written completely, and no thread is left running.
   bool run();
 
-  /// Writes the poses and the summary of the scans written; nothing where there are none. After `run`.
+  /// Writes the last poses and the summary of the scans written; nothing where there are none, or not more
+  /// than the earlier run had finished. After `run`.
   void write_outcome();
 
   /// The states of the motion; without scans where poses are given.
@@ -54,6 +60,11 @@ class DetectionRun {
     LabelledScan labelled;
     std::vector<TimedPose> poses;  // within it
   };
+  struct ScanFiles {
+    std::vector<std::uint8_t> stages;
+    std::vector<std::uint32_t> labels;
+    TableRows rows;
+  };
 
   [[nodiscard]] InputScan read(std::size_t k) const;
   bool detect_all();
@@ -63,12 +74,16 @@ class DetectionRun {
   [[nodiscard]] std::shared_ptr<const LidarScan> take(std::size_t k);
   void finish(std::vector<LabelledScan> scans);
   void write(const FinishedScan& scan);
+  void add(std::size_t k, const ScanFiles& files);
+  void verify(std::size_t k, const ScanFiles& files);
+  [[nodiscard]] static TableRows rows_of(const FinishedScan& scan);
 
   const Dataset& dataset_;
   std::shared_ptr<const Trajectory> given_;
   const ResultFolder& result_;
   ScanSelection selection_;
   std::function<void()> make_folder_;
+  std::size_t finished_before_;
 
   // The thread that calls run.
   OnlineDetector online_;
@@ -81,10 +96,8 @@ class DetectionRun {
   // The thread that writes, until it is joined.
   RunSummary& summary_;
   Progress progress_;
-  std::optional<ObjectTableWriter> objects_;  // once the folder is made
-  std::vector<TimedPose> poses_, rows_;       // at the start of each scan, and within it
-  std::vector<MotionRow> motions_;            // along own odometry
-  std::shared_ptr<const Trajectory> last_trajectory_;
+  std::optional<ResultTables> tables_;                 // once the folder is made
+  std::shared_ptr<const Trajectory> last_trajectory_;  // of the last scan finished
   Time last_end_;
 
   ScanReader reader_;

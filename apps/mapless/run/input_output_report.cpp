@@ -4,10 +4,10 @@
 
 #include <fmt/format.h>
 
+#include "reports/json.hpp"
+
 namespace mapless::app {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 // Chosen: shorter waits are within the variation from run to run.
 constexpr double kLeastReportedShare = 0.1;

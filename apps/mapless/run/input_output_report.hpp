@@ -2,8 +2,7 @@
 
 #include <string>
 
-#include <nlohmann/json.hpp>
-
+#include "reports/json.hpp"
 #include "run/busy_time.hpp"
 
 namespace mapless::app {
@@ -16,7 +15,7 @@ struct InputOutputReport {
   BusyTime reading, writing;        ///< of their threads
 };
 
-[[nodiscard]] nlohmann::ordered_json to_json(const InputOutputReport& report);
+[[nodiscard]] Json to_json(const InputOutputReport& report);
 
 /// One line on waits of more than a tenth of the run and more than a second, and whether the disk or the
 /// decoding caused them; empty where there were none.

@@ -7,12 +7,11 @@
 
 #include <fmt/format.h>
 
+#include "reports/json.hpp"
 #include <mapless/evaluation/trajectory_evaluation.hpp>
 
 namespace mapless::app {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 // An interrupt is noticed within this time.
 constexpr auto kLongestSleep = Duration::from_nanoseconds(50'000'000);

@@ -6,8 +6,7 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
+#include "reports/json.hpp"
 #include <mapless/core/time.hpp>
 #include <mapless/io/dataset.hpp>
 
@@ -65,7 +64,7 @@ class RealTimePace {
 /// The pace of the scans [first, first + count) on machine_clock().
 [[nodiscard]] RealTimePace pace_of(const Dataset& dataset, std::size_t first, std::size_t count);
 
-[[nodiscard]] nlohmann::ordered_json to_json(const RealTimeReport& report);
+[[nodiscard]] Json to_json(const RealTimeReport& report);
 /// The same as a line of text.
 [[nodiscard]] std::string text_of(const RealTimeReport& report);
 

@@ -7,20 +7,19 @@
 #include <fmt/format.h>
 #include <sys/resource.h>
 
+#include "reports/json.hpp"
 #include <mapless/evaluation/trajectory_evaluation.hpp>
 #include <mapless/io/result_folder.hpp>
 
 namespace mapless::app {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 struct TimingRow {
   std::string_view name;
   double (*seconds)(const StageSeconds&);
 };
 
-constexpr std::array<TimingRow, 11> kTimingRows = {{
+constexpr std::array<TimingRow, kTimings> kTimingRows = {{
     {"compensation", [](const StageSeconds& s) { return s.compensation; }},
     {"neighbours", [](const StageSeconds& s) { return s.neighbours; }},
     {"normals", [](const StageSeconds& s) { return s.normals; }},
@@ -42,6 +41,14 @@ std::vector<double> milliseconds(const std::vector<StageSeconds>& scans, const T
 }
 
 Json number_or_null(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
+
+Json quantiles_json(const DurationHistogram& durations) {
+  const auto ms = [&](double q) {
+    const auto seconds = durations.quantile(q);
+    return seconds ? Json(1e3 * *seconds) : Json(nullptr);
+  };
+  return {{"median_ms", ms(0.5)}, {"p95_ms", ms(0.95)}, {"p99_ms", ms(0.99)}};
+}
 
 Json quantiles_json(const std::vector<double>& ms) {
   return {{"median_ms", number_or_null(quantile(ms, 0.5))},
@@ -95,8 +102,16 @@ void RunSummary::add(const Detection& detection) {
   dynamic_points_ += static_cast<std::size_t>(std::count_if(
       detection.object.begin(), detection.object.end(), [](std::uint16_t object) { return object != 0; }));
   objects_ += static_cast<std::size_t>(detection.objects);
-  for (const TrackedObject& object : detection.tracked) ids_.insert(object.id);
-  seconds_.push_back(detection.seconds);
+  for (const TrackedObject& object : detection.tracked) count_id(object.id);
+  for (std::size_t row = 0; row < kTimingRows.size(); ++row)
+    durations_[row].add(kTimingRows[row].seconds(detection.seconds));
+  ++scans_;
+}
+
+void RunSummary::count_id(std::uint32_t id) {
+  if (id >= seen_ids_.size()) seen_ids_.resize(id + 1);
+  if (!seen_ids_[id]) ++ids_;
+  seen_ids_[id] = true;
 }
 
 Json timing_json(const std::vector<StageSeconds>& scans) {
@@ -123,42 +138,46 @@ Json odometry_json(const OdometryReport& r) {
 Json RunSummary::json() const {
   Json trajectory = Json::object();
   for (const auto& [name, value] : trajectory_) trajectory[name] = value;
+  Json timing = Json::object();
+  for (std::size_t row = 0; row < kTimingRows.size(); ++row)
+    timing[std::string(kTimingRows[row].name)] = quantiles_json(durations_[row]);
   Json out = {{"program", kProgramName},
               {"version", MAPLESS_VERSION},
               {"complete", complete_},
               {"recording", recording_},
+              {"recording_digest", recording_digest_},
               {"format", format_},
               {"sensor", sensor_},
               {"first_scan", first_scan_},
               {"selected_scans", selected_scans_},
-              {"scans", seconds_.size()},
+              {"scans", scans_},
               {"records", records_},
               {"points", points_},
               {"dynamic_points", dynamic_points_},
               {"objects", objects_},
-              {"objects_over_time", ids_.size()},
+              {"objects_over_time", ids_},
               {"profile", profile_},
               {"times", times_},
               {"rings", rings_},
               {"motion_compensation", motion_compensation_},
               {"trajectory", trajectory},
               {"notes", notes_},
-              {"timing", timing_json(seconds_)},
+              {"timing", timing},
               {"peak_memory_mb", peak_memory_mb()}};
   if (input_output_) out["input_output"] = to_json(*input_output_);
   if (real_time_) out["real_time"] = to_json(*real_time_);
   if (odometry_) out["odometry"] = odometry_json(*odometry_);
+  if (resumed_after_) out["resumed_after"] = *resumed_after_;
   if (!stopped_.empty()) out["stopped"] = stopped_;
   return out;
 }
 
 std::string RunSummary::lines() const {
-  const std::vector<double> ms = milliseconds(seconds_, kTimingRows.back());
+  const auto ms = [&](double q) { return 1e3 * durations_.back().quantile(q).value_or(0); };
   const std::string text = fmt::format(
       "{} scans, {} points, {} of them dynamic, {} objects (counted scan by scan; {} over time)\n"
       "{:.1f} ms per scan (median), {:.1f} ms (95 %), peak memory {:.0f} MB\n",
-      seconds_.size(), points_, dynamic_points_, objects_, ids_.size(), quantile(ms, 0.5).value_or(0),
-      quantile(ms, 0.95).value_or(0), peak_memory_mb());
+      scans_, points_, dynamic_points_, objects_, ids_, ms(0.5), ms(0.95), peak_memory_mb());
   return real_time_ ? text + text_of(*real_time_) : text;
 }
 

@@ -1,16 +1,16 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
+#include "reports/json.hpp"
 #include "reports/json_text.hpp"
+#include "run/duration_histogram.hpp"
 #include "run/input_output_report.hpp"
 #include "run/real_time_pace.hpp"
 #include <mapless/detection/detector.hpp>
@@ -20,6 +20,9 @@
 
 namespace mapless::app {
 
+/// Number of durations in summary.json: one per step of the method, and their total.
+inline constexpr std::size_t kTimings = 11;
+
 /// Input, settings and results of a run of `mapless detect`: the contents of summary.json.
 class RunSummary {
  public:
@@ -28,6 +31,10 @@ class RunSummary {
 
   /// Where the times and rings of the scans come from, and whether motion compensation was undone.
   void set_input(const LidarScan& scan, bool was_compensated);
+  /// See recording_digest in run/earlier_run.hpp.
+  void set_recording_digest(std::string digest) { recording_digest_ = std::move(digest); }
+  /// Number of scans that an earlier run had finished, where this run went on with it.
+  void set_resumed_after(std::size_t scans) { resumed_after_ = scans; }
   /// Counts a scan's points, objects and times.
   void add(const Detection& detection);
   void set_odometry(const OdometryReport& report) { odometry_ = report; }
@@ -40,22 +47,28 @@ class RunSummary {
   [[nodiscard]] std::string input_output_trouble() const {
     return input_output_ ? trouble(*input_output_) : "";
   }
-  [[nodiscard]] std::size_t scans() const { return seconds_.size(); }
-  [[nodiscard]] nlohmann::ordered_json json() const;
+  [[nodiscard]] std::size_t scans() const { return scans_; }
+  [[nodiscard]] Json json() const;
   /// Text of summary.json.
   [[nodiscard]] std::string text() const { return json_text(json()); }
   /// A few lines for the terminal.
   [[nodiscard]] std::string lines() const;
 
  private:
+  void count_id(std::uint32_t id);
+
   std::string recording_, format_, sensor_, profile_;
   std::vector<std::pair<std::string, std::string>> trajectory_;
   std::vector<std::string> notes_;
   std::size_t first_scan_, selected_scans_;
+  std::string recording_digest_;
+  std::optional<std::size_t> resumed_after_;
   std::string times_, rings_, motion_compensation_;
   std::size_t records_ = 0, points_ = 0, dynamic_points_ = 0, objects_ = 0;
-  std::set<std::uint32_t> ids_;  // of the moving objects of all scans
-  std::vector<StageSeconds> seconds_;
+  std::size_t scans_ = 0;
+  std::vector<bool> seen_ids_;  // of the moving objects of all scans: one bit an object
+  std::size_t ids_ = 0;
+  std::array<DurationHistogram, kTimings> durations_;
   std::optional<OdometryReport> odometry_;
   std::optional<InputOutputReport> input_output_;
   std::optional<RealTimeReport> real_time_;
@@ -64,7 +77,7 @@ class RunSummary {
 };
 
 /// Median and quantiles of the milliseconds of each step and of their total, by the step's name.
-[[nodiscard]] nlohmann::ordered_json timing_json(const std::vector<StageSeconds>& scans);
+[[nodiscard]] Json timing_json(const std::vector<StageSeconds>& scans);
 
 /// "from the sensor", "recovered from the azimuth" ...
 [[nodiscard]] std::string provenance_text(Provenance provenance);

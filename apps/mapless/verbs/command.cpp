@@ -61,7 +61,7 @@ int run_verb(CLI::App& command, const int& exit_code, int argc, char** argv) {
 
 }  // namespace
 
-int run_command(int argc, char** argv) {
+int run_command(int argc, char** argv, AddVerb live) {
   CLI::App command{
       "Labels every point of a spinning 3D lidar as dynamic (moving now) or static, online and without a map "
       "(arXiv 1809.06972).",
@@ -71,13 +71,17 @@ int run_command(int argc, char** argv) {
   command.footer(exit_code_table());
   int exit_code = 0;
   add_detect(command, exit_code);
+  live(command, exit_code);
   add_odometry(command, exit_code);
   add_evaluate(command, exit_code);
   add_info(command, exit_code);
   add_render(command, exit_code);
+  add_view(command, exit_code);
+  add_export(command, exit_code);
   add_simulate(command, exit_code);
   add_benchmark(command, exit_code);
   add_config(command, exit_code);
+  add_batch(command);
   try {
     const int code = run_verb(command, exit_code, argc, argv);
     require_printed();

@@ -1,23 +1,25 @@
 #include <memory>
+#include <sstream>
 #include <string>
 #include <variant>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "options/parameter_options.hpp"
+#include "reports/json.hpp"
 #include "reports/json_text.hpp"
 #include "verbs/verbs.hpp"
+#include <mapless/io/files.hpp>
+#include <mapless/live/live_options.hpp>
 
 namespace mapless::app {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 struct ConfigOptions {
   ParameterOptions parameters;
   bool json = false;
+  bool ros2 = false;
 };
 
 void add_value(Json& schema, const ParameterReference& p) {
@@ -72,7 +74,25 @@ Json schema_of(RunParameters parameters, const std::string& profile) {
   return root;
 }
 
+// A file of parameters for the node of ros2/mapless_ros.
+std::string ros2_text(const ConfigOptions& options) {
+  const RunParameters parameters = options.parameters.all();
+  LiveOptions live, defaults;
+  live.detector = {parameters.detector, parameters.odometry};
+  std::string text =
+      "# Parameters of mapless_ros, as 'mapless config --ros2' prints them.\n/**:\n  ros__parameters:\n";
+  for (const LiveSetting& setting : live_settings(live))
+    text += fmt::format("    {}: \"{}\"  # {}\n", setting.name, *setting.value, setting.help);
+  std::istringstream lines(parameters_yaml(live_parameters(live), live_parameters(defaults)));
+  for (std::string line; std::getline(lines, line);) text += line.empty() ? "\n" : "    " + line + "\n";
+  return text;
+}
+
 int print_config(const ConfigOptions& options) {
+  if (options.ros2) {
+    fmt::print("{}", ros2_text(options));
+    return 0;
+  }
   if (options.json) {
     fmt::print("{}", json_text(schema_of(options.parameters.all(), options.parameters.profile)));
   } else {
@@ -90,6 +110,7 @@ void add_config(CLI::App& app, int& exit_code) {
   const auto options = std::make_shared<ConfigOptions>();
   add_parameter_options(*verb, options->parameters);
   verb->add_flag("--json", options->json, "print a JSON schema of the parameters");
+  verb->add_flag("--ros2", options->ros2, "print a file of parameters of the ROS 2 node")->excludes("--json");
   verb->callback([options, &exit_code] { exit_code = print_config(*options); });
 }
 

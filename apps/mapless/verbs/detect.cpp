@@ -1,6 +1,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -9,7 +10,9 @@
 #include "options/option_checks.hpp"
 #include "options/parameter_options.hpp"
 #include "options/recording_options.hpp"
+#include "options/told_motion.hpp"
 #include "run/detection_run.hpp"
+#include "run/earlier_run.hpp"
 #include "run/folder_lock.hpp"
 #include "run/given_motion.hpp"
 #include "run/lost_motion.hpp"
@@ -30,6 +33,7 @@ struct DetectOptions {
   RecordingOptions recording;
   TrajectoryRequest trajectory;
   ParameterOptions parameters;
+  ToldMotion told;
   std::string output;
   std::size_t first = 0;
   std::optional<std::size_t> count;
@@ -37,6 +41,7 @@ struct DetectOptions {
   bool odometry = false;
   bool real_time = false;
   bool overwrite = false;
+  bool resume = false;
   bool json = false;
 };
 
@@ -54,6 +59,16 @@ std::size_t selected_count(const DetectOptions& options, const Dataset& dataset)
   return count;
 }
 
+// Motion that is told is for the odometry.
+std::vector<MotionMeasurement> told_motion(const DetectOptions& options, const Dataset& dataset,
+                                           const TrajectorySource& motion, std::size_t count) {
+  if (motion.trajectory && options.told.any()) {
+    throw ParameterError({"--initial-velocity, --speed, --imu", "", "given", "poses are given as well",
+                          "give --odometry to estimate the motion"});
+  }
+  return options.told.measurements(dataset, options.first, count);
+}
+
 void announce(const Dataset& dataset, const TrajectorySource& motion) {
   say("mapless: format {}, sensor {}, {} scans\n", dataset.format(), dataset.model()->name, dataset.size());
   for (const std::string& note : dataset.notes()) say("mapless: {}\n", note);
@@ -68,7 +83,13 @@ void announce(const Dataset& dataset, const TrajectorySource& motion) {
   say("mapless: trajectory: {}\n", line);
 }
 
-int report(const DetectOptions& options, const RunSummary& summary, bool complete) {
+int report(const DetectOptions& options, const RunSummary& summary, bool complete,
+           std::size_t finished_before) {
+  if (!complete && summary.scans() < finished_before) {
+    say("mapless: interrupted before the scans finished earlier were computed again; the result is as it "
+        "was\n");
+    return InterruptGuard::exit_code();
+  }
   if (!complete && summary.scans() == 0) {
     say("mapless: interrupted before the first scan was finished; nothing is written\n");
     return InterruptGuard::exit_code();
@@ -107,12 +128,30 @@ bool run_to_the_end(DetectionRun& run, RunSummary& summary) {
   }
 }
 
+int trust(std::size_t lost, std::size_t scans) {
+  if (lost == 0) return kSuccess;
+  say("mapless: {}\n", motion_lost_line(lost, scans));
+  return kNotTrusted;
+}
+
+// Says what --resume will do.
+void announce(const std::optional<EarlierRun>& earlier, const std::string& output) {
+  if (!earlier) {
+    say("mapless: --resume: no finished scan in {}, starts with the first\n", output);
+  } else if (earlier->complete) {
+    say("mapless: --resume: the result in {} is complete\n", output);
+  } else {
+    say("mapless: --resume: {} scans are finished; they are computed again and compared with their files\n",
+        earlier->finished);
+  }
+}
+
 int detect(const DetectOptions& options) {
   std::optional<tbb::global_control> threads;
   if (options.threads) threads.emplace(tbb::global_control::max_allowed_parallelism, *options.threads);
   const ResultFolder result(options.output);
   const FolderLock lock(options.output, std::string(kProgramName));
-  result.require_free(options.overwrite);
+  result.require_free(options.overwrite || options.resume);
   const OnlineDetectorOptions detector{options.parameters.chosen(), options.parameters.odometry(),
                                        options.threads != 1};
 
@@ -123,31 +162,40 @@ int detect(const DetectOptions& options) {
                                       ? motion_by_odometry(*dataset, options.first)
                                       : given_motion(*dataset, options.trajectory, options.first);
   announce(*dataset, motion);
+  const std::vector<MotionMeasurement> told = told_motion(options, *dataset, motion, count);
   if (motion.trajectory) require_coverage(*dataset, *motion.trajectory, options.first, count);
 
   const InterruptGuard interrupt;
   RunSummary summary(*dataset, options.recording.path, motion, options.parameters.profile, options.first,
                      count);
+  summary.set_recording_digest(
+      recording_digest(*dataset, motion.trajectory.get(), told, options.first, count));
+  std::size_t finished_before = 0;
+  if (options.resume) {
+    const auto earlier = earlier_run(result, summary, configuration_text(options.parameters));
+    announce(earlier, options.output);
+    if (earlier && earlier->complete) return trust(earlier->lost_scans, count);
+    if (earlier) summary.set_resumed_after(finished_before = earlier->finished);
+    result.remove_partial_files();
+  }
   // Called with the first finished scan: a run that fails before it writes nothing and keeps an earlier
   // result.
   const auto make_folder = [&] {
-    result.create(options.overwrite, summary.text());
+    result.create(options.overwrite || options.resume, summary.text());
     write_file_atomically(result.config(), configuration_text(options.parameters));
   };
   std::optional<RealTimePace> pace;
   if (options.real_time) pace = pace_of(*dataset, options.first, count);
   DetectionRun run(*dataset, motion.trajectory, result, detector, summary, {options.first, count},
-                   std::move(pace), make_folder);
+                   std::move(pace), make_folder, finished_before);
+  for (const MotionMeasurement& one : told) run.add_measurement(one);
   const bool complete = run_to_the_end(run, summary);
   const OdometryReport& odometry = run.odometry_report();
   if (const std::string trouble = odometry.trouble(); !trouble.empty()) say("mapless: {}\n", trouble);
   if (const std::string trouble = summary.input_output_trouble(); !trouble.empty())
     say("mapless: {}\n", trouble);
-  const int code = report(options, summary, complete);
-  const std::size_t lost = odometry.count(MotionState::lost);
-  if (code != 0 || lost == 0) return code;
-  say("mapless: {}\n", motion_lost_line(lost, odometry.scans()));
-  return kNotTrusted;
+  const int code = report(options, summary, complete, finished_before);
+  return code != kSuccess ? code : trust(odometry.count(MotionState::lost), odometry.scans());
 }
 
 }  // namespace
@@ -163,6 +211,13 @@ void add_detect(CLI::App& app, int& exit_code) {
                    "folder for the result; must be new or empty, unless --overwrite is given")
       ->required();
   verb->add_flag("--overwrite", options->overwrite, "replace an earlier result in the folder");
+  verb->add_flag("--resume", options->resume,
+                 "go on with a run into the folder that was killed or interrupted, to the same bytes as one "
+                 "run. Needs its recording, options and version, and is refused where one differs. Labels "
+                 "depend on all scans before: the finished ones are computed again, at the cost of the first "
+                 "time, and compared with their files, which stay. Starts with the first scan where nothing "
+                 "is finished, does nothing where all is")
+      ->excludes("--overwrite");
   add_trajectory_options(*verb, options->trajectory);
   verb->add_flag("--odometry", options->odometry,
                  "estimate the trajectory by lidar odometry even where the recording has one")
@@ -170,6 +225,7 @@ void add_detect(CLI::App& app, int& exit_code) {
       ->excludes("--trajectory")
       ->excludes("--stationary");
   add_parameter_options(*verb, options->parameters);
+  add_told_motion_options(*verb, options->told);
   verb->add_flag("--causal", options->parameters.causal,
                  "label each scan at once, without evidence from the scan after it (forward_gap = 0)");
   verb->add_option("--first", options->first, "number of the first scan to process, from 0")
@@ -178,12 +234,13 @@ void add_detect(CLI::App& app, int& exit_code) {
   verb->add_option("--count", options->count, "number of scans to process (default: all from --first on)")
       ->check(whole_number(1));
   verb->add_flag(
-      "--realtime", options->real_time,
-      fmt::format(
-          "process scans at the pace at which they were recorded, as on a robot. Reports the scans that "
-          "were late, the scans dropped (the oldest, where more than {} wait), and the time from the "
-          "last ray of a scan to its labels",
-          RealTimePace::kQueue));
+          "--realtime", options->real_time,
+          fmt::format(
+              "process scans at the pace at which they were recorded, as on a robot. Reports the scans that "
+              "were late, the scans dropped (the oldest, where more than {} wait), and the time from the "
+              "last ray of a scan to its labels",
+              RealTimePace::kQueue))
+      ->excludes("--resume");
   verb->add_option(
           "--threads", options->threads,
           "number of threads for odometry and detection (default: all cores); reading and writing use one "

@@ -1,19 +1,19 @@
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <optional>
 #include <string>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "options/option_checks.hpp"
 #include "options/recording_options.hpp"
 #include "reports/evaluation_json.hpp"
 #include "reports/evaluation_tables.hpp"
+#include "reports/json.hpp"
 #include "reports/json_text.hpp"
+#include "reports/method_of_result.hpp"
 #include "reports/trajectory_comparison.hpp"
 #include "reports/trajectory_tables.hpp"
 #include "terminal/progress.hpp"
@@ -25,8 +25,6 @@
 
 namespace mapless::app {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 struct EvaluateOptions {
   RecordingOptions recording;
@@ -53,15 +51,6 @@ void require_whole(const ResultFolder& result) {
   const std::size_t files = result.labelled_scans().size();
   if (summary.value("scans", Json()) != files)
     refuse("scans", summary.value("scans", Json()).dump(), fmt::format("there are {} label files", files));
-}
-
-// The stages of the result's method. Only that line of config.yaml is read: other versions have other keys.
-const StageNames& stage_names_of(const ResultFolder& result) {
-  std::ifstream config(result.config());
-  for (std::string line; std::getline(config, line);) {
-    if (line.starts_with("method: published")) return stage_names(DetectionMethod::published);
-  }
-  return stage_names(DetectionMethod::voting);
 }
 
 std::string table_row(std::string_view name, const PrecisionRecall& r) {

@@ -3,9 +3,9 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "options/recording_options.hpp"
+#include "reports/json.hpp"
 #include "reports/json_text.hpp"
 #include "run/run_summary.hpp"
 #include "terminal/progress.hpp"
@@ -16,8 +16,6 @@
 
 namespace mapless::app {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 struct InfoOptions {
   RecordingOptions recording;

@@ -11,8 +11,17 @@ void add_odometry(CLI::App& app, int& exit_code);
 void add_evaluate(CLI::App& app, int& exit_code);
 void add_info(CLI::App& app, int& exit_code);
 void add_render(CLI::App& app, int& exit_code);
+void add_view(CLI::App& app, int& exit_code);
+void add_export(CLI::App& app, int& exit_code);
 void add_simulate(CLI::App& app, int& exit_code);
 void add_config(CLI::App& app, int& exit_code);
 void add_benchmark(CLI::App& app, int& exit_code);
+/// The verb live where there is no DDS.
+void refuse_live(CLI::App& app, int& exit_code);
+
+using AddVerb = void (*)(CLI::App& app, int& exit_code);
+
+/// Of the Python package, whose command handles it before this one: says so.
+void add_batch(CLI::App& app);
 
 }  // namespace mapless::app

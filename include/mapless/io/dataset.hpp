@@ -83,6 +83,10 @@ void require_time_order(const Dataset& dataset, std::size_t first, std::size_t c
 [[nodiscard]] std::unique_ptr<Dataset> open_dataset(const std::filesystem::path& path,
                                                     const DatasetOptions& options = {});
 
+/// Names of the formats whose files the folder `path` holds, found by their names alone; empty for a file. No
+/// more than one: open_dataset(path) reads it without DatasetOptions::format.
+[[nodiscard]] std::vector<std::string> recognised_formats(const std::filesystem::path& path);
+
 /// Names of the formats that open_dataset reads.
 [[nodiscard]] const std::vector<std::string>& dataset_formats();
 

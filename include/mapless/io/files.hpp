@@ -16,14 +16,44 @@
 namespace mapless::inline v1 {
 
 /// Writes `bytes` to a temporary file in the same folder and renames it to `file`: a reader sees the old file
-/// or the complete new one. A symbolic link is kept and its target replaced. Throws OutputError with the
-/// reason of the system (TemporaryError where the disk is full), and leaves nothing behind, if that fails or
-/// if `file` is not a regular file (a folder, a device).
+/// or the complete new one, and so does whoever looks after a power cut: the content is synchronised to the
+/// disk (fsync) before the rename and the folder after it, before this returns. A symbolic link is kept and
+/// its target replaced. Throws OutputError with the reason of the system (TemporaryError where the disk is
+/// full), and leaves nothing behind, if that fails or if `file` is not a regular file (a folder, a device).
 void write_file_atomically(const std::filesystem::path& file, std::string_view bytes);
 
-/// Appends `bytes` to an existing file. Throws OutputError with the reason of the system, and leaves the file
-/// as it was, if that fails.
+/// In the names of these temporary files: ".NAME.partial-PROCESS-NUMBER". A killed process leaves one at most
+/// for each of its threads.
+inline constexpr std::string_view kPartialMark = ".partial-";
+
+/// Appends `bytes` to an existing file and synchronises it to the disk (fsync). Throws OutputError with the
+/// reason of the system, and leaves the file as it was, if that fails.
 void append_to_file(const std::filesystem::path& file, std::string_view bytes);
+
+/// A file that grows by whole rows. A run that goes on after an earlier one first verifies the rows of the
+/// earlier run, then appends; what the file holds after the rows verified is replaced.
+class GrowingFile {
+ public:
+  enum class Start {
+    anew,    ///< replaces the file
+    resumed  ///< keeps the file of an earlier run
+  };
+  /// `head`: what the file begins with. Throws OutputError, or InputError as verify does.
+  GrowingFile(std::filesystem::path file, std::string_view head, Start start);
+
+  /// Appends rows (append_to_file). Throws OutputError; the file then keeps its earlier rows.
+  void append(std::string_view bytes);
+  /// Throws InputError where the file does not hold these bytes next, after those appended or verified.
+  void verify(std::string_view bytes);
+  /// Removes the rows appended last. Throws OutputError.
+  void undo_append();
+
+ private:
+  [[nodiscard]] bool holds_at(std::size_t offset, std::string_view bytes) const;
+
+  std::filesystem::path file_;
+  std::size_t size_ = 0, size_before_ = 0;  // [bytes], now and before the last append
+};
 
 /// Content of a file of at most 1 GiB, or of a pipe or device of at most 64 MiB. Throws InputError with the
 /// reason: AccessError where the file is there and cannot be read.
@@ -49,10 +79,12 @@ void write_sensor_yaml(const std::filesystem::path& file, const LidarModel& mode
 
 /// Reads a Velodyne calibration file (YAML of velodyne_driver, velodyne_decoder or nebula): one entry per
 /// laser with vert_correction, rot_correction, vert_offset_correction, horiz_offset_correction. Timing,
-/// columns and ranges are those of the named model with the same number of lasers. Throws InputError.
+/// columns and ranges are those of the sensor with the same number of lasers; 32 lasers and a
+/// distance_resolution of 0.004 are a VLP-32. Throws InputError.
 [[nodiscard]] LidarModel read_velodyne_calibration(const std::filesystem::path& file);
 
-/// The named model (named_model), or the model in a file of either format above. Throws InputError or
+/// The named model (named_model), or the model in a file: one of the formats above, the metadata of an Ouster
+/// (JSON) or the angle correction of a Hesai (CSV). Throws InputError or
 /// ParameterError.
 [[nodiscard]] LidarModel model_from_name_or_file(const std::string& name_or_file);
 

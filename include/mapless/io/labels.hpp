@@ -11,6 +11,7 @@
 #include <Eigen/Core>
 
 #include <mapless/core/time.hpp>
+#include <mapless/io/files.hpp>
 
 namespace mapless::inline v1 {
 
@@ -101,14 +102,16 @@ struct ObjectRow {
 /// vy_mps,vz_mps,std_vx_mps,std_vy_mps,std_vz_mps,age_scans. Between two calls the file is complete.
 class ObjectTableWriter {
  public:
-  /// Creates the file. Throws OutputError.
-  explicit ObjectTableWriter(std::filesystem::path file);
+  /// Creates the file, or goes on with that of an earlier run. Throws as GrowingFile does.
+  explicit ObjectTableWriter(std::filesystem::path file, GrowingFile::Start start = GrowingFile::Start::anew);
 
   /// Appends rows. Throws OutputError; the file then keeps its earlier rows.
   void add(const std::vector<ObjectRow>& rows);
+  /// Throws InputError where the file of the earlier run does not hold these rows next.
+  void verify(const std::vector<ObjectRow>& rows);
 
  private:
-  std::filesystem::path file_;
+  GrowingFile file_;
 };
 
 /// All rows in the order of the file. Throws InputError naming file and line for another table, and for two

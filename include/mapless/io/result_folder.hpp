@@ -34,8 +34,9 @@ struct TrackedObject;
 ///     summary.json          input, parameters and statistics of the run; "complete" is false until the
 ///                           last scan is labelled
 ///
-/// Files are written atomically, except objects.csv: it grows by all rows of a scan at once, before the
-/// labels of that scan are written. If a run is stopped, every file in the folder is complete.
+/// Files are written atomically, except the four tables, which grow by all rows of a scan at once, before the
+/// labels of that scan are written; trajectory.txt follows one scan later. Everything is synchronised to the
+/// disk as it is written. If a run is stopped, every file in the folder is complete up to its last scan.
 class ResultFolder {
  public:
   explicit ResultFolder(std::filesystem::path path) : path_(std::move(path)) {}
@@ -60,6 +61,9 @@ class ResultFolder {
   /// Creates the folder and writes `summary`. With `overwrite`, removes the files of an earlier result listed
   /// above and nothing else. Throws OutputError as require_free does, or with the reason of the system.
   void create(bool overwrite, std::string_view summary) const;
+
+  /// Removes the files that a killed run was about to write (write_file_atomically). Throws OutputError.
+  void remove_partial_files() const;
 
   /// Numbers of the scans with a label file, increasing. The folder may be made by another program. Throws
   /// InputError if there is no folder `labels`.

@@ -49,7 +49,8 @@ std::error_code system_reason() { return {errno, std::generic_category()}; }
 
 fs::path beside(const fs::path& file) {
   static std::atomic<unsigned> count = 0;
-  return file.parent_path() / fmt::format(".{}.partial-{}-{}", file.filename().string(), getpid(), count++);
+  return file.parent_path() /
+         fmt::format(".{}{}{}-{}", file.filename().string(), kPartialMark, getpid(), count++);
 }
 
 bool write_all(int fd, std::string_view bytes) {
@@ -60,6 +61,24 @@ bool write_all(int fd, std::string_view bytes) {
     bytes.remove_prefix(static_cast<std::size_t>(written));
   }
   return true;
+}
+
+// Where the system cannot synchronise this kind of file (a pipe, a network folder), there is nothing to wait
+// for.
+bool synchronise(int fd) {
+  while (fsync(fd) != 0) {
+    if (errno == EINVAL || errno == ENOTSUP || errno == EROFS) return true;
+    if (errno != EINTR) return false;
+  }
+  return true;
+}
+
+// Makes the names in the folder of `file` durable.
+bool synchronise_folder_of(const fs::path& file) {
+  const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
+  const FileDescriptor opened(folder, O_RDONLY | O_DIRECTORY);
+  if (!opened.valid()) return errno == EACCES;  // a folder that may be written and not read
+  return synchronise(opened.get());
 }
 
 // The file to replace: the target of a symbolic link, which itself is kept.
@@ -89,8 +108,11 @@ void write_file_atomically(const fs::path& file, std::string_view bytes) {
   const fs::path partial = beside(target);
   FileDescriptor out(partial, O_WRONLY | O_CREAT | O_EXCL);
   if (!out.valid()) refuse_write(file, system_reason());
-  if (write_all(out.get(), bytes) && out.close_checked() && std::rename(partial.c_str(), target.c_str()) == 0)
+  if (write_all(out.get(), bytes) && synchronise(out.get()) && out.close_checked() &&
+      std::rename(partial.c_str(), target.c_str()) == 0) {
+    if (!synchronise_folder_of(target)) refuse_write(file, system_reason());
     return;
+  }
   const std::error_code reason = system_reason();
   unlink(partial.c_str());
   refuse_write(file, reason);
@@ -100,13 +122,63 @@ void append_to_file(const fs::path& file, std::string_view bytes) {
   FileDescriptor out(file, O_WRONLY | O_APPEND);
   struct stat before = {};
   if (!out.valid() || fstat(out.get(), &before) != 0) refuse_write(file, system_reason());
-  if (write_all(out.get(), bytes)) {
+  if (bytes.empty()) return;
+  if (write_all(out.get(), bytes) && synchronise(out.get())) {
     if (!out.close_checked()) refuse_write(file, system_reason());
     return;
   }
   const std::error_code reason = system_reason();
   (void)!ftruncate(out.get(), before.st_size);  // the first error is the one to report
   refuse_write(file, reason);
+}
+
+GrowingFile::GrowingFile(fs::path file, std::string_view head, Start start) : file_(std::move(file)) {
+  if (start == Start::anew) {
+    write_file_atomically(file_, head);
+    size_ = head.size();
+  } else {
+    verify(head);
+  }
+}
+
+void GrowingFile::append(std::string_view bytes) {
+  std::error_code error;
+  const std::uintmax_t found = fs::file_size(file_, error);
+  if (!error && found != size_) fs::resize_file(file_, size_, error);
+  if (error) refuse_write(file_, error);
+  append_to_file(file_, bytes);
+  size_before_ = std::exchange(size_, size_ + bytes.size());
+}
+
+void GrowingFile::verify(std::string_view bytes) {
+  if (!holds_at(size_, bytes)) {
+    throw InputError({file_.string(), "content", fmt::format("byte {}", size_),
+                      "differs from what this run computes: the file or the recording has changed",
+                      "start anew with --overwrite"});
+  }
+  size_before_ = std::exchange(size_, size_ + bytes.size());
+}
+
+bool GrowingFile::holds_at(std::size_t offset, std::string_view bytes) const {
+  const FileDescriptor in(file_, O_RDONLY);
+  if (!in.valid()) return false;
+  std::string found(bytes.size(), '\0');
+  std::size_t size = 0;
+  while (size < found.size()) {
+    const ssize_t got =
+        pread(in.get(), found.data() + size, found.size() - size, static_cast<off_t>(offset + size));
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0) return false;
+    size += static_cast<std::size_t>(got);
+  }
+  return found == bytes;
+}
+
+void GrowingFile::undo_append() {
+  size_ = size_before_;
+  std::error_code error;
+  fs::resize_file(file_, size_, error);
+  if (error) refuse_write(file_, error);
 }
 
 std::string read_whole_file(const fs::path& file) {

@@ -28,6 +28,12 @@ std::string text_of(const ObjectRow& r) {
                      r.age);
 }
 
+std::string text_of(const std::vector<ObjectRow>& rows) {
+  std::string text;
+  for (const ObjectRow& row : rows) text += text_of(row);
+  return text;
+}
+
 Vector3d triple(const CsvLine& line, std::size_t first) {
   return {line.number(first), line.number(first + 1), line.number(first + 2)};
 }
@@ -52,15 +58,11 @@ ObjectRow row_of(const CsvLine& line) {
 
 }  // namespace
 
-ObjectTableWriter::ObjectTableWriter(std::filesystem::path file) : file_(std::move(file)) {
-  write_file_atomically(file_, std::string(kHead) + "\n");
-}
+ObjectTableWriter::ObjectTableWriter(std::filesystem::path file, GrowingFile::Start start)
+    : file_(std::move(file), std::string(kHead) + "\n", start) {}
 
-void ObjectTableWriter::add(const std::vector<ObjectRow>& rows) {
-  std::string text;
-  for (const ObjectRow& row : rows) text += text_of(row);
-  append_to_file(file_, text);
-}
+void ObjectTableWriter::add(const std::vector<ObjectRow>& rows) { file_.append(text_of(rows)); }
+void ObjectTableWriter::verify(const std::vector<ObjectRow>& rows) { file_.verify(text_of(rows)); }
 
 std::vector<ObjectRow> read_object_table(const std::filesystem::path& file) {
   const std::string text = read_whole_file(file);

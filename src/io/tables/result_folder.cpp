@@ -109,6 +109,7 @@ void ResultFolder::create(bool overwrite, std::string_view summary_text) const {
   // still recognised as a result, and as an incomplete one.
   for (const fs::path& folder : {path_, labels(), stages()}) require_writable(folder);
   write_file_atomically(summary(), summary_text);
+  remove_partial_files();
   remove_scan_files(labels(), ".label");
   remove_scan_files(stages(), ".stages");
   for (const fs::path& file : {objects(), kitti_poses(), trajectory(), poses(), config()}) {
@@ -118,6 +119,23 @@ void ResultFolder::create(bool overwrite, std::string_view summary_text) const {
   for (const fs::path& folder : {labels(), stages()}) {
     fs::create_directories(folder, error);
     check(folder, error, "make it");
+  }
+}
+
+void ResultFolder::remove_partial_files() const {
+  std::error_code error;
+  for (const fs::path& folder : {path_, labels(), stages()}) {
+    if (!fs::is_directory(folder, error)) continue;
+    std::vector<fs::path> files;
+    for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+      const std::string name = it->path().filename().string();
+      if (name.starts_with('.') && name.find(kPartialMark) != std::string::npos) files.push_back(it->path());
+    }
+    check(folder, error, "list it");
+    for (const fs::path& file : files) {
+      fs::remove(file, error);
+      check(file, error, "remove it");
+    }
   }
 }
 

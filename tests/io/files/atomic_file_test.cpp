@@ -2,13 +2,41 @@
 #include <thread>
 #include <vector>
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
+#include <unistd.h>
 
 #include "support/temporary_folder.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/io/files.hpp>
+
+namespace mapless {
+namespace MAPLESS_FILE {
+
+// What was asked of the system on this thread, in order: "fsync f", "rename f".
+thread_local std::vector<std::string> system_calls;
+
+void record(const std::string& call, const std::filesystem::path& file) {
+  system_calls.push_back(call + " " + file.filename().string());
+}
+
+}  // namespace MAPLESS_FILE
+}  // namespace mapless
+
+// In place of those of the C library, which this program therefore does not link.
+extern "C" int fsync(int fd) {
+  using namespace mapless::MAPLESS_FILE;  // NOLINT(google-build-using-namespace)
+  record("fsync", std::filesystem::read_symlink("/proc/self/fd/" + std::to_string(fd)));
+  return static_cast<int>(syscall(SYS_fsync, fd));
+}
+extern "C" int rename(const char* from, const char* to) noexcept {
+  using namespace mapless::MAPLESS_FILE;  // NOLINT(google-build-using-namespace)
+  record("rename", to);
+  return static_cast<int>(syscall(SYS_renameat2, AT_FDCWD, from, AT_FDCWD, to, 0));
+}
 
 namespace mapless {
 namespace MAPLESS_FILE {
@@ -60,6 +88,36 @@ TEST(AtomicFile, FailureNamesTheFileAndLeavesNothing) {
   EXPECT_EQ(entries(folder.path()), 1u);
   EXPECT_THAT(message_of<OutputError>([&] { write_file_atomically("/dev/full/x", "x"); }),
               HasSubstr("/dev/full/x"));
+}
+
+// After a power cut the disk holds what was synchronised: the content first, then its name.
+TEST(AtomicFile, SynchronisesTheContentBeforeTheRenameAndTheFolderAfterIt) {
+  const test::TemporaryFolder folder;
+  system_calls.clear();
+  write_file_atomically(folder / "f", "x");
+  ASSERT_EQ(system_calls.size(), 3u);
+  EXPECT_THAT(system_calls[0], testing::StartsWith("fsync .f.partial"));
+  EXPECT_EQ(system_calls[1], "rename f");
+  EXPECT_EQ(system_calls[2], "fsync " + folder.path().filename().string());
+  system_calls.clear();
+  append_to_file(folder / "f", "y");
+  EXPECT_EQ(system_calls, (std::vector<std::string>{"fsync f"}));
+}
+
+TEST(GrowingFile, GoesOnAfterTheRowsOfAnEarlierRunAndReplacesTheRest) {
+  const test::TemporaryFolder folder;
+  GrowingFile(folder / "f", "head\n", GrowingFile::Start::anew).append("one\ntwo\nthr");
+  GrowingFile file(folder / "f", "head\n", GrowingFile::Start::resumed);
+  file.verify("one\n");
+  EXPECT_THAT(message_of<InputError>([&] { file.verify("other\n"); }),
+              AllOf(HasSubstr("/f"), HasSubstr("byte 9")));
+  file.verify("two\n");
+  file.append("");
+  EXPECT_EQ(read_whole_file(folder / "f"), "head\none\ntwo\n");
+  file.append("three\n");
+  file.append("four\n");
+  file.undo_append();
+  EXPECT_EQ(read_whole_file(folder / "f"), "head\none\ntwo\nthree\n");
 }
 
 TEST(AtomicFile, AppendsToAnExistingFile) {

@@ -6,11 +6,11 @@
 #include <fmt/format.h>
 
 #include "benchmark/movers/mover_picture.hpp"
+#include "reports/json.hpp"
 
 namespace mapless::app {
 namespace {
 
-using Json = nlohmann::ordered_json;
 using Classes = std::map<std::uint32_t, std::string>;
 
 constexpr std::size_t kGallery = 8;

@@ -3,9 +3,8 @@
 #include <filesystem>
 #include <string>
 
-#include <nlohmann/json.hpp>
-
 #include "benchmark/movers/mover_views.hpp"
+#include "reports/json.hpp"
 #include <mapless/io/labels.hpp>
 
 namespace mapless::app {
@@ -13,9 +12,7 @@ namespace mapless::app {
 /// Draws a gallery of the moving objects, and the five stages around one vehicle (another object if none),
 /// as PNG files whose names begin with `name`. Returns a list of {file, kind ("gallery" or "cascade"),
 /// caption}. `objects` has their classes.
-[[nodiscard]] nlohmann::ordered_json draw_gallery(const MoverViews& views, const StageNames& stages,
-                                                  const ObjectTruth& objects,
-                                                  const std::filesystem::path& folder,
-                                                  const std::string& name);
+[[nodiscard]] Json draw_gallery(const MoverViews& views, const StageNames& stages, const ObjectTruth& objects,
+                                const std::filesystem::path& folder, const std::string& name);
 
 }  // namespace mapless::app

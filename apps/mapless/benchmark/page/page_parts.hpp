@@ -3,15 +3,12 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "benchmark/benchmark_folder.hpp"
 #include "benchmark/page/plot.hpp"
+#include "reports/json.hpp"
 
 // The page is made of benchmark.json; each part is HTML, empty where there is nothing to show.
 namespace mapless::app {
-
-using Json = nlohmann::ordered_json;
 
 using Cells = std::vector<std::string>;
 [[nodiscard]] Cells joined(Cells first, const Cells& second);

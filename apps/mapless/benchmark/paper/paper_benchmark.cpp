@@ -11,6 +11,7 @@
 #include "benchmark/paper/paper_page.hpp"
 #include "benchmark/paper/paper_unit_run.hpp"
 #include "benchmark/work_pool.hpp"
+#include "reports/json.hpp"
 #include "reports/json_text.hpp"
 #include "terminal/interrupt.hpp"
 #include "terminal/stderr.hpp"
@@ -19,22 +20,21 @@
 namespace mapless::app {
 namespace {
 
-std::vector<std::optional<nlohmann::ordered_json>> finished_units(const std::vector<PaperUnit>& units,
-                                                                  const BenchmarkFolder& folder) {
-  std::vector<std::optional<nlohmann::ordered_json>> out;
+std::vector<std::optional<Json>> finished_units(const std::vector<PaperUnit>& units,
+                                                const BenchmarkFolder& folder) {
+  std::vector<std::optional<Json>> out;
   for (const PaperUnit& unit : units) out.push_back(folder.finished(unit.stem(), unit.json()));
   return out;
 }
 
-std::size_t number_of(const std::vector<std::optional<nlohmann::ordered_json>>& finished) {
+std::size_t number_of(const std::vector<std::optional<Json>>& finished) {
   std::size_t number = 0;
   for (const auto& result : finished) number += result ? 1 : 0;
   return number;
 }
 
 /// False where interrupted.
-bool run_missing_units(const std::vector<PaperUnit>& units,
-                       const std::vector<std::optional<nlohmann::ordered_json>>& finished,
+bool run_missing_units(const std::vector<PaperUnit>& units, const std::vector<std::optional<Json>>& finished,
                        const BenchmarkFolder& folder, std::size_t threads) {
   std::vector<LongTask> tasks;
   std::size_t steps = 0;
@@ -53,7 +53,7 @@ bool run_missing_units(const std::vector<PaperUnit>& units,
 }  // namespace
 
 int benchmark_paper(const PaperOptions& options, const std::string& output, std::size_t threads,
-                    const nlohmann::ordered_json& about) {
+                    const Json& about) {
   const std::vector<PaperUnit> units = make_paper_plan(options);
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
   const BenchmarkFolder folder(output, build_digest());
@@ -68,10 +68,10 @@ int benchmark_paper(const PaperOptions& options, const std::string& output, std:
     return InterruptGuard::exit_code();
   }
   finished = finished_units(units, folder);
-  std::vector<nlohmann::ordered_json> results;
+  std::vector<Json> results;
   results.reserve(finished.size());
   for (const auto& result : finished) results.push_back(result.value());
-  nlohmann::ordered_json all = about;
+  Json all = about;
   all["quick"] = options.quick;
   all["seed"] = options.seeds.front();
   all["duration_s"] = units.front().recording.duration_s;

@@ -7,13 +7,12 @@
 #include <tuple>
 
 #include "reports/evaluation_json.hpp"
+#include "reports/json.hpp"
 #include <mapless/evaluation/evaluator.hpp>
 #include <mapless/evaluation/trajectory_evaluation.hpp>
 
 namespace mapless::app {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 Counts counts_of(const Json& rates) {
   return {rates["tp"].get<std::int64_t>(), rates["fp"].get<std::int64_t>(), rates["fn"].get<std::int64_t>(),
@@ -91,7 +90,7 @@ class Rows {
 
 }  // namespace
 
-nlohmann::ordered_json pooled_rates(const nlohmann::ordered_json& a, const nlohmann::ordered_json& b) {
+Json pooled_rates(const Json& a, const Json& b) {
   Counts counts = counts_of(a);
   counts += counts_of(b);
   Json out = a;
@@ -104,8 +103,7 @@ nlohmann::ordered_json pooled_rates(const nlohmann::ordered_json& a, const nlohm
   return out;
 }
 
-nlohmann::ordered_json paper_figures(const std::vector<PaperUnit>& units,
-                                     const std::vector<nlohmann::ordered_json>& results) {
+Json paper_figures(const std::vector<PaperUnit>& units, const std::vector<Json>& results) {
   Rows sweep, every_scan;
   Json pictures = Json::array();
   for (std::size_t i = 0; i < units.size(); ++i) {

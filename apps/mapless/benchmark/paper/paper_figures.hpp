@@ -2,9 +2,8 @@
 
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "benchmark/paper/paper_plan.hpp"
+#include "reports/json.hpp"
 
 namespace mapless::app {
 
@@ -15,12 +14,10 @@ namespace mapless::app {
 ///     sweep: [{town, range_noise_m, method, treatment, threshold_m, final, stages}]
 ///     every_scan: [{..., within_range, timing}]
 ///     pictures: [{file, kind, caption, method, town}]
-[[nodiscard]] nlohmann::ordered_json paper_figures(const std::vector<PaperUnit>& units,
-                                                   const std::vector<nlohmann::ordered_json>& results);
+[[nodiscard]] Json paper_figures(const std::vector<PaperUnit>& units, const std::vector<Json>& results);
 
 /// Counts, rates, averages and their N of two sets of scans together. Both are as to_json(PrecisionRecall)
 /// writes them.
-[[nodiscard]] nlohmann::ordered_json pooled_rates(const nlohmann::ordered_json& a,
-                                                  const nlohmann::ordered_json& b);
+[[nodiscard]] Json pooled_rates(const Json& a, const Json& b);
 
 }  // namespace mapless::app

@@ -8,6 +8,7 @@
 #include "benchmark/page/page_parts.hpp"
 #include "benchmark/page/page_style.hpp"
 #include "benchmark/paper/paper_plots.hpp"
+#include "reports/json.hpp"
 #include <mapless/io/files.hpp>
 
 namespace mapless::app {
@@ -137,7 +138,7 @@ std::int64_t swept_scans(const Json& figures) {
 
 }  // namespace
 
-void write_paper_page(const nlohmann::ordered_json& figures, const BenchmarkFolder& folder) {
+void write_paper_page(const Json& figures, const BenchmarkFolder& folder) {
   const auto plots = paper_plots(figures);
   for (const NamedPlot& plot : plots) plot.plot.png().write_png(folder.plots() / (plot.file + ".png"));
   std::string body = kOpening + provenance(figures);
@@ -166,7 +167,7 @@ void write_paper_page(const nlohmann::ordered_json& figures, const BenchmarkFold
           kPageStyle, body));
 }
 
-std::string paper_text(const nlohmann::ordered_json& figures) {
+std::string paper_text(const Json& figures) {
   std::string out =
       fmt::format("{:<8}{:<9}{:>10}{:>11}{:>8}{:>8}{:>16}{:>13}{:>8}\n", "town", "method", "threshold",
                   "precision", "recall", "IoU", "avg. precision", "avg. recall", "scans");

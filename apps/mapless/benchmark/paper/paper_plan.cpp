@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "benchmark/recording_store.hpp"
+#include "reports/json.hpp"
 #include <mapless/core/parameters.hpp>
 
 namespace mapless::app {
@@ -80,8 +81,8 @@ void add_every_scan(std::vector<PaperUnit>& units, PaperUnit unit, std::size_t s
 
 }  // namespace
 
-nlohmann::ordered_json PaperRun::json() const {
-  nlohmann::ordered_json settings = nlohmann::ordered_json::object();
+Json PaperRun::json() const {
+  Json settings = Json::object();
   DetectorParameters copy = parameters;
   for (const ParameterReference& p : parameter_references(copy)) settings[p.key] = p.text();
   return {{"method", method},
@@ -95,8 +96,8 @@ std::string PaperUnit::stem() const {
   return fmt::format("{}.{}.{:06}", recording.name(), part == Part::sweep ? "sweep" : "every-scan", first);
 }
 
-nlohmann::ordered_json PaperUnit::json() const {
-  nlohmann::ordered_json all = nlohmann::ordered_json::array();
+Json PaperUnit::json() const {
+  Json all = Json::array();
   for (const PaperRun& run : runs) all.push_back(run.json());
   return {{"part", part == Part::sweep ? "sweep" : "every scan"},
           {"recording", recording.json()},

@@ -11,9 +11,8 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "benchmark/plan.hpp"
+#include "reports/json.hpp"
 
 namespace mapless::app {
 
@@ -26,7 +25,7 @@ struct PaperRun {
   Compensation compensation = Compensation::full;
   std::size_t lead = 0;  ///< scans before the first one evaluated that the detector is given
 
-  [[nodiscard]] nlohmann::ordered_json json() const;
+  [[nodiscard]] Json json() const;
 };
 
 /// 64 lasers x 2000 columns are the 128,000 rays a scan of the paper.
@@ -44,7 +43,7 @@ struct PaperUnit {
 
   /// Name of its file without extension, unique in a plan.
   [[nodiscard]] std::string stem() const;
-  [[nodiscard]] nlohmann::ordered_json json() const;
+  [[nodiscard]] Json json() const;
   [[nodiscard]] LidarModel sensor() const;
 };
 

@@ -13,6 +13,7 @@
 #include "benchmark/recording_store.hpp"
 #include "benchmark/simulated_drive.hpp"
 #include "reports/evaluation_json.hpp"
+#include "reports/json.hpp"
 #include "run/run_summary.hpp"
 #include "terminal/interrupt.hpp"
 #include <mapless/evaluation/evaluator.hpp>
@@ -50,17 +51,17 @@ class RunOfUnit {
   /// Number of the first scan whose labels are still to come.
   [[nodiscard]] std::size_t next() const { return std::max(unit_.first, next_); }
 
-  [[nodiscard]] nlohmann::ordered_json result() const {
-    nlohmann::ordered_json stages = nlohmann::ordered_json::array();
+  [[nodiscard]] Json result() const {
+    Json stages = Json::array();
     for (std::size_t s = 0; s < kStageCount; ++s) {
       stages.push_back({{"after", stage_names(run_.parameters.method).at(s)}});
       stages.back().update(to_json(after_stage_.at(s)));
     }
-    nlohmann::ordered_json out = {{"method", run_.method},
-                                  {"treatment", run_.treatment},
-                                  {"threshold_m", run_.threshold_m},
-                                  {"final", to_json(final_)},
-                                  {"stages", stages}};
+    Json out = {{"method", run_.method},
+                {"treatment", run_.treatment},
+                {"threshold_m", run_.threshold_m},
+                {"final", to_json(final_)},
+                {"stages", stages}};
     if (unit_.part == PaperUnit::Part::sweep) return out;
     out["within_range"] = to_json(evaluator_.report())["within_range"];
     out["timing"] = timing_json(seconds_);
@@ -140,8 +141,7 @@ SimulatedDrive drive_of(const PaperUnit& unit) {
 }
 
 // The scans of a sweep are held, and its many detectors, which hold scans of their own, run one by one.
-std::optional<nlohmann::ordered_json> run_sweep(const PaperUnit& unit,
-                                                const std::function<void()>& step_done) {
+std::optional<Json> run_sweep(const PaperUnit& unit, const std::function<void()>& step_done) {
   SimulatedDrive drive = drive_of(unit);
   std::map<std::size_t, std::shared_ptr<const LidarScan>> scans;
   Truths truths;
@@ -151,7 +151,7 @@ std::optional<nlohmann::ordered_json> run_sweep(const PaperUnit& unit,
     scans[k] = std::move(scan.scan);
     truths[k] = std::move(scan.truth);
   }
-  nlohmann::ordered_json results = nlohmann::ordered_json::array();
+  Json results = Json::array();
   for (const PaperRun& run : unit.runs) {
     RunOfUnit detector(unit, run);
     for (const auto& [k, scan] : scans) {
@@ -161,22 +161,21 @@ std::optional<nlohmann::ordered_json> run_sweep(const PaperUnit& unit,
     detector.flush(truths, step_done);
     results.push_back(detector.result());
   }
-  return nlohmann::ordered_json{{"runs", results}, {"pictures", nlohmann::ordered_json::array()}};
+  return Json{{"runs", results}, {"pictures", Json::array()}};
 }
 
-nlohmann::ordered_json pictures_of(const RunOfUnit& detector, const PaperUnit& unit,
-                                   const ObjectTruth& objects, const std::filesystem::path& folder) {
+Json pictures_of(const RunOfUnit& detector, const PaperUnit& unit, const ObjectTruth& objects,
+                 const std::filesystem::path& folder) {
   const PaperRun& run = detector.run();
-  nlohmann::ordered_json all = draw_gallery(detector.views(), stage_names(run.parameters.method), objects,
-                                            folder, unit.recording.scene + "." + run.method);
+  Json all = draw_gallery(detector.views(), stage_names(run.parameters.method), objects, folder,
+                          unit.recording.scene + "." + run.method);
   for (auto& picture : all) picture["method"] = run.method;
   return all;
 }
 
 // Few detectors, many scans: every scan goes to all of them and is forgotten.
-std::optional<nlohmann::ordered_json> run_every_scan(const PaperUnit& unit,
-                                                     const std::filesystem::path& pictures,
-                                                     const std::function<void()>& step_done) {
+std::optional<Json> run_every_scan(const PaperUnit& unit, const std::filesystem::path& pictures,
+                                   const std::function<void()>& step_done) {
   SimulatedDrive drive = drive_of(unit);
   std::vector<std::unique_ptr<RunOfUnit>> detectors;
   for (const PaperRun& run : unit.runs) detectors.push_back(std::make_unique<RunOfUnit>(unit, run));
@@ -192,8 +191,8 @@ std::optional<nlohmann::ordered_json> run_every_scan(const PaperUnit& unit,
     }
     truths.erase(truths.begin(), truths.lower_bound(next));
   }
-  nlohmann::ordered_json results = nlohmann::ordered_json::array();
-  nlohmann::ordered_json drawn = nlohmann::ordered_json::array();
+  Json results = Json::array();
+  Json drawn = Json::array();
   for (const auto& detector : detectors) {
     detector->flush(truths, step_done);
     results.push_back(detector->result());
@@ -201,15 +200,15 @@ std::optional<nlohmann::ordered_json> run_every_scan(const PaperUnit& unit,
     for (const auto& picture : pictures_of(*detector, unit, drive.objects(), pictures))
       drawn.push_back(picture);
   }
-  return nlohmann::ordered_json{{"runs", results}, {"pictures", drawn}};
+  return Json{{"runs", results}, {"pictures", drawn}};
 }
 
 }  // namespace
 
 std::size_t steps_of(const PaperUnit& unit) { return unit.count * unit.runs.size(); }
 
-std::optional<nlohmann::ordered_json> run_unit(const PaperUnit& unit, const std::filesystem::path& pictures,
-                                               const std::function<void()>& step_done) {
+std::optional<Json> run_unit(const PaperUnit& unit, const std::filesystem::path& pictures,
+                             const std::function<void()>& step_done) {
   return unit.part == PaperUnit::Part::sweep ? run_sweep(unit, step_done)
                                              : run_every_scan(unit, pictures, step_done);
 }

@@ -5,9 +5,8 @@
 #include <functional>
 #include <optional>
 
-#include <nlohmann/json.hpp>
-
 #include "benchmark/paper/paper_plan.hpp"
+#include "reports/json.hpp"
 
 namespace mapless::app {
 
@@ -21,8 +20,7 @@ namespace mapless::app {
 /// The result: "runs", a list with method, treatment and threshold_m of each run, its rates after each stage
 /// (stages) and of the final labels (final); for the part every_scan also within_range and timing; and
 /// "pictures", a list with the method of each added.
-[[nodiscard]] std::optional<nlohmann::ordered_json> run_unit(const PaperUnit& unit,
-                                                             const std::filesystem::path& pictures,
-                                                             const std::function<void()>& step_done);
+[[nodiscard]] std::optional<Json> run_unit(const PaperUnit& unit, const std::filesystem::path& pictures,
+                                           const std::function<void()>& step_done);
 
 }  // namespace mapless::app

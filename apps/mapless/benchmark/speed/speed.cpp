@@ -13,6 +13,7 @@
 #include "benchmark/speed/speed_pipeline.hpp"
 #include "benchmark/speed/speed_sensor.hpp"
 #include "benchmark/speed/yardstick.hpp"
+#include "reports/json.hpp"
 #include "run/busy_time.hpp"
 #include "terminal/interrupt.hpp"
 #include "terminal/progress.hpp"
@@ -24,8 +25,6 @@
 
 namespace mapless::app {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr int kFirstScan = 33;  // the reference scans of the default detector: up to 32 before, and one after
 constexpr int kYardstickEvery = 5;  // scans; it takes longer than the detection

@@ -4,8 +4,7 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
+#include "reports/json.hpp"
 #include <mapless/detection/parameters.hpp>
 #include <mapless/odometry/parameters.hpp>
 
@@ -29,9 +28,9 @@ struct SpeedOptions {
 /// share_of_detection (of the median), yardsticks (the same), and the median of the OnlineDetector on up to
 /// `most_threads` threads, with and without side_by_side. Throws ParameterError where the scene is too short.
 /// Where interrupted, returns the figures so far.
-[[nodiscard]] nlohmann::ordered_json measure_speed(const SpeedOptions& options);
+[[nodiscard]] Json measure_speed(const SpeedOptions& options);
 
 /// The same as a table.
-[[nodiscard]] std::string speed_text(const nlohmann::ordered_json& speed);
+[[nodiscard]] std::string speed_text(const Json& speed);
 
 }  // namespace mapless::app

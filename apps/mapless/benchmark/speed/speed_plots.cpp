@@ -6,10 +6,10 @@
 
 #include <fmt/format.h>
 
+#include "reports/json.hpp"
+
 namespace mapless::app {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 double processor_ms(const Json& sensor, const std::string& name) {
   for (const Json& row : sensor["rows"]) {

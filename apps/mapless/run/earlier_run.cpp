@@ -1,0 +1,104 @@
+#include "run/earlier_run.hpp"
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <sstream>
+
+#include <fmt/format.h>
+
+#include "reports/digest.hpp"
+#include <mapless/core/errors.hpp>
+#include <mapless/io/files.hpp>
+
+namespace mapless::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+// What must be the same for the same bytes; the first that differs is named.
+constexpr std::array kSame = {"version",        "format",  "sensor",     "first_scan",
+                              "selected_scans", "profile", "trajectory", "recording_digest"};
+
+[[noreturn]] void refuse(const fs::path& file, const std::string& what, const std::string& before,
+                         const std::string& now) {
+  throw ParameterError({"--resume", what, now, fmt::format("{} has {}", file.string(), before),
+                        "give the options and the recording of that run, or --overwrite to start anew"});
+}
+
+void require_same_configuration(const fs::path& file, const std::string& now) {
+  const std::string before = read_whole_file(file);
+  if (before == now) return;
+  std::istringstream lines_before(before), lines_now(now);
+  std::string group, line_before, line_now;
+  while (std::getline(lines_before, line_before) && std::getline(lines_now, line_now)) {
+    if (line_before != line_now) break;
+    if (!line_now.empty() && line_now.front() != ' ' && line_now.front() != '#') group = line_now + " ";
+  }
+  const auto trimmed = [](const std::string& line) {
+    const std::string text = line.substr(0, line.find(" #"));
+    return text.substr(std::min(text.find_first_not_of(' '), text.size()));
+  };
+  const std::string in_group = line_now.starts_with(' ') ? group : "";
+  refuse(file, "parameters", trimmed(line_before), in_group + trimmed(line_now));
+}
+
+std::size_t finished_scans(const ResultFolder& result, std::size_t first, std::size_t count) {
+  std::size_t finished = 0;
+  const auto is_there = [&](std::size_t k) {
+    return fs::exists(result.label_file(k)) && fs::exists(result.stage_file(k));
+  };
+  while (finished < count && is_there(first + finished)) ++finished;
+  return finished;
+}
+
+Json parsed(const fs::path& file) {
+  Json json = Json::parse(read_whole_file(file), nullptr, false);
+  if (json.is_object()) return json;
+  throw InputError({file.string(), "content", "", "is not JSON", "start anew with --overwrite"});
+}
+
+}  // namespace
+
+std::optional<EarlierRun> earlier_run(const ResultFolder& result, const RunSummary& now,
+                                      const std::string& configuration) {
+  result.require_free(true);
+  if (!fs::exists(result.summary())) return std::nullopt;
+  const Json before = parsed(result.summary());
+  const Json wanted = now.json();
+  for (const char* key : kSame) {
+    const Json value = before.value(key, Json());
+    if (value != wanted[key]) refuse(result.summary(), key, value.dump(), wanted[key].dump());
+  }
+  EarlierRun out;
+  out.finished = finished_scans(result, wanted["first_scan"], wanted["selected_scans"]);
+  if (out.finished == 0) return std::nullopt;
+  require_same_configuration(result.config(), configuration);
+  out.complete = before.value("complete", false) && out.finished == wanted["selected_scans"];
+  if (before.contains("odometry")) out.lost_scans = before["odometry"].value("lost", std::size_t{0});
+  return out;
+}
+
+std::string recording_digest(const Dataset& dataset, const Trajectory* given,
+                             std::span<const MotionMeasurement> told, std::size_t first, std::size_t count) {
+  Digest digest;
+  for (const MotionMeasurement& one : told) {
+    digest.add(one.time.nanoseconds());
+    digest.add(one.quantity);
+    for (Eigen::Index i = 0; i < one.value.size(); ++i) digest.add(one.value[i]);
+    digest.add(one.sigma.value_or(0.0));
+  }
+  for (std::size_t k = first; k < first + count; ++k) {
+    const Time start = dataset.scan_start(k);
+    digest.add(start.nanoseconds());
+    std::error_code error;
+    const std::uintmax_t size = fs::file_size(dataset.scan_file(k), error);
+    if (!error) digest.add(size);
+    if (given == nullptr) continue;
+    const Eigen::Matrix4d T_v0 = given->at(start).T_v0.matrix();
+    for (Eigen::Index i = 0; i < T_v0.size(); ++i) digest.add(T_v0.data()[i]);
+  }
+  return digest.text();
+}
+
+}  // namespace mapless::app

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "run/run_summary.hpp"
+#include <mapless/io/dataset.hpp>
+#include <mapless/io/result_folder.hpp>
+
+namespace mapless::app {
+
+/// A result in the output folder that a run goes on with (--resume).
+struct EarlierRun {
+  std::size_t finished = 0;    ///< scans with labels and stages, counted from the first without a gap
+  bool complete = false;       ///< all scans, and the summary
+  std::size_t lost_scans = 0;  ///< of a complete run: scans whose motion was lost
+};
+
+/// The earlier run; nothing where the folder is empty or no scan was finished. `now` and `configuration`: the
+/// summary and the content of config.yaml of the run that would go on. Throws OutputError where the folder
+/// holds something else, ParameterError that names what differs: version, recording, poses, an option or a
+/// parameter.
+[[nodiscard]] std::optional<EarlierRun> earlier_run(const ResultFolder& result, const RunSummary& now,
+                                                    const std::string& configuration);
+
+/// Digest of the start times and file sizes of scans [first, first + count), of the poses at these times and
+/// of the motion told to the odometry: tells one recording and one trajectory from another without reading
+/// the points.
+[[nodiscard]] std::string recording_digest(const Dataset& dataset, const Trajectory* given,
+                                           std::span<const MotionMeasurement> told, std::size_t first,
+                                           std::size_t count);
+
+}  // namespace mapless::app

@@ -1,0 +1,63 @@
+#include "run/result_tables.hpp"
+
+#include <utility>
+
+#include "run/scan_poses.hpp"
+
+namespace mapless::app {
+
+ResultTables::ResultTables(const ResultFolder& result, bool own_odometry, GrowingFile::Start start)
+    : objects_(result.objects(), start),
+      kitti_(result.kitti_poses(), "", start),
+      trajectory_(result.trajectory(), "", start) {
+  if (own_odometry) motions_.emplace(result.poses(), kMotionTableHead, start);
+}
+
+void ResultTables::add(const TableRows& rows) {
+  objects_.add(rows.objects);
+  const std::vector<TimedPose> before = unwritten_before(rows.poses);
+  trajectory_.append(tum_rows(before));
+  settle(before);
+  kitti_.append(kitti_rows({rows.poses.front()}));
+  if (motions_) motions_->append(motion_table_rows({*rows.motion}));
+  unwritten_ = rows.poses;
+}
+
+void ResultTables::verify(const TableRows& rows) {
+  objects_.verify(rows.objects);
+  const std::vector<TimedPose> before = unwritten_before(rows.poses);
+  trajectory_.verify(tum_rows(before));
+  settle(before);
+  kitti_.verify(kitti_rows({rows.poses.front()}));
+  if (motions_) motions_->verify(motion_table_rows({*rows.motion}));
+  unwritten_ = rows.poses;
+}
+
+void ResultTables::undo_add() {
+  unwritten_.clear();
+  kitti_.undo_append();
+  if (motions_) motions_->undo_append();
+}
+
+void ResultTables::finish(const Trajectory& trajectory, Time end) {
+  std::vector<TimedPose> rows = last_written_;
+  rows.insert(rows.end(), unwritten_.begin(), unwritten_.end());
+  append_last_pose(rows, trajectory, end);
+  rows.erase(rows.begin(), rows.begin() + static_cast<std::ptrdiff_t>(last_written_.size()));
+  trajectory_.append(tum_rows(rows));
+  settle(rows);
+}
+
+// The poses of the last scan that come before those of the next.
+std::vector<TimedPose> ResultTables::unwritten_before(const std::vector<TimedPose>& next) const {
+  std::vector<TimedPose> before = unwritten_;
+  while (!next.empty() && !before.empty() && before.back().time >= next.front().time) before.pop_back();
+  return before;
+}
+
+void ResultTables::settle(const std::vector<TimedPose>& written) {
+  unwritten_.clear();
+  if (!written.empty()) last_written_ = {written.back()};
+}
+
+}  // namespace mapless::app

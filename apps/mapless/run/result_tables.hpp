@@ -1,0 +1,49 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include <mapless/io/labels.hpp>
+#include <mapless/io/result_folder.hpp>
+#include <mapless/io/trajectory_file.hpp>
+
+namespace mapless::app {
+
+/// What one scan adds to the tables of a result.
+struct TableRows {
+  std::vector<ObjectRow> objects;
+  std::vector<TimedPose> poses;     ///< within the scan, the first at its start
+  std::optional<MotionRow> motion;  ///< along own odometry
+};
+
+/// objects.csv, poses_kitti.txt, trajectory.txt and, along own odometry, poses.csv of a result. Each scan's
+/// rows are on the disk when `add` returns, except those of trajectory.txt: they are written with the next
+/// scan, whose first pose replaces the poses of this scan that are not before it. Memory does not grow with
+/// the number of scans.
+class ResultTables {
+ public:
+  /// Creates the files, or goes on with those of an earlier run. Throws as GrowingFile does.
+  ResultTables(const ResultFolder& result, bool own_odometry, GrowingFile::Start start);
+
+  /// Appends the rows of the next scan. Throws OutputError.
+  void add(const TableRows& rows);
+  /// For a scan that the earlier run finished: throws InputError where the files do not hold its rows next.
+  void verify(const TableRows& rows);
+  /// Removes the poses of the scan added last, which could not be finished. Throws OutputError.
+  void undo_add();
+  /// Appends the rest of trajectory.txt: the poses of the last scan, and the last pose of `trajectory` at
+  /// `end` at most. Throws OutputError.
+  void finish(const Trajectory& trajectory, Time end);
+
+ private:
+  [[nodiscard]] std::vector<TimedPose> unwritten_before(const std::vector<TimedPose>& next) const;
+  void settle(const std::vector<TimedPose>& written);
+
+  ObjectTableWriter objects_;
+  GrowingFile kitti_, trajectory_;
+  std::optional<GrowingFile> motions_;
+  std::vector<TimedPose> unwritten_;     // of the last scan, for trajectory.txt
+  std::vector<TimedPose> last_written_;  // the last row of trajectory.txt, if there is one
+};
+
+}  // namespace mapless::app
