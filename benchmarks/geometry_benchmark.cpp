@@ -8,7 +8,6 @@
 #include "geometry/nearest_neighbours.hpp"
 #include "support/cast_rays.hpp"
 #include <mapless/geometry/compensated_scan.hpp>
-#include <mapless/geometry/normals.hpp>
 
 // Each piece of the geometry room over a full scan: 64 lasers, 2,000 columns, about 128,000 points of a
 // street, the sensor driving and turning. Single threads, so that the numbers add up; "per_point" is time per

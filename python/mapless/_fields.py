@@ -14,8 +14,8 @@ from mapless._core import InputError
 
 Array = npt.NDArray[Any]
 TimeUnit = Literal["s", "ms", "us", "ns"]
-TIME_UNITS: dict[str, int] = {"s": 0, "ms": 1, "us": 2, "ns": 3}  # TimeUnit of point_fields.hpp
-FROM_STAMP, AUTOMATIC = 0, 2  # TimeReference of point_fields.hpp
+TIME_UNITS: dict[str, int] = {"s": 0, "ms": 1, "us": 2, "ns": 3}  # TimeUnit of lidar_scan.hpp
+FROM_STAMP, AUTOMATIC = 0, 2  # TimeReference of lidar_scan.hpp
 
 # Names that drivers and datasets give to the laser and to the instant of a point.
 RING_NAMES = ("ring", "channel", "laser_number", "laser_id", "laser", "line")

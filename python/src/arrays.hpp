@@ -9,7 +9,7 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 
-#include <mapless/lidar/point_fields.hpp>
+#include <mapless/lidar/lidar_scan.hpp>
 
 namespace mapless::python {
 

@@ -3,7 +3,7 @@
 #include <limits>
 
 #include "evaluation/scan_checks.hpp"
-#include <mapless/evaluation/hard_cases.hpp>
+#include <mapless/evaluation/evaluator.hpp>
 #include <mapless/io/labels.hpp>
 
 namespace mapless::inline v1 {

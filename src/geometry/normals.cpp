@@ -13,7 +13,6 @@
 #include "geometry/plane_fit.hpp"
 #include "lidar/aligned_image.hpp"
 #include <mapless/geometry/compensated_scan.hpp>
-#include <mapless/geometry/normals.hpp>
 
 namespace mapless::inline v1 {
 namespace {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <cstring>
 
-#include <mapless/lidar/point_fields.hpp>
+#include <mapless/lidar/lidar_scan.hpp>
 
 namespace mapless::inline v1 {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include <mapless/core/time.hpp>
-#include <mapless/live/live_diagnostics.hpp>
+#include <mapless/live/live_output.hpp>
 
 namespace mapless::inline v1 {
 

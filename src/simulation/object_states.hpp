@@ -8,7 +8,6 @@
 
 #include <mapless/io/labels.hpp>
 #include <mapless/simulation/scene.hpp>
-#include <mapless/simulation/simulated_sensor.hpp>
 
 namespace mapless::inline v1 {
 

@@ -16,7 +16,7 @@
 #include <mapless/io/files.hpp>
 #include <mapless/io/labels.hpp>
 #include <mapless/io/trajectory_file.hpp>
-#include <mapless/simulation/simulated_sensor.hpp>
+#include <mapless/simulation/scene.hpp>
 
 namespace mapless::inline v1 {
 namespace {

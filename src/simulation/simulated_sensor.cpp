@@ -10,7 +10,7 @@
 #include "core/argument_checks.hpp"
 #include "simulation/random.hpp"
 #include <mapless/io/labels.hpp>
-#include <mapless/simulation/simulated_sensor.hpp>
+#include <mapless/simulation/scene.hpp>
 
 namespace mapless::inline v1 {
 namespace {

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <mapless/core/errors.hpp>
-#include <mapless/evaluation/hard_cases.hpp>
+#include <mapless/evaluation/evaluator.hpp>
 
 namespace mapless {
 namespace MAPLESS_FILE {

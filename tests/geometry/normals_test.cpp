@@ -10,7 +10,6 @@
 #include "geometry/nearest_neighbours.hpp"
 #include "support/cast_rays.hpp"
 #include <mapless/geometry/compensated_scan.hpp>
-#include <mapless/geometry/normals.hpp>
 
 namespace mapless {
 namespace MAPLESS_FILE {

@@ -12,7 +12,7 @@
 #include <mapless/io/dataset.hpp>
 #include <mapless/io/files.hpp>
 #include <mapless/io/labels.hpp>
-#include <mapless/simulation/simulated_sensor.hpp>
+#include <mapless/simulation/scene.hpp>
 
 namespace mapless {
 namespace MAPLESS_FILE {

@@ -8,7 +8,6 @@
 #include <mapless/core/errors.hpp>
 #include <mapless/io/labels.hpp>
 #include <mapless/simulation/scene.hpp>
-#include <mapless/simulation/simulated_sensor.hpp>
 
 namespace mapless {
 namespace MAPLESS_FILE {

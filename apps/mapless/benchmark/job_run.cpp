@@ -18,7 +18,6 @@
 #include "run/run_summary.hpp"
 #include "terminal/interrupt.hpp"
 #include <mapless/evaluation/evaluator.hpp>
-#include <mapless/evaluation/hard_cases.hpp>
 #include <mapless/io/dataset.hpp>
 #include <mapless/io/labels.hpp>
 #include <mapless/io/result_folder.hpp>

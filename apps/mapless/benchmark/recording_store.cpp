@@ -15,7 +15,6 @@
 #include <mapless/core/errors.hpp>
 #include <mapless/io/files.hpp>
 #include <mapless/simulation/scene.hpp>
-#include <mapless/simulation/simulated_sensor.hpp>
 
 namespace mapless::app {
 namespace {

@@ -8,7 +8,6 @@
 #include <mapless/io/labels.hpp>
 #include <mapless/lidar/lidar_scan.hpp>
 #include <mapless/simulation/scene.hpp>
-#include <mapless/simulation/simulated_sensor.hpp>
 #include <mapless/trajectory/trajectory.hpp>
 
 namespace mapless::app {

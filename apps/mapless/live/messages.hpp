@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "ros2_messages.h"
-#include <mapless/live/live_diagnostics.hpp>
 #include <mapless/live/live_output.hpp>
 
 namespace mapless::app {

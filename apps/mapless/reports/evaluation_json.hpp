@@ -2,7 +2,6 @@
 
 #include "reports/json.hpp"
 #include <mapless/evaluation/evaluator.hpp>
-#include <mapless/evaluation/hard_cases.hpp>
 
 namespace mapless::app {
 

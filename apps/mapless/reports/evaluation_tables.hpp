@@ -4,7 +4,6 @@
 #include <string>
 
 #include <mapless/evaluation/evaluator.hpp>
-#include <mapless/evaluation/hard_cases.hpp>
 
 namespace mapless::app {
 

@@ -18,7 +18,6 @@
 #include <mapless/core/time.hpp>
 #include <mapless/io/files.hpp>
 #include <mapless/simulation/scene.hpp>
-#include <mapless/simulation/simulated_sensor.hpp>
 
 namespace mapless::app {
 namespace {

@@ -10,7 +10,7 @@
 
 #include <mapless/core/time.hpp>
 #include <mapless/detection/parameters.hpp>
-#include <mapless/geometry/freespace_verdict.hpp>
+#include <mapless/geometry/compensated_scan.hpp>
 #include <mapless/lidar/lidar_scan.hpp>
 
 namespace mapless::inline v1 {

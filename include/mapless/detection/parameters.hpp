@@ -6,7 +6,7 @@
 #include <tuple>
 
 #include <mapless/core/parameters.hpp>
-#include <mapless/geometry/normals.hpp>
+#include <mapless/geometry/compensated_scan.hpp>
 
 namespace mapless::inline v1 {
 

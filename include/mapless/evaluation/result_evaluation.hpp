@@ -7,7 +7,6 @@
 #include <vector>
 
 #include <mapless/evaluation/evaluator.hpp>
-#include <mapless/evaluation/hard_cases.hpp>
 #include <mapless/io/dataset.hpp>
 #include <mapless/io/result_folder.hpp>
 

@@ -18,7 +18,6 @@
 
 #include <mapless/lidar/lidar_model.hpp>
 #include <mapless/lidar/lidar_scan.hpp>
-#include <mapless/lidar/point_fields.hpp>
 #include <mapless/trajectory/trajectory.hpp>
 
 namespace mapless::inline v1 {

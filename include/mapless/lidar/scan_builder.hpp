@@ -9,7 +9,6 @@
 #include <mapless/core/time.hpp>
 #include <mapless/lidar/lidar_model.hpp>
 #include <mapless/lidar/lidar_scan.hpp>
-#include <mapless/lidar/point_fields.hpp>
 
 namespace mapless::inline v1 {
 

@@ -8,7 +8,6 @@
 
 #include <mapless/core/se3.hpp>
 #include <mapless/core/time.hpp>
-#include <mapless/live/live_diagnostics.hpp>
 #include <mapless/live/live_options.hpp>
 #include <mapless/live/live_output.hpp>
 #include <mapless/live/point_cloud2.hpp>

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include <mapless/core/time.hpp>
-#include <mapless/lidar/point_fields.hpp>
+#include <mapless/lidar/lidar_scan.hpp>
 
 namespace mapless::inline v1 {
 

@@ -11,7 +11,6 @@
 #include <vision_msgs/msg/detection3_d_array.hpp>
 #include <visualization_msgs/msg/marker_array.hpp>
 
-#include <mapless/live/live_diagnostics.hpp>
 #include <mapless/live/live_output.hpp>
 
 namespace mapless_ros {

@@ -6,7 +6,6 @@
 
 #include "geometry/nearest_neighbours.hpp"
 #include <mapless/geometry/compensated_scan.hpp>
-#include <mapless/geometry/normals.hpp>
 
 namespace mapless::inline v1 {
 

@@ -8,7 +8,7 @@
 #include <Eigen/Core>
 
 #include <mapless/core/time.hpp>
-#include <mapless/lidar/point_fields.hpp>
+#include <mapless/lidar/lidar_scan.hpp>
 
 namespace mapless::inline v1 {
 

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "odometry/registration/time_bins.hpp"
-#include <mapless/geometry/freespace_verdict.hpp>
+#include <mapless/geometry/compensated_scan.hpp>
 #include <mapless/lidar/lidar_scan.hpp>
 
 namespace mapless::inline v1 {

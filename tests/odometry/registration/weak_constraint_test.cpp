@@ -10,7 +10,6 @@
 #include <mapless/lidar/lidar_model.hpp>
 #include <mapless/odometry/lidar_odometry.hpp>
 #include <mapless/simulation/scene.hpp>
-#include <mapless/simulation/simulated_sensor.hpp>
 
 namespace mapless {
 namespace MAPLESS_FILE {

@@ -8,7 +8,6 @@
 #include <mapless/lidar/lidar_scan.hpp>
 #include <mapless/odometry/lidar_odometry.hpp>
 #include <mapless/simulation/scene.hpp>
-#include <mapless/simulation/simulated_sensor.hpp>
 
 // Difficult starts of simulated drives with sixteen lasers, against the simulated truth.
 namespace mapless {

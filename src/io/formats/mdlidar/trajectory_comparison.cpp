@@ -10,7 +10,6 @@
 #include "core/median.hpp"
 #include "geometry/nearest_neighbours.hpp"
 #include <mapless/geometry/compensated_scan.hpp>
-#include <mapless/geometry/normals.hpp>
 
 namespace mapless::inline v1 {
 namespace {
