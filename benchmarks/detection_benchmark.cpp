@@ -28,7 +28,7 @@ DetectorParameters published_parameters() {
   return parameters;
 }
 
-/// A full-size scan of the street (HDL-64E S2, 64 x 2083 rays), what the five published steps ask for, and
+/// A full-size scan of the street (HDL-64E S2, 64 x 2083 rays), what the five published steps need, and
 /// what they say of it.
 struct Street {
   test::ToyScene scene = test::toy_street("HDL-64E-S2");
@@ -72,9 +72,9 @@ struct Street {
 };
 
 /// Runs `stage` with as many threads as the benchmark's argument says, and states the time per ray of the
-/// scan and per element it was asked about.
+/// scan and per query.
 template <class Stage>
-void run(benchmark::State& state, std::size_t asked, const Stage& stage) {
+void run(benchmark::State& state, std::size_t queries, const Stage& stage) {
   const auto threads = static_cast<std::size_t>(state.range(0));
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
   for (auto _ : state) benchmark::DoNotOptimize(stage());
@@ -83,8 +83,8 @@ void run(benchmark::State& state, std::size_t asked, const Stage& stage) {
                               benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
   };
   state.counters["per_ray"] = per(Street::instance().query.scan().cells.size());
-  state.counters["per_asked"] = per(asked);
-  state.counters["asked"] = static_cast<double>(asked);
+  state.counters["per_query"] = per(queries);
+  state.counters["queries"] = static_cast<double>(queries);
 }
 
 std::size_t returns() { return Street::instance().query.scan().returns.size(); }
@@ -136,7 +136,7 @@ void region_growth(benchmark::State& state) {
   run(state, returns(), [&] { return grow_regions(s.query, s.kept, s.parameters.region_growth); });
 }
 
-/// What the default method asks for of the same scan, and what it says of it.
+/// What the default method needs of the same scan, and its results.
 struct VotingStreet {
   VotingParameters parameters;
   LocalPoints points = test::local_points(Street::instance().query.compensated);
@@ -173,7 +173,7 @@ void ray_image(benchmark::State& state) {
   run(state, returns(), [&] { return RayImage(Street::instance().query.compensated); });
 }
 
-/// One earlier scan asked about every point, on one thread: the cost of a question.
+/// One earlier scan queried at every point, on one thread: the cost of a query.
 void probe(benchmark::State& state) {
   const VotingStreet& s = VotingStreet::instance();
   const auto& all = Street::instance().query.scan().returns;
@@ -209,7 +209,7 @@ void evidence_growth(benchmark::State& state) {
   });
 }
 
-/// One scan into a detector that has seen all it can ask for, or the 30 scans there are.
+/// One scan into a detector that has all reference scans it can use, or the 30 scans there are.
 void run_detector(benchmark::State& state, const DetectorParameters& parameters) {
   const Street& s = Street::instance();
   const int history = kQuery + parameters.forward_gap;

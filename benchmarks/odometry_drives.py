@@ -4,7 +4,7 @@
 usage: odometry_drives.py [--mapless build/mapless] [--work FOLDER] [--duration-s 60] [--seed 300] [--keep]
                           [--scenes town1 ...] [--sensors HDL-64E-S2 ...] [--write docs/notebook/odometry.md]
 
-A drive takes 0.2 to 1.8 GB in --work and is deleted once it is judged, unless --keep. Needs NumPy and SciPy. With
+A drive takes 0.2 to 1.8 GB in --work and is deleted once it is evaluated, unless --keep. Needs NumPy and SciPy. With
 --write, the table replaces the one between the two marks in that file. "start" is the largest distance from the truth
 within the second to the eleventh scan, the first poses laid upon each other; everything else is what `mapless evaluate`
 says, over all scans. What misses its bar is in bold.
@@ -50,7 +50,7 @@ def rmse(report, *path):
     return report["rmse"]
 
 
-def judge(options, folder, result):
+def evaluate(options, folder, result):
     command = [options.mapless, "odometry", folder, "-o", result, "--overwrite", "--json"]
     summary = json.loads(run(command + ["--poses-per-scan", POSES_PER_SCAN, "--threads", options.threads]))
     report = json.loads(run([options.mapless, "evaluate", folder, result, "--json", "-"]))["trajectory"]
@@ -100,7 +100,7 @@ def main():
             folder = options.work / f"{scene}_{sensor}_{options.seed}"
             how = ["--sensor", sensor, "--seed", options.seed, "--duration-s", options.duration_s]
             simulate(options.mapless, scene, folder, *how, "--range-noise-m", 0.02, "--threads", options.threads)
-            values, trouble = judge(options, folder, options.work / "result")
+            values, trouble = evaluate(options, folder, options.work / "result")
             cells = [cell(value, form, bar) for value, (_, form, bar) in zip(values, COLUMNS)]
             lines.append(" | ".join([f"{scene}, {sensor}"] + cells))
             print(lines[-1], flush=True)

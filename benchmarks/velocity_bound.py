@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""How well the returns of a recording could tell the velocity within each scan, if the map were perfect.
+"""How well the returns of a recording could determine the velocity within each scan, if the map were perfect.
 
 usage: velocity_bound.py RECORDING ...
 
@@ -172,7 +172,7 @@ def prior_information(dt, density):
 
 
 class Term:
-    """What a scan tells of the two knots about it: information, gradient, and the gradient's noise."""
+    """The constraint of a scan on the two knots about it: information, gradient, and the gradient's noise."""
 
     def __init__(self, scan, planes, at, dt, choose, assumed_sigma, share, density):
         (points, stamps, _, _), (normal, flat) = scan, planes

@@ -1,4 +1,4 @@
-# What is checked beside the unit tests, as tests of the same ctest run, so that one summary tells all.
+# The checks beside the unit tests, as tests of the same ctest run, so that one summary has all of them.
 find_package(Python3 REQUIRED COMPONENTS Interpreter)
 find_program(MAPLESS_CLANG_FORMAT NAMES clang-format-14 clang-format REQUIRED)
 find_program(MAPLESS_RUN_CLANG_TIDY NAMES run-clang-tidy-14 run-clang-tidy REQUIRED)

@@ -1,5 +1,5 @@
 # Installs the libraries, their headers, the command, and what find_package(mapless COMPONENTS ...) needs: an export of
-# its own for each layer, so that only the packages of the layers asked for have to be there.
+# its own for each layer, so that only the packages of the wanted layers have to be there.
 include(CMakePackageConfigHelpers)
 include(GNUInstallDirs)
 

@@ -23,7 +23,7 @@ def patterns(script):
 
 
 def test_names(root):
-    """As GoogleTest gives them; of a test with parameters, one that stands for all of them."""
+    """As GoogleTest gives them; of a test with parameters, the name of the first."""
     names = set()
     for file in (root / "tests").rglob("*_test.cpp"):
         text = file.read_text(encoding="utf-8")

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Breaks the published method on purpose, one small mutant after the other, and tells whether its tests notice.
+"""Breaks the published method on purpose, one small mutant after the other, and says whether its tests notice.
 
 Copies the tree to a scratch folder, builds the tests of room detection there and runs them unbroken; then applies each
 mutant, builds and runs the tests of its step, and puts the source back. A mutant is killed if a test fails or hangs,

@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""Runs DUFOMap and `mapless detect` on the same recordings, one after the other, and judges both the same way.
+"""Runs DUFOMap and `mapless detect` on the same recordings, one after the other, and evaluates both the same way.
 
 usage: compare_detection.py [--mapless build/mapless] [--duration-s 12] [--seed 501] [--write docs/accuracy.md]
 
 Makes short simulated recordings in --work where they are not there yet. DUFOMap is the Python package of
-requirements.txt with the parameters of its paper, one thread. It cleans maps; here it is asked online: the scans go in
-one after the other, each from its true pose, and the points of a scan are asked for once the next one is in, the
+requirements.txt with the parameters of its paper, one thread. It cleans maps; here it runs online: the scans go in
+one after the other, each from its true pose, and the points of a scan are classified once the next one is in, the
 latency that mapless has. It gets every point where it truly was, in the frame of the first scan, and once more the raw
-scans, each from the pose of its middle. `mapless evaluate` judges all. Times are CPU times, mean: of DUFOMap those of
+scans, each from the pose of its middle. `mapless evaluate` evaluates all. Times are CPU times, mean: of DUFOMap those of
 run() and segment(), of mapless those of the whole command, reading and writing included.
 """
 

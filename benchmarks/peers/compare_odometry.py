@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Runs KISS-ICP and `mapless odometry` on the same raw scans, one after the other, and judges both the same way.
+"""Runs KISS-ICP and `mapless odometry` on the same raw scans, one after the other, and evaluates both the same way.
 
 usage: compare_odometry.py [--mapless build/mapless] [--kitti DRIVE] [--duration-s 20] [--write docs/odometry.md]
 
@@ -7,7 +7,7 @@ Makes short simulated recordings in --work where they are not there yet. KISS-IC
 requirements.txt with its defaults: deskewing on, given the time of every point, one thread. Its poses are those of the
 end of each scan, to which it deskews; between them they are interpolated at constant velocity, which is kinder than the
 motion it deskews with, that of the scan before. Where the truth is known it runs once more, given the motion of the
-first scan: by itself it does not get going where a drive begins fast. `mapless evaluate` judges all. Times are those of
+first scan: by itself it does not get going where a drive begins fast. `mapless evaluate` evaluates all. Times are those of
 the process on its CPU, so that what else runs on the machine does not count. With --write, the table replaces the one
 between the two marks in that file.
 """

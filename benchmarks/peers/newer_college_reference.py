@@ -4,7 +4,7 @@
 usage: newer_college_reference.py FOLDER/newer_06
 
 Fits a motion cubic in time (rotation vector and translation) that takes each raw scan to its deskewed one, robustly,
-and prints the turn within the scan and what the fit leaves of the distances: no comparison can be asked to be closer.
+and prints the turn within the scan and what the fit leaves of the distances: no comparison can be closer.
 """
 
 import pathlib

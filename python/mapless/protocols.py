@@ -73,7 +73,7 @@ class Counts:
 
 @dataclasses.dataclass
 class Totals:
-    """Counts are summed over scans and then divided; the mean of the scans' IoU stands beside."""
+    """Counts are summed over scans and then divided; the mean of the scans' IoU is given beside."""
 
     all: Counts = dataclasses.field(default_factory=Counts)
     by_range: list[Counts] = dataclasses.field(default_factory=lambda: [Counts() for _ in RANGES_M])

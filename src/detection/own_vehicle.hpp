@@ -26,7 +26,7 @@ namespace mapless::inline v1 {
 ///   kColumnsAside from its own. Anything in front of the own vehicle has another range.
 ///
 /// A vehicle alongside that keeps its distance and its bearing for nine tenths of the key scans so far, and
-/// is nearer than kLargestRange_m with all of a row, cannot be told from the own one.
+/// is nearer than kLargestRange_m with all of a row, cannot be distinguished from the own one.
 class OwnVehicle {
  public:
   /// The returns of the next scan on the own vehicle, by increasing index. `T_v0`: pose of the sensor at the

@@ -63,7 +63,7 @@ double pruning_bound(double squared_distance) {
   return std::max(squared_distance * kPruningSlack, std::numeric_limits<double>::min());
 }
 
-// Results are in the order wanted as they come; nanoflann 1.5 and later ask for DistanceType and sort().
+// Results are in the order wanted as they come; nanoflann 1.5 and later need DistanceType and sort().
 class NearestOne {
  public:
   using DistanceType = double;

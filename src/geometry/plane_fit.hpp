@@ -35,7 +35,7 @@ struct RelativeVariances {
 /// `a`: a symmetric matrix of trace 1 without negative eigenvalues. The smallest one is the lowest root of
 /// its characteristic polynomial, which Newton's method approaches from 0 without passing it, as the
 /// polynomial rises and bends down before it; the other two then solve a quadratic equation. That is as
-/// accurate as needed where the smallest eigenvalue stands apart, and else there is no plane.
+/// accurate as needed where the smallest eigenvalue is well separated; else there is no plane.
 inline RelativeVariances relative_variances(const Eigen::Matrix3d& a) {
   // A plane's smallest variance converges quadratically; equal eigenvalues halve the error at each step.
   constexpr int kMaxIterations = 30;

@@ -87,7 +87,7 @@ constexpr std::array<BeamCalibration, 64> kHdl64eS3 = {{
 // corrections of the file, so they all count as firing with their column.
 struct VelodyneTiming {
   std::size_t lasers;
-  double distance_step_m;  // tells the HDL-32E and the VLP-32 apart; 0: any
+  double distance_step_m;  // distinguishes the HDL-32E and the VLP-32; 0: any
   int columns;             // at 10 Hz
   double min_range_m, max_range_m;
   double (*firing_offset_us)(int id);

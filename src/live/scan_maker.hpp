@@ -23,7 +23,7 @@ struct MadeScan {
 /// three where it is named (for the duration of a turn). Not thread-safe.
 class ScanMaker {
  public:
-  /// Is told why a cloud cannot be used.
+  /// Called with the reason why a cloud cannot be used.
   using Refuse = std::function<void(const std::string&)>;
 
   ScanMaker(std::optional<LidarModel> sensor, std::string topic);

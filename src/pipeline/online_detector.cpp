@@ -42,7 +42,7 @@ struct OnlineDetector::State {
     std::shared_ptr<const Trajectory> given;  // null: estimated
     std::optional<OdometryUpdate> odometry;
   };
-  // What the map of the odometry is to be told of a labelled scan.
+  // Dynamic points of a labelled scan, to be removed from the map of the odometry.
   struct DynamicPoints {
     std::shared_ptr<const LidarScan> scan;
     std::vector<std::uint16_t> object;  // Detection::object

@@ -135,7 +135,7 @@ TEST(Detector, AnswersWhileARecordingIsYoung) {
   }
 }
 
-// However far back the only scan asked lies.
+// However far back the only reference scan lies.
 TEST(Detector, FindsABoxByOneEarlierScanOnly) {
   const auto scene = room_with_box(test::drive(0, 0));
   const auto scans = test::cast_scans(scene, 0, 12);
@@ -225,7 +225,7 @@ TEST(Detector, GoesOnAfterAScanItRefused) {
   for (std::size_t k = 0; k < detections.size(); ++k) EXPECT_EQ(detections[k].object, expected[k].object);
 }
 
-// A recording longer than the farthest scan asked: what is forgotten is not asked for again.
+// A recording longer than the farthest reference scan: a scan that is forgotten is not queried again.
 TEST(Detector, ForgetsScansNobodyWillAsk) {
   const auto scene = room_with_box(test::drive(0, 0), 0.4);
   const auto scans = test::cast_scans(scene, 0, 12);

@@ -92,12 +92,12 @@ TEST_P(NormalsOfBothMethods, AgreeWithTheWallsOfARoom) {
   const CompensatedScan scan = scan_of(kRoom);
   const auto normals = normals_of(scan, with(GetParam()));
   ASSERT_EQ(normals.size(), scan.points_0.size());
-  int asked = 0, found = 0;
+  int queried = 0, found = 0;
   for (std::size_t i = 0; i < normals.size(); ++i) {
     // No window reaches farther along a wall than to the next laser's return, about 1.6 m here.
     const Plane* wall = wall_of(scan.points_0[i], 1.8);
     if (wall == nullptr) continue;
-    ++asked;
+    ++queried;
     if (normals[i].isZero()) continue;
     ++found;
     const Eigen::Vector3d n = normals[i].cast<double>();
@@ -107,8 +107,8 @@ TEST_P(NormalsOfBothMethods, AgreeWithTheWallsOfARoom) {
     ASSERT_GT(std::abs(n.dot(wall->normal)), 1 - 1e-6) << i;
     ASSERT_LT(n.dot(wall->normal) * (wall->offset > 0 ? 1 : -1), 0) << "points out of the room";
   }
-  EXPECT_GT(asked, 10'000);
-  EXPECT_GT(found, (GetParam() == NormalMethod::image_window ? 0.8 : 0.3) * asked);
+  EXPECT_GT(queried, 10'000);
+  EXPECT_GT(found, (GetParam() == NormalMethod::image_window ? 0.8 : 0.3) * queried);
 }
 
 // Both sides of a thin wall are hit by no ray, but one wall can be seen from both sides by a sensor that

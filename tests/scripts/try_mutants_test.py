@@ -1,4 +1,4 @@
-"""A mutant that no longer fits the source must be told, and one that fits must change it."""
+"""A mutant that no longer fits the source must be reported, and one that fits must change it."""
 
 import pathlib
 import sys

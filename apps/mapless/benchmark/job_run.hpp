@@ -10,7 +10,7 @@
 namespace mapless::app {
 
 /// Detects and evaluates one run, scan by scan. Memory does not grow with the number of scans, except for
-/// their times. Calls `scan_done` after every scan. Pictures, if the job asks for them, go to
+/// their times. Calls `scan_done` after every scan. Pictures, where the job wants them, go to
 /// `pictures`. Empty where interrupted. Throws InputError for a recording that cannot be used.
 ///
 /// The result has: scans; final and stages (rates); timing (timing_json) and threads, their number;

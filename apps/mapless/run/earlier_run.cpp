@@ -80,9 +80,10 @@ std::optional<EarlierRun> earlier_run(const ResultFolder& result, const RunSumma
 }
 
 std::string recording_digest(const Dataset& dataset, const Trajectory* given,
-                             std::span<const MotionMeasurement> told, std::size_t first, std::size_t count) {
+                             std::span<const MotionMeasurement> measured, std::size_t first,
+                             std::size_t count) {
   Digest digest;
-  for (const MotionMeasurement& one : told) {
+  for (const MotionMeasurement& one : measured) {
     digest.add(one.time.nanoseconds());
     digest.add(one.quantity);
     for (Eigen::Index i = 0; i < one.value.size(); ++i) digest.add(one.value[i]);

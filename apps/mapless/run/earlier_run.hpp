@@ -26,10 +26,10 @@ struct EarlierRun {
                                                     const std::string& configuration);
 
 /// Digest of the start times and file sizes of scans [first, first + count), of the poses at these times and
-/// of the motion told to the odometry: tells one recording and one trajectory from another without reading
-/// the points.
+/// of the measurements given to the odometry: distinguishes one recording and one trajectory from another
+/// without reading the points.
 [[nodiscard]] std::string recording_digest(const Dataset& dataset, const Trajectory* given,
-                                           std::span<const MotionMeasurement> told, std::size_t first,
+                                           std::span<const MotionMeasurement> measured, std::size_t first,
                                            std::size_t count);
 
 }  // namespace mapless::app

@@ -7,10 +7,10 @@
 #include <fmt/format.h>
 #include <tbb/global_control.h>
 
+#include "options/motion_measurements.hpp"
 #include "options/option_checks.hpp"
 #include "options/parameter_options.hpp"
 #include "options/recording_options.hpp"
-#include "options/told_motion.hpp"
 #include "run/detection_run.hpp"
 #include "run/earlier_run.hpp"
 #include "run/folder_lock.hpp"
@@ -33,7 +33,7 @@ struct DetectOptions {
   RecordingOptions recording;
   TrajectoryRequest trajectory;
   ParameterOptions parameters;
-  ToldMotion told;
+  MotionMeasurementOptions measured;
   std::string output;
   std::size_t first = 0;
   std::optional<std::size_t> count;
@@ -59,14 +59,14 @@ std::size_t selected_count(const DetectOptions& options, const Dataset& dataset)
   return count;
 }
 
-// Motion that is told is for the odometry.
-std::vector<MotionMeasurement> told_motion(const DetectOptions& options, const Dataset& dataset,
-                                           const TrajectorySource& motion, std::size_t count) {
-  if (motion.trajectory && options.told.any()) {
+// Measurements are for the odometry.
+std::vector<MotionMeasurement> measurements_of(const DetectOptions& options, const Dataset& dataset,
+                                               const TrajectorySource& motion, std::size_t count) {
+  if (motion.trajectory && options.measured.any()) {
     throw ParameterError({"--initial-velocity, --speed, --imu", "", "given", "poses are given as well",
                           "give --odometry to estimate the motion"});
   }
-  return options.told.measurements(dataset, options.first, count);
+  return options.measured.measurements(dataset, options.first, count);
 }
 
 void announce(const Dataset& dataset, const TrajectorySource& motion) {
@@ -162,14 +162,14 @@ int detect(const DetectOptions& options) {
                                       ? motion_by_odometry(*dataset, options.first)
                                       : given_motion(*dataset, options.trajectory, options.first);
   announce(*dataset, motion);
-  const std::vector<MotionMeasurement> told = told_motion(options, *dataset, motion, count);
+  const std::vector<MotionMeasurement> measured = measurements_of(options, *dataset, motion, count);
   if (motion.trajectory) require_coverage(*dataset, *motion.trajectory, options.first, count);
 
   const InterruptGuard interrupt;
   RunSummary summary(*dataset, options.recording.path, motion, options.parameters.profile, options.first,
                      count);
   summary.set_recording_digest(
-      recording_digest(*dataset, motion.trajectory.get(), told, options.first, count));
+      recording_digest(*dataset, motion.trajectory.get(), measured, options.first, count));
   std::size_t finished_before = 0;
   if (options.resume) {
     const auto earlier = earlier_run(result, summary, configuration_text(options.parameters));
@@ -188,7 +188,7 @@ int detect(const DetectOptions& options) {
   if (options.real_time) pace = pace_of(*dataset, options.first, count);
   DetectionRun run(*dataset, motion.trajectory, result, detector, summary, {options.first, count},
                    std::move(pace), make_folder, finished_before);
-  for (const MotionMeasurement& one : told) run.add_measurement(one);
+  for (const MotionMeasurement& one : measured) run.add_measurement(one);
   const bool complete = run_to_the_end(run, summary);
   const OdometryReport& odometry = run.odometry_report();
   if (const std::string trouble = odometry.trouble(); !trouble.empty()) say("mapless: {}\n", trouble);
@@ -225,7 +225,7 @@ void add_detect(CLI::App& app, int& exit_code) {
       ->excludes("--trajectory")
       ->excludes("--stationary");
   add_parameter_options(*verb, options->parameters);
-  add_told_motion_options(*verb, options->told);
+  add_motion_measurement_options(*verb, options->measured);
   verb->add_flag("--causal", options->parameters.causal,
                  "label each scan at once, without evidence from the scan after it (forward_gap = 0)");
   verb->add_option("--first", options->first, "number of the first scan to process, from 0")

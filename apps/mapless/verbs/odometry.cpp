@@ -14,9 +14,9 @@
 #include <tbb/global_control.h>
 #include <unistd.h>
 
+#include "options/motion_measurements.hpp"
 #include "options/parameter_options.hpp"
 #include "options/recording_options.hpp"
-#include "options/told_motion.hpp"
 #include "reports/json.hpp"
 #include "reports/json_text.hpp"
 #include "run/folder_lock.hpp"
@@ -43,7 +43,7 @@ namespace fs = std::filesystem;
 struct OdometryOptions {
   RecordingOptions recording;
   ParameterOptions parameters;
-  ToldMotion told;
+  MotionMeasurementOptions measured;
   fs::path output;
   std::string instant = "start";
   int poses_per_scan = 1;
@@ -127,7 +127,7 @@ struct Estimate {
 // The trajectory as it is after the last scan; nothing where interrupted.
 std::optional<Estimate> estimate(const Dataset& dataset, const OdometryOptions& options) {
   LidarOdometry lidar_odometry(options.parameters.odometry());
-  for (const MotionMeasurement& one : options.told.measurements(dataset, 0, dataset.size()))
+  for (const MotionMeasurement& one : options.measured.measurements(dataset, 0, dataset.size()))
     lidar_odometry.add_measurement(one);
   Progress progress("scans");
   Estimate out;
@@ -216,7 +216,7 @@ void add_odometry(CLI::App& app, int& exit_code) {
   const auto options = std::make_shared<OdometryOptions>();
   add_recording_options(*verb, options->recording);
   add_parameter_options(*verb, options->parameters);
-  add_told_motion_options(*verb, options->told);
+  add_motion_measurement_options(*verb, options->measured);
   verb->add_option("-o,--output", options->output,
                    "folder for poses_kitti.txt (KITTI rows), trajectory.txt (TUM rows) and poses.csv (with "
                    "the state of "

@@ -16,7 +16,7 @@ namespace mapless::inline v1 {
 ///
 /// Laser of a point: its ring (numbers from 0, by increasing or decreasing elevation, whichever fits the
 /// points); without rings, the laser whose cone passes nearest. Column: the nearest to the hub's angle, which
-/// is the azimuth less the laser's own part (recover_firings); the time of the point tells the turn, so that
+/// is the azimuth less the laser's own part (recover_firings); the time of the point gives the turn, so that
 /// a scan may begin at any azimuth and be longer than a turn. Time: the point's own; without times, that of
 /// the column. Labels come out in the order of the points: LidarReturn::input_index is the index here.
 ///

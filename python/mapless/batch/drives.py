@@ -18,7 +18,7 @@ from mapless.batch.plan import Refusal, absolute
 from mapless.readers import READERS, bags
 
 ROSBAG2_KEY = b"rosbag2_bagfile_information"
-# To tell copies of a drive from drives of the same sizes: the first bytes of some of the files.
+# To distinguish copies of a drive from drives of the same sizes: the first bytes of some of the files.
 COMPARED_FILES = 8
 COMPARED_BYTES = 65536
 

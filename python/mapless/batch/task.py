@@ -129,8 +129,8 @@ def _write_viewer(task: Task, local: str, folder: str, command: Sequence[str]) -
 
 
 class _Attempt:
-    """The local folder in which a task works. Beside results on a disk it is locked: the second task for a drive is told
-    to try again later. In an object store two tasks for a drive write the same bytes."""
+    """The local folder in which a task works. Beside results on a disk it is locked: the second task for a drive ends
+    with "try again later". In an object store two tasks for a drive write the same bytes."""
 
     def __init__(self, task: Task, results: str, scratch: str | None) -> None:
         self._temporary: tempfile.TemporaryDirectory[str] | None = None

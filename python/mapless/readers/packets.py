@@ -14,7 +14,7 @@ SUFFIXES = (".pcap", ".pcapng")
 VELODYNE_PACKET_BYTES = 1206
 HESAI_START = b"\xee\xff"
 OUSTER_PORT = 7502
-# Packets that are looked at to tell whose they are: a capture may begin with those of position or IMU.
+# Packets that are read to find whose they are: a capture may begin with those of position or IMU.
 SNIFFED_PACKETS = 200
 
 

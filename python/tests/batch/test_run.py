@@ -92,7 +92,7 @@ def test_index_is_one_line_of_the_plan(plan_of, results, fake, batch, calls):
     assert "lines 0 to 1" in err
 
 
-def test_a_second_task_for_a_drive_is_told_to_try_again(plan_of, results, fake, batch, calls):
+def test_a_second_task_for_a_drive_ends_with_try_again(plan_of, results, fake, batch, calls):
     plan = plan_of(a=(4, ""))
     (results / ".attempts").mkdir(parents=True)
     with (results / ".attempts" / "a.lock").open("w") as file:

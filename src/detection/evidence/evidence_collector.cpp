@@ -28,7 +28,7 @@ constexpr double kSurfaceNoise = 2 * std::numbers::sqrt2 / kToleratedDeviations;
 // was static for 3 s is static. Measured: docs/notebook/detection.md, "the last 32".
 constexpr int kOldGap = 32;  // [scans]
 
-// Every third from the oldest on: the first three queried then tell of seconds ago and of a moment ago.
+// Every third from the oldest on: the first three queried then cover seconds ago and a moment ago.
 constexpr std::size_t kQueryStride = 3;
 
 // A departure contradicts the next scan where the object would have gone on by more than this many
@@ -41,7 +41,7 @@ constexpr float kMaxOffset_m = 2;
 // Standard deviation of an offset, as a share of the tolerance, which is four of one range: noise of both
 // ranges, and surfaces that are not quite planes. Any from 0.3 to 0.5 gives the same.
 constexpr float kOffsetStd = 0.5F;
-// How far away in the row the neighbour lies that tells the slope: nearer ones differ by noise.
+// How far away in the row the neighbour lies that gives the slope: nearer ones differ by noise.
 constexpr int kSlopeColumns = 3;
 
 std::vector<ReferenceScan> query_order(std::vector<ReferenceScan> references) {

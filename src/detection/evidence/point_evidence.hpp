@@ -31,7 +31,7 @@ inline constexpr int kSeenDynamicVotes = 1;
 inline constexpr int kRangeRateVotes = 2;
 inline constexpr int kMaxSurfaceVotes = 4;  // as much as one scan that saw through the point
 
-/// A scan at most this many scans away tells whether something moves now; if all reference scans are farther,
+/// A scan at most this many scans away shows whether something moves now; if all reference scans are farther,
 /// the nearest does. Chosen: 0.4 s at 10 scans a second.
 inline constexpr int kRecentGap = 4;
 

@@ -7,7 +7,7 @@
 namespace mapless::inline v1 {
 namespace {
 
-// On a more inclined surface an offset tells of where the ray passed, not of motion. Measured on 24
+// On a more inclined surface an offset shows where the ray passed, not motion. Measured on 24
 // recordings of highways, flyers and others: with 2, the road near the sensor is found dynamic (highway IoU
 // .974 to .960); with 1 it is not.
 constexpr float kMaxSlope = 1;

@@ -15,7 +15,7 @@ struct RangeOffset {
 
 /// Whether the offsets of one point show a surface that moves steadily along the rays. A static surface has
 /// the same range in every scan. A surface that recedes by u metres a scan ended u k before the point k scans
-/// ago. Least squares over ten scans tell u to a few millimetres, long before the point leaves the tolerance
+/// ago. Least squares over ten scans give u to a few millimetres, long before the point leaves the tolerance
 /// of any one scan. `range_std_m`: standard deviation of an offset on a surface square to the ray. `slope`:
 /// change of the surface's range per metre across the ray. If true, RangeOffset::agrees is
 /// entered; otherwise its content is not defined.

@@ -8,7 +8,7 @@
 namespace mapless::inline v1 {
 
 /// How far the reference scans lie before the query scan, increasing [scans]: `first_gap` times 1, 2, 3, 4,
-/// 6, 8, 12, 16, ..., two to an octave, so that as many reference scans tell of a moment ago as of seconds
+/// 6, 8, 12, 16, ..., two to an octave, so that as many reference scans are of a moment ago as of seconds
 /// ago.
 inline std::vector<std::size_t> reference_gaps(const VotingParameters& parameters) {
   std::vector<std::size_t> gaps;

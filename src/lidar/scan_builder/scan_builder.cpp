@@ -58,7 +58,7 @@ void require_fit(double misfit, double largest, const LidarModel& model, const s
        "name the sensor that measured the points, or give its calibration file"});
 }
 
-// Moves each column, known but for whole turns, to the turn that the point's time tells, with column 0 at the
+// Moves each column, known but for whole turns, to the turn that the point's time gives, with column 0 at the
 // earliest point, and gives the scan a model that starts there: scans may begin anywhere.
 void unwind(LidarScan& scan, std::vector<LidarRecord>& records, const RawPoints& points,
             std::int64_t first_ns) {
@@ -99,7 +99,7 @@ void require_own_times(const std::vector<LidarRecord>& records, const RawPoints&
   if (!time_ns || last - first < kLargestShareAtOnce * columns) return;
   throw InputError({source, "time", fmt::format("{} ns", *time_ns),
                     fmt::format("all points have it, over {} columns of {}", last - first + 1, columns),
-                    "leave the times out where the driver gives none: the azimuths tell them"});
+                    "leave the times out where the driver gives none: the azimuths give them"});
 }
 
 // Times that are not plainly of the epoch (RawPoints) count from the stamp, or on the clock of the stamps:

@@ -69,7 +69,7 @@ void add_unseen_rings(std::vector<std::int64_t>& rings) {
 }
 
 // The rings of all scans: from the lowest to the highest, so that a ring's neighbours are those in the list;
-// in stored order where nothing but the order tells them.
+// in stored order where only the order gives them.
 std::vector<std::int64_t> rings_of_scans(const std::vector<RawPoints>& scans, RingSource from,
                                          const std::string& source) {
   std::map<std::int64_t, std::vector<float>> slopes;
@@ -92,13 +92,13 @@ std::vector<std::int64_t> rings_of_scans(const std::vector<RawPoints>& scans, Ri
   std::vector<std::int64_t> rings;
   for (const auto& [slope, number] : by_slope) rings.push_back(number);
   if (rings.size() < kFewestRings) {
-    refuse(source, fmt::format("they show {} rings, too few to tell", rings.size()));
+    refuse(source, fmt::format("they show {} rings, too few to recover them", rings.size()));
   }
   if (from != RingSource::order) add_unseen_rings(rings);
   return rings;
 }
 
-// Only scans with the most frequent number of rings tell them by their order.
+// Only scans with the most frequent number of rings give them by their order.
 void keep_usual_scans(std::vector<RawPoints>& scans) {
   std::map<std::size_t, int> scans_with;
   for (const RawPoints& scan : scans) ++scans_with[ring_starts(scan.positions).size()];

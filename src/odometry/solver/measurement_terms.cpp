@@ -7,7 +7,7 @@
 namespace mapless::inline v1 {
 namespace {
 
-// Chosen: a right motion contradicts one of a million measurements with normal noise. The mean is judged by
+// Chosen: a right motion contradicts one of a million measurements with normal noise. The mean is tested by
 // the deviation of a single measurement, because the errors of one sensor have a common part (bias, slip).
 constexpr double kContradictionSigmas = 5;
 

@@ -20,7 +20,7 @@ class RealTimePaceTest : public testing::Test {
   Clock clock() {
     return {[this] { return now; },
             [this](Time until) {
-              EXPECT_LE((until - now).seconds(), 0.0500001) << "an interrupt would be heard too late";
+              EXPECT_LE((until - now).seconds(), 0.0500001) << "an interrupt would be noticed too late";
               now = std::max(now, until);
             }};
   }
@@ -90,8 +90,8 @@ TEST_F(RealTimePaceTest, OfMoreThanTheQueueHoldsTheOldestAreDropped) {
 
 TEST_F(RealTimePaceTest, AnInterruptEndsTheSleep) {
   RealTimePace p = pace(2);
-  int asked = 0;
-  EXPECT_EQ(p.next([&asked] { return ++asked == 2; }), std::nullopt);
+  int calls = 0;
+  EXPECT_EQ(p.next([&calls] { return ++calls == 2; }), std::nullopt);
   EXPECT_LT((now - at_ms(500'000)).seconds(), 0.1);
 }
 

@@ -13,7 +13,7 @@
 namespace mapless::app {
 namespace MAPLESS_FILE {
 
-// A scan that is told from others by its start.
+// A scan that is distinguished from others by its start.
 InputScan numbered_scan(std::size_t k) {
   LidarScan scan;
   scan.start = Time::from_nanoseconds(static_cast<std::int64_t>(k));

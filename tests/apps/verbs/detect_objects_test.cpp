@@ -82,7 +82,7 @@ TEST_F(DetectObjectsTest, TellsOfEveryObjectOfEveryScanUnderTheNumberInItsLabels
   EXPECT_GE(summary()["timing"]["tracking"]["median_ms"], 0.0);
 }
 
-// Truth of the street's velocities, as the simulator would tell it.
+// Truth of the street's velocities, as the simulator would write it.
 TEST_F(DetectObjectsTest, VelocitiesAreJudgedAndABrokenTableIsNamed) {
   ASSERT_EQ(detect({}).exit_code, 0);
   const test::ToyScene scene = test::toy_street("VLP-16");
@@ -96,9 +96,10 @@ TEST_F(DetectObjectsTest, VelocitiesAreJudgedAndABrokenTableIsNamed) {
     }
     states.add(k, movers);
   }
-  const CommandResult judged = run_command({"evaluate", street(), out(), "--json", folder / "e.json"});
-  ASSERT_EQ(judged.exit_code, 0) << judged.err;
-  EXPECT_THAT(judged.out, testing::AllOf(HasSubstr("velocity of found movers"), HasSubstr("changes of id")));
+  const CommandResult evaluated = run_command({"evaluate", street(), out(), "--json", folder / "e.json"});
+  ASSERT_EQ(evaluated.exit_code, 0) << evaluated.err;
+  EXPECT_THAT(evaluated.out,
+              testing::AllOf(HasSubstr("velocity of found movers"), HasSubstr("changes of id")));
   const auto velocity = nlohmann::json::parse(read_whole_file(folder / "e.json"))["velocity"];
   EXPECT_GT(velocity["evaluated"], 10);
   EXPECT_LT(velocity["median_mps"], 1);

@@ -169,7 +169,7 @@ TEST_F(EvaluateTrajectory, AgainstAGivenTruth) {
   EXPECT_EQ(run_command({"evaluate", recording, result}).exit_code, 3) << "neither labels nor a truth";
 }
 
-// A run that was given the recording's own trajectory has no error of its own to be judged.
+// A run that was given the recording's own trajectory has no error of its own to evaluate.
 TEST_F(EvaluateTrajectory, NotAgainstItself) {
   write_file_atomically(result + "/summary.json", R"({"trajectory": {"source": "recording"}})");
   EXPECT_EQ(run_command({"evaluate", recording, result}).exit_code, 3);

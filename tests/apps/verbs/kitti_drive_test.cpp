@@ -12,8 +12,8 @@
 #include <mapless/io/labels.hpp>
 #include <mapless/io/trajectory_file.hpp>
 
-// The real drive: a van and a cyclist move through the whole of it, in front of the camera; what stands there
-// is parked cars, ground and house fronts. Truth is by hand-drawn boxes and covers the camera's view only.
+// The real drive: a van and a cyclist move through the whole of it, in front of the camera; parked cars,
+// ground and house fronts are static. Truth is by hand-drawn boxes and covers the camera's view only.
 namespace mapless {
 namespace MAPLESS_FILE {
 
@@ -45,7 +45,7 @@ struct Outcome {
   std::size_t scans = 0;
 };
 
-void judge(const Dataset& drive, const Detection& detection, Outcome& outcome) {
+void count(const Dataset& drive, const Detection& detection, Outcome& outcome) {
   const auto truth = drive.read_labels(detection.sequence_number).value();
   for (std::size_t i = 0; i < detection.object.size(); ++i) {
     const MotionTruth motion = motion_of_label(truth[detection.scan->returns[i].input_index]);
@@ -74,9 +74,9 @@ TEST(KittiDrive, VanAndCyclistMoveAndTheRestStands) {
   Outcome outcome;
   for (std::size_t k = 0; k < kScans; ++k) {
     const auto scan = std::make_shared<const LidarScan>(drive->read(k));
-    for (const auto& detection : detector.process(scan, *trajectory)) judge(*drive, detection, outcome);
+    for (const auto& detection : detector.process(scan, *trajectory)) count(*drive, detection, outcome);
   }
-  for (const auto& detection : detector.flush()) judge(*drive, detection, outcome);
+  for (const auto& detection : detector.flush()) count(*drive, detection, outcome);
 
   EXPECT_EQ(outcome.scans, kScans);
   EXPECT_GE(outcome.found_in[0], kScans - 2) << "scans in which the van came out";

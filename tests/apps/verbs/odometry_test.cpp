@@ -112,34 +112,34 @@ TEST(Odometry, InterruptedItWritesNothing) {
   EXPECT_FALSE(std::filesystem::exists(folder / "out"));
 }
 
-TEST(Odometry, IsToldWhatIsKnownOfTheMotion) {
+TEST(Odometry, TakesMeasurementsOfOtherSensors) {
   const test::TemporaryFolder folder;
   test::write_toy_sequence(test::toy_street("VLP-16"), 8, folder / "street");  // 8 m/s
   const std::string speeds = folder / "speeds.csv", turns = folder / "turns.csv";
   write_file_atomically(speeds, "time_s,speed_m_s\n0.05,8\n0.45,8\n");
   write_file_atomically(turns, "time_s,x_rad_s,y_rad_s,z_rad_s\n0.05,0,0,0\n");
-  const auto told = [&](const std::vector<std::string>& options, const std::string& out) {
+  const auto run_with = [&](const std::vector<std::string>& options, const std::string& out) {
     std::vector<std::string> arguments = {"odometry", folder / "street", "-o", folder / out};
     arguments.insert(arguments.end(), options.begin(), options.end());
     return run_command(arguments);
   };
-  ASSERT_EQ(told({}, "untold").exit_code, 0);
-  const std::string untold = read_whole_file(folder / "untold/trajectory.txt");
+  ASSERT_EQ(run_with({}, "without").exit_code, 0);
+  const std::string without = read_whole_file(folder / "without/trajectory.txt");
   for (const auto& options :
        {std::vector<std::string>{"--initial-velocity=8,0,0"}, {"--speed", speeds}, {"--imu", turns}}) {
     const std::string out = options[0].substr(0, 9);
     const auto r = told(options, out);
     EXPECT_EQ(r.exit_code, 0) << r.err;
-    EXPECT_NE(read_whole_file(folder / (out + "/trajectory.txt")), untold) << options[0];
+    EXPECT_NE(read_whole_file(folder / (out + "/trajectory.txt")), without) << options[0];
   }
   // A speed that the scans contradict, and one of another clock.
   write_file_atomically(speeds, "time_s,speed_m_s\n0.75,30\n");
-  EXPECT_EQ(told({"--speed", speeds}, "wrong").exit_code, 4);
+  EXPECT_EQ(run_with({"--speed", speeds}, "wrong").exit_code, 4);
   write_file_atomically(speeds, "time_s,speed_m_s\n1700000000,8\n");
-  const auto r = told({"--speed", speeds}, "clock");
+  const auto r = run_with({"--speed", speeds}, "clock");
   EXPECT_EQ(r.exit_code, 3);
   EXPECT_THAT(r.err, testing::AllOf(HasSubstr(speeds), HasSubstr("clock of the scans")));
-  EXPECT_EQ(told({"--initial-velocity=8,0"}, "two").exit_code, 2);
+  EXPECT_EQ(run_with({"--initial-velocity=8,0"}, "two").exit_code, 2);
 }
 
 // The pose of every point is needed, and a compensated point has lost it.

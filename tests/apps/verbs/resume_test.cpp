@@ -167,9 +167,9 @@ TEST_F(ResumeTest, IsRefusedForAnotherRecordingAndAChangedResult) {
   EXPECT_THAT(other.err, HasSubstr("recording_digest"));
 
   make_killed_result("own", 5);
-  const CommandResult told = resume("own", {"--initial-velocity", "3,0,0"});
-  EXPECT_EQ(told.exit_code, 2);
-  EXPECT_THAT(told.err, HasSubstr("recording_digest"));
+  const CommandResult measured = resume("own", {"--initial-velocity", "3,0,0"});
+  EXPECT_EQ(measured.exit_code, 2);
+  EXPECT_THAT(measured.err, HasSubstr("recording_digest"));
 }
 
 }  // namespace MAPLESS_FILE

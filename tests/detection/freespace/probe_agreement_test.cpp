@@ -205,7 +205,7 @@ TEST_P(ProbeAgreement, WithBruteForceOverAllRays) { expect_agreement(Mode::alone
 
 TEST_P(ProbeAgreement, OfEightAtOnceWithBruteForceOverAllRays) { expect_agreement(Mode::side_by_side); }
 
-// To the last bit, whatever stands beside a point: labels do not depend on the processor.
+// To the last bit, whatever lies beside a point: labels do not depend on the processor.
 TEST_P(ProbeAgreement, OfVectorsOfEightWithVectorsOfFour) {
   if (FreespaceProbe::widest_vectors() == Vectors::of_four) GTEST_SKIP() << "of this processor";
   const Inquiry inquiry(GetParam(), 10000, 18);

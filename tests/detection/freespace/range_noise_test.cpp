@@ -17,16 +17,16 @@ TEST(RangeNoise, IsThatOfTheRangesOrALittleLess) {
     for (const auto& scene : {test::toy_room(sensor, test::drive(2, 0.5)), test::toy_street(sensor)}) {
       for (const double noise_m : {0.01, 0.02, 0.05, 0.1}) {
         SCOPED_TRACE(testing::Message() << sensor << " with " << noise_m);
-        const double told_m = range_noise_m(with_noise(scene, noise_m));
-        EXPECT_GT(told_m, 0.7 * noise_m);
-        EXPECT_LT(told_m, 1.05 * noise_m);
+        const double found_m = range_noise_m(with_noise(scene, noise_m));
+        EXPECT_GT(found_m, 0.7 * noise_m);
+        EXPECT_LT(found_m, 1.05 * noise_m);
       }
       EXPECT_LT(range_noise_m(with_noise(scene, 0)), 0.005);
     }
   }
 }
 
-TEST(RangeNoise, OfFewReturnsIsNotTold) {
+TEST(RangeNoise, OfFewReturnsIsUnknown) {
   test::ToyScene scene = test::toy_room("VLP-16", test::drive(0, 0));
   scene.range_noise_m = 0.05;
   LidarScan scan = *test::cast_scan(scene, 0).scan;

@@ -97,8 +97,8 @@ TEST(BoxFilter, AgreesWithTheWindowPutEverywhere) {
     const std::vector<FilterVerdict> verdicts = filter_boxes(scan, dynamic, parameters);
     ASSERT_EQ(verdicts.size(), dynamic.size());
     for (std::size_t i = 0; i < verdicts.size(); ++i) {
-      const FilterVerdict asked = expected[i] ? FilterVerdict::removed : FilterVerdict::kept;
-      ASSERT_EQ(verdicts[i], dynamic[i] ? asked : FilterVerdict::not_evaluated) << "return " << i;
+      const FilterVerdict wanted = expected[i] ? FilterVerdict::removed : FilterVerdict::kept;
+      ASSERT_EQ(verdicts[i], dynamic[i] ? wanted : FilterVerdict::not_evaluated) << "return " << i;
       outliers += expected[i] ? 1 : 0;
     }
   }

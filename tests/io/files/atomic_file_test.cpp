@@ -16,7 +16,7 @@
 namespace mapless {
 namespace MAPLESS_FILE {
 
-// What was asked of the system on this thread, in order: "fsync f", "rename f".
+// System calls of this thread, in order: "fsync f", "rename f".
 thread_local std::vector<std::string> system_calls;
 
 void record(const std::string& call, const std::filesystem::path& file) {

@@ -15,7 +15,7 @@ namespace mapless::app {
 
 /// Simulates the scans of the unit and runs all its detectors over them. Memory: the scans of a sweep (about
 /// 50, 5 MB each) and one detector; where every scan is evaluated, two detectors and the scan. Empty where
-/// interrupted. Pictures, if the unit asks for them, go to the folder `pictures`.
+/// interrupted. Pictures, where the unit wants them, go to the folder `pictures`.
 ///
 /// The result: "runs", a list with method, treatment and threshold_m of each run, its rates after each stage
 /// (stages) and of the final labels (final); for the part every_scan also within_range and timing; and

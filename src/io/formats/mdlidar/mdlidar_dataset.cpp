@@ -222,7 +222,7 @@ class MdlidarDataset final : public Dataset {
     const auto readable = [this](std::size_t k) -> std::shared_ptr<const LidarScan> {
       try {
         return std::make_shared<const LidarScan>(read(k));
-      } catch (const InputError&) {  // whoever wants this scan is told then
+      } catch (const InputError&) {  // read() of this scan throws it again
         return nullptr;
       }
     };

@@ -34,7 +34,7 @@ struct PoseReadingChoice {
 
 /// Chooses the direction of the poses, then the instant of `position`, each by comparing the scans under both
 /// trajectories (compare_trajectories), where `direction` or `instant` does not give it. Where the scans
-/// cannot tell, PoseReading{} is taken.
+/// cannot decide, PoseReading{} is taken.
 [[nodiscard]] PoseReadingChoice choose_pose_reading(const std::vector<MdlidarFrameSummary>& frames,
                                                     std::optional<PoseDirection> direction,
                                                     std::optional<FramePoseInstant> instant,

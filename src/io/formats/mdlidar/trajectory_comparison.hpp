@@ -31,7 +31,7 @@ struct TrajectoryComparison {
 
   /// The trajectories agree wherever they were compared: it does not matter which is taken.
   [[nodiscard]] bool same() const;
-  /// There are enough points to tell which is right.
+  /// There are enough points to decide which is right.
   [[nodiscard]] bool measured() const;
 };
 
@@ -60,7 +60,7 @@ struct StaticDisplacement {
 };
 
 /// Measures them in pairs of scans between which the sensor moves, chosen as compare_trajectories does.
-/// Points that keep their place relative to the sensor do not count: they tell nothing, or move along with
+/// Points that keep their place relative to the sensor do not count: they decide nothing, or move along with
 /// it.
 [[nodiscard]] StaticDisplacement measure_static_displacement(const Trajectory& trajectory,
                                                              const std::vector<ScanInterval>& scans,

@@ -43,17 +43,17 @@ double way_m(const std::vector<MotionMeasurement>& all) {
   return odometry.knots().back().T_v0.inverse().translation().norm();
 }
 
-TEST(ToldMotion, DecidesTheSpeedAlongATunnel) {
+TEST(MotionMeasurements, DecidesTheSpeedAlongATunnel) {
   const double way = kSpeed_mps * 0.1 * kScans;
   EXPECT_NEAR(way_m({measured(MeasuredMotion::velocity, {kSpeed_mps, 0, 0})}), way, 0.1 * way);
   std::vector<MotionMeasurement> speeds;
   for (int k = 0; k <= 4 * kScans; ++k)
     speeds.push_back(measured(MeasuredMotion::speed, {kSpeed_mps, 0, 0}, 0.025 * k));
   EXPECT_NEAR(way_m(speeds), way, 0.02 * way);
-  EXPECT_GT(std::abs(way_m({}) - way), 0.2 * way) << "not told, the way is not known";
+  EXPECT_GT(std::abs(way_m({}) - way), 0.2 * way) << "without measurements the way is not known";
 }
 
-TEST(ToldMotion, AMotionThatContradictsItIsLost) {
+TEST(MotionMeasurements, AMotionThatContradictsItIsLost) {
   const ToyScene street = test::toy_street("VLP-16");  // at 8 m/s
   LidarOdometry odometry;
   OdometryUpdate update;
@@ -70,7 +70,7 @@ TEST(ToldMotion, AMotionThatContradictsItIsLost) {
   EXPECT_EQ(update.state, MotionState::good) << "of the scan after it";
 }
 
-TEST(ToldMotion, RefusesWhatIsNoMeasurement) {
+TEST(MotionMeasurements, RefusesWhatIsNoMeasurement) {
   LidarOdometry odometry;
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(odometry.add_measurement(measured(MeasuredMotion::velocity, {0, nan, 0})), InputError);

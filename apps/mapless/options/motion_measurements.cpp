@@ -1,4 +1,4 @@
-#include "options/told_motion.hpp"
+#include "options/motion_measurements.hpp"
 
 #include <algorithm>
 #include <string>
@@ -28,12 +28,13 @@ void require_some_within(const std::filesystem::path& file, const std::vector<Mo
 
 }  // namespace
 
-bool ToldMotion::any() const {
+bool MotionMeasurementOptions::any() const {
   return !initial_velocity_mps.empty() || !speeds.empty() || !angular_velocities.empty();
 }
 
-std::vector<MotionMeasurement> ToldMotion::measurements(const Dataset& dataset, std::size_t first,
-                                                        std::size_t count) const {
+std::vector<MotionMeasurement> MotionMeasurementOptions::measurements(const Dataset& dataset,
+                                                                      std::size_t first,
+                                                                      std::size_t count) const {
   const Time begin = dataset.scan_start(first), end = dataset.scan_end(first + count - 1);
   std::vector<MotionMeasurement> out;
   if (!initial_velocity_mps.empty()) {
@@ -51,20 +52,20 @@ std::vector<MotionMeasurement> ToldMotion::measurements(const Dataset& dataset, 
   return out;
 }
 
-void add_told_motion_options(CLI::App& verb, ToldMotion& told) {
-  constexpr auto kGroup = "Odometry, told what is known";
-  verb.add_option("--initial-velocity", told.initial_velocity_mps,
+void add_motion_measurement_options(CLI::App& verb, MotionMeasurementOptions& options) {
+  constexpr auto kGroup = "Odometry: measurements of other sensors";
+  verb.add_option("--initial-velocity", options.initial_velocity_mps,
                   "velocity of the sensor at the start of the first scan, x,y,z in sensor axes [m/s]; "
                   "standard deviation odometry.velocity_sigma_mps")
       ->delimiter(',')
       ->expected(3)
       ->check(number_between(-kMaxSpeed_mps, kMaxSpeed_mps))
       ->group(kGroup);
-  verb.add_option("--speed", told.speeds,
+  verb.add_option("--speed", options.speeds,
                   "CSV file time_s,speed_m_s: norm of the sensor's velocity, as of wheels; of a vehicle that "
                   "reverses, the absolute value; standard deviation odometry.speed_sigma_mps")
       ->group(kGroup);
-  verb.add_option("--imu", told.angular_velocities,
+  verb.add_option("--imu", options.angular_velocities,
                   "CSV file time_s,x_rad_s,y_rad_s,z_rad_s: angular velocity about the axes of the lidar; "
                   "standard deviation odometry.angular_velocity_sigma_radps")
       ->group(kGroup);
