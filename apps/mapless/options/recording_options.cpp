@@ -117,6 +117,13 @@ void add_recording_options(CLI::App& verb, RecordingOptions& options) {
              "points move less between scans)");
 }
 
+void add_labels_option(CLI::App& verb, std::string& result) {
+  verb.add_option(
+      "OUT", result,
+      "result of mapless detect, or a folder with labels/NNNNNN.label. Default: the true labels of "
+      "the recording");
+}
+
 void add_trajectory_options(CLI::App& verb, TrajectoryRequest& request) {
   const std::string group = "Trajectory";
   auto* file =

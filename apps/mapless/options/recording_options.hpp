@@ -24,6 +24,9 @@ struct RecordingOptions {
 /// recording_reader().
 void add_recording_options(CLI::App& verb, RecordingOptions& options);
 
+/// Adds OUT, a result of mapless detect for verbs that also take the true labels of the recording.
+void add_labels_option(CLI::App& verb, std::string& result);
+
 /// Adds --trajectory, --stationary and how a trajectory file is to be read.
 void add_trajectory_options(CLI::App& verb, TrajectoryRequest& request);
 

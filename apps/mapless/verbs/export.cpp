@@ -167,9 +167,7 @@ void add_export(CLI::App& app, int& exit_code) {
                                   "scan, or one map of the static points of all scans");
   const auto options = std::make_shared<ExportOptions>();
   add_recording_options(*verb, options->recording);
-  verb->add_option("OUT", options->result,
-                   "result of mapless detect, or a folder with labels/NNNNNN.label. Default: the true labels "
-                   "of the recording");
+  add_labels_option(*verb, options->result);
   verb->add_option(
           "--what", options->what,
           "static or moving: those points of each scan; labelled: all, with the fields label, object "

@@ -111,10 +111,7 @@ void add_render(CLI::App& app, int& exit_code) {
       "recording has true labels, true positives green, false positives red, false negatives blue");
   const auto options = std::make_shared<RenderOptions>();
   add_recording_options(*verb, options->recording);
-  verb->add_option(
-      "OUT", options->result,
-      "result of mapless detect, or a folder with labels/NNNNNN.label. Default: the true labels of the "
-      "recording");
+  add_labels_option(*verb, options->result);
   verb->add_option("--scan", options->scan, "number of the scan in the recording, from 0")
       ->required()
       ->check(whole_number(0));

@@ -47,9 +47,7 @@ void add_view(CLI::App& app, int& exit_code) {
       "without a network. Play, step, turn, colour by motion, object, height, laser or truth");
   const auto options = std::make_shared<ViewOptions>();
   add_recording_options(*verb, options->recording);
-  verb->add_option("OUT", options->result,
-                   "result of mapless detect, or a folder with labels/NNNNNN.label. Default: the true labels "
-                   "of the recording");
+  add_labels_option(*verb, options->result);
   verb->add_option("-o,--output", options->page, "HTML file to write")->required();
   add_scan_range_options(*verb, options->range);
   verb->callback([options, &exit_code] { exit_code = view(*options); });

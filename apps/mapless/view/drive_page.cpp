@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
+#include "reports/base64.hpp"
 #include "reports/json.hpp"
 #include "reports/method_of_result.hpp"
 #include "view/scan_block.hpp"

@@ -38,6 +38,5 @@ inline constexpr double kCoordinateStep_m = 0.005;
 
 /// Throws Error if zlib runs out of memory.
 [[nodiscard]] std::string compress_zlib(const std::string& bytes);
-[[nodiscard]] std::string base64(const std::string& bytes);
 
 }  // namespace mapless::app

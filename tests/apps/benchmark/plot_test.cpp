@@ -91,15 +91,5 @@ TEST(Html, EscapesWhatHasAMeaning) {
               testing::AllOf(HasSubstr("&lt;b&gt;"), HasSubstr("1 &lt; 2")));
 }
 
-// RFC 4648, section 10, and a byte above 127.
-TEST(Html, Base64) {
-  EXPECT_EQ(base64(""), "");
-  EXPECT_EQ(base64("f"), "Zg==");
-  EXPECT_EQ(base64("fo"), "Zm8=");
-  EXPECT_EQ(base64("foo"), "Zm9v");
-  EXPECT_EQ(base64("foobar"), "Zm9vYmFy");
-  EXPECT_EQ(base64("\xFF\xEF"), "/+8=");
-}
-
 }  // namespace MAPLESS_FILE
 }  // namespace mapless::app

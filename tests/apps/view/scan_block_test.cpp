@@ -80,13 +80,5 @@ TEST(ScanBlock, TakesACoarserStepForFarPoints) {
   EXPECT_LT(block.step_m, 0.032);
 }
 
-TEST(ScanBlock, Base64OfRfc4648) {
-  EXPECT_EQ(base64(""), "");
-  EXPECT_EQ(base64("f"), "Zg==");
-  EXPECT_EQ(base64("fo"), "Zm8=");
-  EXPECT_EQ(base64("foo"), "Zm9v");
-  EXPECT_EQ(base64("\xff\xfe\xfd"), "//79");
-}
-
 }  // namespace MAPLESS_FILE
 }  // namespace mapless

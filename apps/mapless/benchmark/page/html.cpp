@@ -1,9 +1,8 @@
 #include "benchmark/page/html.hpp"
 
-#include <cstdint>
-
 #include <fmt/format.h>
 
+#include "reports/base64.hpp"
 #include <mapless/io/files.hpp>
 
 namespace mapless::app {
@@ -29,24 +28,6 @@ std::string escaped(std::string_view text) {
         break;
       default:
         out += c;
-    }
-  }
-  return out;
-}
-
-std::string base64(std::string_view bytes) {
-  constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string out;
-  out.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    std::uint32_t three = 0;
-    for (std::size_t j = 0; j < 3; ++j) {
-      three <<= 8U;
-      if (i + j < bytes.size()) three |= static_cast<unsigned char>(bytes[i + j]);
-    }
-    for (std::size_t digit = 0; digit < 4; ++digit) {
-      const bool is_padding = i + digit > bytes.size();
-      out += is_padding ? '=' : kDigits[three >> (18 - 6 * digit) & 63U];
     }
   }
   return out;

@@ -10,8 +10,6 @@ namespace mapless::app {
 /// Escapes text and attribute values for HTML and SVG.
 [[nodiscard]] std::string escaped(std::string_view text);
 
-[[nodiscard]] std::string base64(std::string_view bytes);
-
 /// An <img> with the file inside it. Throws InputError.
 [[nodiscard]] std::string inlined_png(const std::filesystem::path& file, std::string_view description);
 
