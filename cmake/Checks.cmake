@@ -39,15 +39,15 @@ if(MAPLESS_SIMULATOR)
   mapless_parallel_check(regression.digests ${Python3_EXECUTABLE} ${scripts}/check_digests.py $<TARGET_FILE:mapless_command>)
 endif()
 
-mapless_parallel_check(package.example ${scripts}/check_package.sh ${PROJECT_BINARY_DIR}
-                       $<$<TARGET_EXISTS:mapless_make_scene>:$<TARGET_FILE:mapless_make_scene>>)
+mapless_check(package.example ${scripts}/check_package.sh ${PROJECT_BINARY_DIR}
+              $<$<TARGET_EXISTS:mapless_make_scene>:$<TARGET_FILE:mapless_make_scene>>)
 
 # Skipped, by name, where npm, its registry or Chromium is missing.
 mapless_check(viewer.page ${scripts}/check_viewer.sh $<TARGET_FILE:mapless_command> ${PROJECT_BINARY_DIR})
 set_tests_properties(viewer.page PROPERTIES SKIP_RETURN_CODE 77)
 
 # Skipped, by name, where PyPI cannot be reached.
-mapless_parallel_check(package.wheel ${scripts}/check_wheel.sh ${PROJECT_BINARY_DIR})
+mapless_check(package.wheel ${scripts}/check_wheel.sh ${PROJECT_BINARY_DIR})
 set_tests_properties(package.wheel PROPERTIES SKIP_RETURN_CODE 77)
 
 mapless_check(ros2.package ${scripts}/check_ros2.sh $<TARGET_FILE:mapless_command> ${CMAKE_CXX_COMPILER})
