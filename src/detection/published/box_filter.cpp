@@ -7,6 +7,7 @@
 namespace mapless::inline v1 {
 namespace {
 
+// The window 0000 / 1111 / 0000 of paper step 4.
 constexpr int kWindowRows = 3;
 constexpr int kWindowColumns = 4;
 
