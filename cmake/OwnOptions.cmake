@@ -10,6 +10,8 @@ endif()
 if(CMAKE_UNITY_BUILD)
   # Wrong there: a source of ours counts as a header, because another file includes it.
   target_compile_options(mapless_options INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
+  # GCC collects its garbage later, at 512 MB in place of 128 MB: 8 % of the time of a test file, measured.
+  target_compile_options(mapless_options INTERFACE $<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-heapsize=524288>)
 endif()
 
 if(MAPLESS_SANITIZE)
