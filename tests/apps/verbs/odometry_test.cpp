@@ -128,7 +128,7 @@ TEST(Odometry, TakesMeasurementsOfOtherSensors) {
   for (const auto& options :
        {std::vector<std::string>{"--initial-velocity=8,0,0"}, {"--speed", speeds}, {"--imu", turns}}) {
     const std::string out = options[0].substr(0, 9);
-    const auto r = told(options, out);
+    const auto r = run_with(options, out);
     EXPECT_EQ(r.exit_code, 0) << r.err;
     EXPECT_NE(read_whole_file(folder / (out + "/trajectory.txt")), without) << options[0];
   }
