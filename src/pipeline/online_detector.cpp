@@ -2,11 +2,13 @@
 #include <deque>
 #include <future>
 #include <iterator>
+#include <limits>
 #include <optional>
 #include <utility>
 
 #include <tbb/task_arena.h>
 
+#include "core/argument_checks.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/geometry/compensated_scan.hpp>
 #include <mapless/pipeline/online_detector.hpp>
@@ -52,6 +54,8 @@ struct OnlineDetector::State {
       : options(o), detector(o.detection), odometry(o.odometry), arena(arena_threads(o)) {}
 
   static int arena_threads(const OnlineDetectorOptions& o) {
+    require_between("OnlineDetector", "detection_threads", o.detection_threads, 0,
+                    std::numeric_limits<int>::max());
     return o.detection_threads > 0 ? o.detection_threads : tbb::task_arena::automatic;
   }
 

@@ -306,6 +306,18 @@ TEST(OnlineDetectorThreads, AScanThatIsRefusedChangesNothing) {
   }
 }
 
+TEST(OnlineDetector, RefusesParametersOutOfBounds) {
+  OnlineDetectorOptions options;
+  options.detection_threads = -1;
+  EXPECT_THROW(OnlineDetector{options}, ParameterError);
+  options = {};
+  options.odometry.gate_m = 0;
+  EXPECT_THROW(OnlineDetector{options}, ParameterError);
+  options = {};
+  options.detection.voting.references = 0;
+  EXPECT_THROW(OnlineDetector{options}, ParameterError);
+}
+
 TEST(OnlineDetector, AScanThatItsPosesDoNotCoverChangesNothing) {
   OnlineDetector online;
   const SampledTrajectory& early = [] {
