@@ -61,10 +61,10 @@ std::vector<Vector6d> initial_velocities() {
 }
 
 // The same with what other sensors measure in its place, no two alike.
-std::vector<Vector6d> initial_velocities(const ToldMotion& told) {
+std::vector<Vector6d> initial_velocities(const KnownMotion& known) {
   std::vector<Vector6d> out;
   for (const Vector6d& varpi : initial_velocities()) {
-    const Vector6d applied = told.applied_to(varpi);
+    const Vector6d applied = known.applied_to(varpi);
     if (std::none_of(out.begin(), out.end(), [&](const Vector6d& one) { return one.isApprox(applied); }))
       out.push_back(applied);
   }
@@ -73,12 +73,12 @@ std::vector<Vector6d> initial_velocities(const ToldMotion& told) {
 
 // Speeds along `direction` to try, `varpi` being the best motion.
 std::vector<double> speeds_along(const Eigen::Vector3d& direction, const Vector6d& varpi,
-                                 const ToldMotion& told) {
-  if (told.velocity) return {direction.dot(*told.velocity)};
-  if (told.speed) {
+                                 const KnownMotion& known) {
+  if (known.velocity) return {direction.dot(*known.velocity)};
+  if (known.speed) {
     const Eigen::Vector3d v = varpi.head<3>();
     const double across_squared = (v - direction.dot(v) * direction).squaredNorm();
-    const double along = std::sqrt(std::max(0.0, *told.speed * *told.speed - across_squared));
+    const double along = std::sqrt(std::max(0.0, *known.speed * *known.speed - across_squared));
     return {along, -along};
   }
   std::vector<double> out;
@@ -139,7 +139,7 @@ std::vector<Registration> transform_parallel(const std::vector<Start>& starts, c
 
 }  // namespace
 
-Vector6d ToldMotion::applied_to(Vector6d varpi) const {
+Vector6d KnownMotion::applied_to(Vector6d varpi) const {
   const double guess = varpi.head<3>().norm();
   if (speed && guess > 0) varpi.head<3>() *= *speed / guess;
   if (velocity) varpi.head<3>() = *velocity;
@@ -173,8 +173,8 @@ WindowPrior PairOfScans::velocity_prior(const Vector6d& varpi, double speed_sigm
   return out;
 }
 
-ToldMotion PairOfScans::told() const {
-  ToldMotion out;
+KnownMotion PairOfScans::known_motion() const {
+  KnownMotion out;
   if (settings_.measurements == nullptr) return out;
   const Time first = knots_.front().time, end = knots_.back().time;
   const auto mean = [&](MeasuredMotion quantity) -> std::optional<Eigen::Vector3d> {
@@ -238,7 +238,7 @@ std::optional<Registration> PairOfScans::register_coarsely(const Vector6d& varpi
 
 std::vector<Registration> PairOfScans::coarse_registrations() const {
   std::vector<Registration> found = transform_parallel(
-      initial_velocities(told()), [&](const Vector6d& varpi) { return register_coarsely(varpi); });
+      initial_velocities(known_motion()), [&](const Vector6d& varpi) { return register_coarsely(varpi); });
   std::stable_sort(found.begin(), found.end(), has_more_inliers);
   std::vector<Registration> distinct;
   for (Registration& registration : found) {
@@ -273,7 +273,7 @@ void PairOfScans::add_along_weak_directions(std::vector<Registration>& all) cons
     const Eigen::Vector3d direction = degeneracy.directions_v.col(i);
     const double speed_along = direction.dot(best.knots.back().varpi.head<3>());
     std::vector<Vector6d> velocities;
-    for (const double speed : speeds_along(direction, best.knots.back().varpi, told())) {
+    for (const double speed : speeds_along(direction, best.knots.back().varpi, known_motion())) {
       velocities.push_back(best.knots.back().varpi);
       velocities.back().head<3>() += (speed - speed_along) * direction;
     }

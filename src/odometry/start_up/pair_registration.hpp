@@ -9,7 +9,7 @@
 namespace mapless::inline v1 {
 
 /// What other sensors measure during the first two scans: means, none where nothing is measured.
-struct ToldMotion {
+struct KnownMotion {
   std::optional<Eigen::Vector3d> velocity, angular_velocity;  ///< in the sense of varpi
   std::optional<double> speed;
 
@@ -44,7 +44,7 @@ class PairOfScans {
   [[nodiscard]] std::optional<Registration> register_at_speed(const Vector6d& varpi,
                                                               const Eigen::Vector3d& direction) const;
   [[nodiscard]] std::vector<Registration> coarse_registrations() const;
-  [[nodiscard]] ToldMotion told() const;
+  [[nodiscard]] KnownMotion known_motion() const;
   void add_along_weak_directions(std::vector<Registration>& all) const;
 
   std::vector<TrajectoryKnot> knots_;
