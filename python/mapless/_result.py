@@ -42,6 +42,13 @@ class Result:
         moving: npt.NDArray[np.bool_] = (self.label(scan) & 0xFFFF) == MOVING
         return moving
 
+    def probability(self, scan: int) -> npt.NDArray[np.float32]:
+        """(N,) probability that each record moves; NaN: not known. Needs a result of `detect --probability`."""
+        file = self.path / "probability" / f"{scan:06d}.f32"
+        if not file.exists():
+            raise InputError(f"{file}: no probabilities of scan {scan}; label with mapless detect --probability")
+        return np.fromfile(file, dtype="<f4")
+
     def objects(self) -> npt.NDArray[Any]:
         """objects.csv as a structured array: one row per moving object and scan, fields as its columns."""
         with (self.path / "objects.csv").open(newline="", encoding="utf-8") as file:

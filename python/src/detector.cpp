@@ -93,6 +93,12 @@ void bind_found(nb::module_& m) {
           "(N,) uint8: bit s is 1 where the point was dynamic after stage s of the method",
           nb::for_getter(nb::sig("def stages(self, /) -> numpy.typing.NDArray[numpy.uint8]")))
       .def_prop_ro(
+          "probability", [](nb::handle self) { return view(self, nb::cast<FoundScan&>(self).probability); },
+          "(N,) float32: probability that the point moves; NaN where it is not known: without a return, "
+          "where\n"
+          "the motion is lost, and with the published method",
+          nb::for_getter(nb::sig("def probability(self, /) -> numpy.typing.NDArray[numpy.float32]")))
+      .def_prop_ro(
           "moving",
           [](const FoundScan& f) {
             std::vector<std::uint8_t> moving(f.object.size());

@@ -41,6 +41,7 @@ FoundScan found_of(LabelledScan& labelled) {
   found.label = labels_of(detection, detection.tracked);
   found.object = ids_by_input(labelled);
   found.stages = stage_masks_of(detection);
+  found.probability = labelled.probability_by_input();
   found.objects = detection.tracked;
   found.trajectory = labelled.trajectory;
   found.T_0v = labelled.T_0v();

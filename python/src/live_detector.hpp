@@ -21,6 +21,7 @@ struct FoundScan {
   std::vector<std::uint32_t> label;   ///< labels_of
   std::vector<std::uint32_t> object;  ///< TrackedObject::id of the moving object; 0: static or no return
   std::vector<std::uint8_t> stages;   ///< stage_masks_of
+  std::vector<float> probability;     ///< LabelledScan::probability_by_input
   std::vector<TrackedObject> objects;
   std::shared_ptr<const Trajectory> trajectory;
   SE3 T_0v;  ///< at the start of the scan

@@ -31,6 +31,17 @@ def test_labels_of_scans_are_those_of_the_command(scans, native_result):
     assert sum(f.moving.sum() for f in found) > 0
 
 
+def test_probabilities_are_those_of_the_command_and_unknown_without_a_return(drive, scans, tmp_path):
+    found = labels_of(mapless.OnlineDetector(), scans)
+    result = mapless.detect(drive, tmp_path / "out", odometry=True, probability=True)
+    for f in found:
+        assert f.probability.dtype == np.float32
+        np.testing.assert_array_equal(f.probability, result.probability(f.scan))
+        np.testing.assert_array_equal(np.isnan(f.probability), f.label == 0)
+    assert np.mean(np.concatenate([f.probability[f.moving] for f in found])) > 0.8
+    assert np.isnan(labels_of(mapless.OnlineDetector(profile="paper"), scans[:9])[3].probability).all()
+
+
 def test_the_state_of_the_motion_is_that_of_the_command(scans, native_result):
     with (native_result.path / "poses.csv").open(newline="") as file:
         expected = [row["motion_state"] for row in csv.DictReader(file)]

@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "detection/evidence/point_evidence.hpp"
 #include "detection/freespace/ray_image.hpp"
 #include "detection/segmentation/object_evidence.hpp"
 #include <mapless/detection/detection.hpp>
@@ -23,6 +24,7 @@ struct ObjectProposals {
   std::vector<TrajectoryState> column_states;  ///< of the sensor, CompensatedScan::column_states
   std::shared_ptr<const RayImage> rays;        ///< of `scan`
   std::vector<ObjectEvidence> evidence;        ///< by object number - 1; empty for method "published"
+  std::vector<PointEvidence> votes;            ///< empty for method "published"
   StageSeconds seconds;
 };
 

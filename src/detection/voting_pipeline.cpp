@@ -129,7 +129,7 @@ ObjectProposals VotingPipeline::run_stages(PendingScan query, const std::vector<
   out.column_states = std::move(query.column_states);
 
   // 2., 3. Comparison and freespace check of every point, against several earlier scans and a later one.
-  const auto evidence = timed(out.seconds.evidence, [&] {
+  auto evidence = timed(out.seconds.evidence, [&] {
     auto of_points = collect_evidence(*out.scan, query.points, references, own, query.parameters);
     for (const std::int32_t i : query.own_vehicle)
       of_points[static_cast<std::size_t>(i)] = of_static_point(references.size());
@@ -145,6 +145,7 @@ ObjectProposals VotingPipeline::run_stages(PendingScan query, const std::vector<
   out.object = std::move(regions.object);
   out.objects = regions.objects;
   out.evidence = std::move(regions.evidence);
+  out.votes = std::move(evidence);
   return out;
 }
 

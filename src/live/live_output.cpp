@@ -1,3 +1,4 @@
+#include <bit>
 #include <cstring>
 #include <map>
 
@@ -8,6 +9,7 @@ namespace {
 
 constexpr std::uint8_t kUint8 = 2;  // PointField.datatype
 constexpr std::uint8_t kUint32 = 6;
+constexpr std::uint8_t kFloat32 = 7;
 constexpr std::uint32_t kAlignment = 4;
 
 // Calls visit(index of the point, its first byte) for every point.
@@ -27,9 +29,9 @@ PointCloud2 cloud_of(PointCloud2View view, std::vector<std::uint8_t> bytes) {
   return {std::move(view), owner};
 }
 
-void write_id(std::uint32_t id, bool is_bigendian, std::uint8_t* at) {
+void write_word(std::uint32_t word, bool is_bigendian, std::uint8_t* at) {
   for (int byte = 0; byte < 4; ++byte)
-    at[is_bigendian ? 3 - byte : byte] = static_cast<std::uint8_t>(id >> (8 * byte));
+    at[is_bigendian ? 3 - byte : byte] = static_cast<std::uint8_t>(word >> (8 * byte));
 }
 
 }  // namespace
@@ -50,19 +52,23 @@ PointCloud2 labelled_cloud(const LiveOutput& output) {
   PointCloud2View out = in;
   const std::uint32_t id_offset = (in.point_step + kAlignment - 1) / kAlignment * kAlignment;
   const std::uint32_t motion_offset = id_offset + 4;
-  out.point_step = id_offset + 8;
+  const std::uint32_t probability_offset = motion_offset + 4;
+  out.point_step = probability_offset + 4;
   out.fields.push_back({"object_id", id_offset, kUint32, 1});
   out.fields.push_back({"moving", motion_offset, kUint8, 1});
+  out.fields.push_back({"probability", probability_offset, kFloat32, 1});
   std::map<std::uint16_t, std::uint32_t> id_of_number = {{0, 0}};
   for (const TrackedObject& object : output.labelled.detection.tracked)
     id_of_number[object.number] = object.id;
   const std::vector<PointMotion> motions = point_motions(output);
+  const std::vector<float> probabilities = output.labelled.probability_by_input();
   const std::vector<std::uint16_t> numbers = output.labelled.object_by_input();
   std::vector<std::uint8_t> bytes(in.size() * out.point_step, 0);
   for_each_point(in, [&](std::size_t i, const std::uint8_t* point) {
     std::uint8_t* to = bytes.data() + i * out.point_step;
     std::memcpy(to, point, in.point_step);
-    if (numbers[i] != 0) write_id(id_of_number[numbers[i]], in.is_bigendian, to + id_offset);
+    write_word(std::bit_cast<std::uint32_t>(probabilities[i]), in.is_bigendian, to + probability_offset);
+    if (numbers[i] != 0) write_word(id_of_number[numbers[i]], in.is_bigendian, to + id_offset);
     to[motion_offset] = static_cast<std::uint8_t>(motions[i]);
   });
   return cloud_of(std::move(out), std::move(bytes));

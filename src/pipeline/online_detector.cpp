@@ -35,6 +35,13 @@ std::vector<std::uint16_t> LabelledScan::object_by_input() const {
   return by_input;
 }
 
+std::vector<float> LabelledScan::probability_by_input() const {
+  std::vector<float> by_input(scan().input_size, std::numeric_limits<float>::quiet_NaN());
+  for (std::size_t i = 0; i < detection.probability.size(); ++i)
+    by_input[scan().returns[i].input_index] = detection.probability[i];
+  return by_input;
+}
+
 struct OnlineDetector::State {
   using Scans = std::vector<std::shared_ptr<const LidarScan>>;
 

@@ -143,7 +143,7 @@ def check_labels(received, truth):
     found = {True: [0, 0], False: [0, 0]}
     for message in received:
         names = [field.name for field in message.fields]
-        assert names == [*(name for name, _, _ in FIELDS), "object_id", "moving"], names
+        assert names == [*(name for name, _, _ in FIELDS), "object_id", "moving", "probability"], names
         points, moving = truth[stamp_of(message)]
         data, step = bytes(message.data), message.point_step
         assert message.width == len(moving) and len(data) == step * message.width

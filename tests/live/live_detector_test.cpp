@@ -1,4 +1,5 @@
 #include <atomic>
+#include <cmath>
 #include <cstring>
 #include <string>
 #include <thread>
@@ -65,9 +66,10 @@ TEST(LiveDetector, LabelledCloudsHaveEveryFieldAndTheLabels) {
   EXPECT_EQ(out.stamp, in.stamp);
   EXPECT_EQ(out.frame_id, "lidar");
   ASSERT_EQ(out.size(), in.size());
-  ASSERT_EQ(out.fields.size(), 8U);
+  ASSERT_EQ(out.fields.size(), 9U);
   EXPECT_EQ(out.fields[6], (PointCloud2Field{"object_id", 24, 6, 1}));
   EXPECT_EQ(out.fields[7], (PointCloud2Field{"moving", 28, 2, 1}));
+  EXPECT_EQ(out.fields[8], (PointCloud2Field{"probability", 32, 7, 1}));
   const std::vector<PointMotion> motions = point_motions(output);
   std::size_t moving = 0;
   for (std::size_t i = 0; i < out.size(); ++i) {
@@ -77,6 +79,9 @@ TEST(LiveDetector, LabelledCloudsHaveEveryFieldAndTheLabels) {
     std::memcpy(&id, point + 24, 4);
     ASSERT_EQ(point[28], static_cast<std::uint8_t>(motions[i]));
     ASSERT_EQ(id != 0, motions[i] == PointMotion::moving);
+    float probability = 0;
+    std::memcpy(&probability, point + 32, 4);
+    ASSERT_EQ(std::isnan(probability), motions[i] == PointMotion::unknown);
     moving += id != 0;
   }
   EXPECT_GT(moving, 0U);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <cstring>
 #include <utility>
 
 #include "run/scan_poses.hpp"
@@ -136,7 +137,8 @@ void DetectionRun::write(const FinishedScan& scan) {
                     finished_before_ > 0 ? GrowingFile::Start::resumed : GrowingFile::Start::anew);
   }
   const Detection& detection = scan.labelled.detection;
-  const ScanFiles files = {stage_masks_of(detection), labels_of(detection, detection.tracked), rows_of(scan)};
+  ScanFiles files = {stage_masks_of(detection), labels_of(detection, detection.tracked), {}, rows_of(scan)};
+  if (probabilities_) files.probabilities = scan.labelled.probability_by_input();
   summary_.scans() < finished_before_ ? verify(scan.k, files) : add(scan.k, files);
   summary_.add(detection);
   last_trajectory_ = scan.labelled.trajectory;
@@ -146,6 +148,7 @@ void DetectionRun::write(const FinishedScan& scan) {
 
 void DetectionRun::add(std::size_t k, const ScanFiles& files) {
   write_stage_file(result_.stage_file(k), files.stages);
+  if (files.probabilities) write_probability_file(result_.probability_file(k), *files.probabilities);
   tables_->add(files.rows);
   try {
     write_label_file(result_.label_file(k), files.labels);
@@ -168,6 +171,11 @@ void DetectionRun::verify(std::size_t k, const ScanFiles& files) {
     refuse(result_.stage_file(k));
   if (read_label_file(result_.label_file(k), files.labels.size()) != files.labels)
     refuse(result_.label_file(k));
+  if (files.probabilities) {
+    const auto before = read_probability_file(result_.probability_file(k), files.probabilities->size());
+    if (std::memcmp(before.data(), files.probabilities->data(), before.size() * sizeof(float)) != 0)
+      refuse(result_.probability_file(k));
+  }
   tables_->verify(files.rows);
 }
 

@@ -43,6 +43,9 @@ class DetectionRun {
   /// OnlineDetector::add_measurement; before run().
   void add_measurement(const MotionMeasurement& measured) { online_.add_measurement(measured); }
 
+  /// Writes the file of probabilities of each scan, too; before run().
+  void write_probabilities() { probabilities_ = true; }
+
   /// False where it was interrupted. Throws what reading, detecting or writing threw. Either way the results
   /// of scans finished before are written completely, and no thread is left running.
   bool run();
@@ -63,6 +66,7 @@ class DetectionRun {
   struct ScanFiles {
     std::vector<std::uint8_t> stages;
     std::vector<std::uint32_t> labels;
+    std::optional<std::vector<float>> probabilities;
     TableRows rows;
   };
 
@@ -84,6 +88,7 @@ class DetectionRun {
   ScanSelection selection_;
   std::function<void()> make_folder_;
   std::size_t finished_before_;
+  bool probabilities_ = false;
 
   // The thread that calls run.
   OnlineDetector online_;

@@ -17,8 +17,8 @@ namespace {
 namespace fs = std::filesystem;
 
 // What must be the same for the same bytes; the first that differs is named.
-constexpr std::array kSame = {"version",        "format",  "sensor",     "first_scan",
-                              "selected_scans", "profile", "trajectory", "recording_digest"};
+constexpr std::array kSame = {"version", "format",     "sensor",           "first_scan", "selected_scans",
+                              "profile", "trajectory", "recording_digest", "probability"};
 
 [[noreturn]] void refuse(const fs::path& file, const std::string& what, const std::string& before,
                          const std::string& now) {
@@ -43,10 +43,12 @@ void require_same_configuration(const fs::path& file, const std::string& now) {
   refuse(file, "parameters", trimmed(line_before), in_group + trimmed(line_now));
 }
 
-std::size_t finished_scans(const ResultFolder& result, std::size_t first, std::size_t count) {
+std::size_t finished_scans(const ResultFolder& result, std::size_t first, std::size_t count,
+                           bool probability) {
   std::size_t finished = 0;
   const auto is_there = [&](std::size_t k) {
-    return fs::exists(result.label_file(k)) && fs::exists(result.stage_file(k));
+    return fs::exists(result.label_file(k)) && fs::exists(result.stage_file(k)) &&
+           (!probability || fs::exists(result.probability_file(k)));
   };
   while (finished < count && is_there(first + finished)) ++finished;
   return finished;
@@ -71,7 +73,8 @@ std::optional<EarlierRun> earlier_run(const ResultFolder& result, const RunSumma
     if (value != wanted[key]) refuse(result.summary(), key, value.dump(), wanted[key].dump());
   }
   EarlierRun out;
-  out.finished = finished_scans(result, wanted["first_scan"], wanted["selected_scans"]);
+  out.finished =
+      finished_scans(result, wanted["first_scan"], wanted["selected_scans"], wanted["probability"]);
   if (out.finished == 0) return std::nullopt;
   require_same_configuration(result.config(), configuration);
   out.complete = before.value("complete", false) && out.finished == wanted["selected_scans"];

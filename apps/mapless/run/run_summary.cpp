@@ -157,6 +157,7 @@ Json RunSummary::json() const {
               {"objects", objects_},
               {"objects_over_time", ids_},
               {"profile", profile_},
+              {"probability", probability_},
               {"times", times_},
               {"rings", rings_},
               {"motion_compensation", motion_compensation_},

@@ -33,6 +33,8 @@ class RunSummary {
   void set_input(const LidarScan& scan, bool was_compensated);
   /// See recording_digest in run/earlier_run.hpp.
   void set_recording_digest(std::string digest) { recording_digest_ = std::move(digest); }
+  /// Whether the run writes probabilities.
+  void set_probability(bool probability) { probability_ = probability; }
   /// Number of scans that an earlier run had finished, where this run went on with it.
   void set_resumed_after(std::size_t scans) { resumed_after_ = scans; }
   /// Counts a scan's points, objects and times.
@@ -62,6 +64,7 @@ class RunSummary {
   std::vector<std::string> notes_;
   std::size_t first_scan_, selected_scans_;
   std::string recording_digest_;
+  bool probability_ = false;
   std::optional<std::size_t> resumed_after_;
   std::string times_, rings_, motion_compensation_;
   std::size_t records_ = 0, points_ = 0, dynamic_points_ = 0, objects_ = 0;

@@ -42,6 +42,7 @@ struct DetectOptions {
   bool real_time = false;
   bool overwrite = false;
   bool resume = false;
+  bool probability = false;
   bool json = false;
 };
 
@@ -155,6 +156,10 @@ int detect(const DetectOptions& options) {
   const OnlineDetectorOptions detector{options.parameters.chosen(), options.parameters.odometry(),
                                        options.threads != 1};
 
+  if (options.probability && detector.detection.method != DetectionMethod::voting) {
+    throw ParameterError({"--probability", "method", "published", "has no evidence to derive one from",
+                          "use the default method"});
+  }
   const auto dataset = options.recording.open();
   const std::size_t count = selected_count(options, *dataset);
   require_time_order(*dataset, options.first, count);
@@ -170,6 +175,7 @@ int detect(const DetectOptions& options) {
                      count);
   summary.set_recording_digest(
       recording_digest(*dataset, motion.trajectory.get(), measured, options.first, count));
+  summary.set_probability(options.probability);
   std::size_t finished_before = 0;
   if (options.resume) {
     const auto earlier = earlier_run(result, summary, configuration_text(options.parameters));
@@ -182,6 +188,7 @@ int detect(const DetectOptions& options) {
   // result.
   const auto make_folder = [&] {
     result.create(options.overwrite || options.resume, summary.text());
+    if (options.probability) result.create_probabilities();
     write_file_atomically(result.config(), configuration_text(options.parameters));
   };
   std::optional<RealTimePace> pace;
@@ -189,6 +196,7 @@ int detect(const DetectOptions& options) {
   DetectionRun run(*dataset, motion.trajectory, result, detector, summary, {options.first, count},
                    std::move(pace), make_folder, finished_before);
   for (const MotionMeasurement& one : measured) run.add_measurement(one);
+  if (options.probability) run.write_probabilities();
   const bool complete = run_to_the_end(run, summary);
   const OdometryReport& odometry = run.odometry_report();
   if (const std::string trouble = odometry.trouble(); !trouble.empty()) say("mapless: {}\n", trouble);
@@ -228,6 +236,9 @@ void add_detect(CLI::App& app, int& exit_code) {
   add_motion_measurement_options(*verb, options->measured);
   verb->add_flag("--causal", options->parameters.causal,
                  "label each scan at once, without evidence from the scan after it (forward_gap = 0)");
+  verb->add_flag("--probability", options->probability,
+                 "write probability/NNNNNN.f32, too: one float32 per input point, the probability that it "
+                 "moves (NaN: no return, or the motion is lost)");
   verb->add_option("--first", options->first, "number of the first scan to process, from 0")
       ->check(whole_number(0))
       ->capture_default_str();

@@ -128,7 +128,10 @@ struct Detection {
   std::size_t sequence_number = 0;    ///< 0 for the first scan the detector was given
   std::vector<StageTrace> trace;      ///< verdict of each stage
   std::vector<std::uint16_t> object;  ///< 0: static; 1, 2, ...: the dynamic object of this scan it belongs to
-  int objects = 0;                    ///< number of dynamic objects
+  /// One per return: the probability that it moves. Calibrated: of the points given .9, nine in ten move
+  /// (docs/accuracy.md). Empty for method "published", and where `motion_known` is false.
+  std::vector<float> probability;
+  int objects = 0;                     ///< number of dynamic objects
   std::vector<TrackedObject> tracked;  ///< their tracks, ordered by number
   StageSeconds seconds;
   /// False where the motion of the sensor was lost: no point is known to be dynamic or static, and `object`

@@ -25,6 +25,9 @@ struct TrackedObject;
 ///                           (io/labels.hpp)
 ///     stages/NNNNNN.stages  one uint8 per input record: bit s is 1 if the point is dynamic after
 ///                           stage s (detection/detection.hpp); 0 for a record without a return
+///     probability/NNNNNN.f32  only if asked for: one float32 per input record, little endian, the
+///                           probability that the point moves; NaN where it is not known: without a return,
+///                           and in a scan whose motion odometry has lost
 ///     poses_kitti.txt       T_0v (world from sensor) at the start of each labelled scan, 12 numbers per row
 ///     trajectory.txt        TUM rows at the same instants, at nine more within each of these scans, and
 ///                           at the end of the last one
@@ -44,8 +47,10 @@ class ResultFolder {
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
   [[nodiscard]] std::filesystem::path labels() const { return path_ / "labels"; }
   [[nodiscard]] std::filesystem::path stages() const { return path_ / "stages"; }
+  [[nodiscard]] std::filesystem::path probabilities() const { return path_ / "probability"; }
   [[nodiscard]] std::filesystem::path label_file(std::size_t scan) const;
   [[nodiscard]] std::filesystem::path stage_file(std::size_t scan) const;
+  [[nodiscard]] std::filesystem::path probability_file(std::size_t scan) const;
   [[nodiscard]] std::filesystem::path objects() const { return path_ / "objects.csv"; }
   [[nodiscard]] std::filesystem::path kitti_poses() const { return path_ / "poses_kitti.txt"; }
   [[nodiscard]] std::filesystem::path trajectory() const { return path_ / "trajectory.txt"; }
@@ -61,6 +66,9 @@ class ResultFolder {
   /// Creates the folder and writes `summary`. With `overwrite`, removes the files of an earlier result listed
   /// above and nothing else. Throws OutputError as require_free does, or with the reason of the system.
   void create(bool overwrite, std::string_view summary) const;
+
+  /// Creates the folder for the files of probabilities. Throws OutputError.
+  void create_probabilities() const;
 
   /// Removes the files that a killed run was about to write (write_file_atomically). Throws OutputError.
   void remove_partial_files() const;
@@ -87,6 +95,14 @@ void write_stage_file(const std::filesystem::path& file, const std::vector<std::
 /// `expected_count`.
 [[nodiscard]] std::vector<std::uint8_t> read_stage_file(const std::filesystem::path& file,
                                                         std::size_t expected_count);
+
+/// Writes a file of probabilities atomically. Throws OutputError.
+void write_probability_file(const std::filesystem::path& file, const std::vector<float>& probabilities);
+
+/// Reads a file of probabilities. Throws InputError for a file that cannot be read or whose length is not
+/// `expected_count` x 4 bytes.
+[[nodiscard]] std::vector<float> read_probability_file(const std::filesystem::path& file,
+                                                       std::size_t expected_count);
 
 /// One label per input record, in input order: kLabelDynamic with the number of the object in the high 16
 /// bits, kLabelStatic, or 0 for a record without a return; all 0 where Detection::motion_known is false.

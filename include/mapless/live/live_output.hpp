@@ -38,9 +38,9 @@ enum class PointMotion : std::uint8_t {
 /// One per point of the cloud, in its order.
 [[nodiscard]] std::vector<PointMotion> point_motions(const LiveOutput& output);
 
-/// The cloud with every field it came with, and then `object_id` (uint32: TrackedObject::id, 0 where still)
-/// and `moving` (uint8, PointMotion). Points, order, stamp and frame are those of the cloud; bytes between
-/// rows are left out.
+/// The cloud with every field it came with, and then `object_id` (uint32: TrackedObject::id, 0 where still),
+/// `moving` (uint8, PointMotion) and `probability` (float32: that the point moves; NaN: unknown). Points,
+/// order, stamp and frame are those of the cloud; bytes between rows are left out.
 [[nodiscard]] PointCloud2 labelled_cloud(const LiveOutput& output);
 
 /// The points of `motion` alone, with the fields of the cloud; height 1.

@@ -74,6 +74,9 @@ struct LabelledScan {
   /// object the point belongs to, 0 for static points, for records without a return, and for all records of
   /// a scan whose motion is lost.
   [[nodiscard]] std::vector<std::uint16_t> object_by_input() const;
+  /// Detection::probability per record of the input; NaN where it is not known: for records without a return,
+  /// where the motion is lost, and with method "published".
+  [[nodiscard]] std::vector<float> probability_by_input() const;
 };
 
 /// The whole method, online: scans in, labelled scans with poses out (arXiv 1809.06972).

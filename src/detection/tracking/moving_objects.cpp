@@ -5,6 +5,7 @@
 #include "detection/dynamic_returns.hpp"
 #include "detection/object_number.hpp"
 #include "detection/scan_trajectory.hpp"
+#include "detection/tracking/motion_probability.hpp"
 #include <mapless/core/time.hpp>
 
 namespace mapless::inline v1 {
@@ -23,12 +24,15 @@ Detection MovingObjects::classify(ObjectProposals proposed) {
   });
   if (method_ == DetectionMethod::published) return detection;
   std::vector<bool> moves;
+  motions_.assign(proposed.evidence.size(), {});
   for (const TrackedObject& object : detection.tracked) {
     TrackMotion& state = states_[object.id];
     state = classifier_.update(state, object, proposed.evidence[object.number - 1U], now);
     moves.push_back(state.moves);
+    motions_[object.number - 1U] = state;
   }
   erase_dropped(states_, now);
+  detection.probability = motion_probabilities(proposed.votes, detection.object, motions_);
   keep_moving(moves, detection);
   return detection;
 }

@@ -27,11 +27,15 @@ class MovingObjects {
   /// The detection with moving objects alone, renumbered in their order.
   Detection classify(ObjectProposals proposed);
 
+  /// What the last call decided, by number of the proposed object - 1.
+  [[nodiscard]] const std::vector<TrackMotion>& motions() const { return motions_; }
+
  private:
   DetectionMethod method_;
   MotionClassifier classifier_;
   ObjectTracker tracker_;
   TrackMotions states_;
+  std::vector<TrackMotion> motions_;
 };
 
 /// Keeps the elements of detection.tracked that move (`moves`: one per element) and numbers them 1, 2, ... in

@@ -84,6 +84,9 @@ void remove_scan_files(const fs::path& folder, const char* extension) {
 
 fs::path ResultFolder::label_file(std::size_t scan) const { return labels() / scan_name(scan, ".label"); }
 fs::path ResultFolder::stage_file(std::size_t scan) const { return stages() / scan_name(scan, ".stages"); }
+fs::path ResultFolder::probability_file(std::size_t scan) const {
+  return probabilities() / scan_name(scan, ".f32");
+}
 
 void ResultFolder::require_free(bool overwrite) const {
   std::error_code error;
@@ -107,11 +110,13 @@ void ResultFolder::create(bool overwrite, std::string_view summary_text) const {
   check(path_, error, "make it");
   // The new summary replaces the old one before files are removed: if the run is killed here, the folder is
   // still recognised as a result, and as an incomplete one.
-  for (const fs::path& folder : {path_, labels(), stages()}) require_writable(folder);
+  for (const fs::path& folder : {path_, labels(), stages(), probabilities()}) require_writable(folder);
   write_file_atomically(summary(), summary_text);
   remove_partial_files();
   remove_scan_files(labels(), ".label");
   remove_scan_files(stages(), ".stages");
+  remove_scan_files(probabilities(), ".f32");
+  if (fs::is_empty(probabilities(), error)) fs::remove(probabilities(), error);
   for (const fs::path& file : {objects(), kitti_poses(), trajectory(), poses(), config()}) {
     fs::remove(file, error);
     check(file, error, "remove it");
@@ -122,9 +127,15 @@ void ResultFolder::create(bool overwrite, std::string_view summary_text) const {
   }
 }
 
+void ResultFolder::create_probabilities() const {
+  std::error_code error;
+  fs::create_directories(probabilities(), error);
+  check(probabilities(), error, "make it");
+}
+
 void ResultFolder::remove_partial_files() const {
   std::error_code error;
-  for (const fs::path& folder : {path_, labels(), stages()}) {
+  for (const fs::path& folder : {path_, labels(), stages(), probabilities()}) {
     if (!fs::is_directory(folder, error)) continue;
     std::vector<fs::path> files;
     for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
@@ -167,6 +178,24 @@ std::vector<std::uint8_t> read_stage_file(const fs::path& file, std::size_t expe
                       "run mapless detect again on this recording"});
   }
   return {bytes.begin(), bytes.end()};
+}
+
+void write_probability_file(const fs::path& file, const std::vector<float>& probabilities) {
+  std::string bytes(probabilities.size() * sizeof(float), '\0');
+  if (!probabilities.empty()) std::memcpy(bytes.data(), probabilities.data(), bytes.size());
+  write_file_atomically(file, bytes);
+}
+
+std::vector<float> read_probability_file(const fs::path& file, std::size_t expected_count) {
+  const std::string bytes = read_whole_file(file);
+  if (bytes.size() != expected_count * sizeof(float)) {
+    throw InputError({file.string(), "length", fmt::format("{} bytes", bytes.size()),
+                      fmt::format("must be 4 x {}, a float32 per record of the scan", expected_count),
+                      "run mapless detect --probability again on this recording"});
+  }
+  std::vector<float> probabilities(expected_count);
+  if (expected_count > 0) std::memcpy(probabilities.data(), bytes.data(), bytes.size());
+  return probabilities;
 }
 
 }  // namespace mapless

@@ -143,6 +143,7 @@ TEST_F(ResumeTest, IsRefusedWhereTheRunWouldDifferAndNamesWhat) {
   EXPECT_THAT(refusal("given", {"--count", "9"}), HasSubstr("selected_scans"));
   EXPECT_THAT(refusal("given", {"--causal"}), AllOf(HasSubstr("parameters"), HasSubstr("forward_gap")));
   EXPECT_THAT(refusal("given", {"--overwrite"}), HasSubstr("--overwrite"));
+  EXPECT_THAT(refusal("given", {"--probability"}), HasSubstr("probability"));
   const ResultFolder result(folder / "out");
   std::string summary = read_whole_file(result.summary());
   const std::string version = "\"version\": \"";

@@ -94,5 +94,19 @@ TEST_F(ResultFolderTest, StageFilesKeepTheirBytesAndTheirLength) {
   EXPECT_THROW((void)read_stage_file(result.stage_file(1), 4), InputError);
 }
 
+TEST_F(ResultFolderTest, ProbabilitiesKeepTheirValuesAndAreReplacedWithTheResult) {
+  result.create(false, summary_text());
+  EXPECT_FALSE(fs::exists(result.probabilities()));
+  result.create_probabilities();
+  const std::vector<float> probabilities = {0, 0.25F, 1};
+  write_probability_file(result.probability_file(7), probabilities);
+  EXPECT_EQ(result.probability_file(7), result.path() / "probability" / "000007.f32");
+  EXPECT_EQ(fs::file_size(result.probability_file(7)), 12u);
+  EXPECT_EQ(read_probability_file(result.probability_file(7), 3), probabilities);
+  EXPECT_THROW((void)read_probability_file(result.probability_file(7), 4), InputError);
+  result.create(true, summary_text());
+  EXPECT_FALSE(fs::exists(result.probabilities()));
+}
+
 }  // namespace MAPLESS_FILE
 }  // namespace mapless
