@@ -79,7 +79,7 @@ def test_ranges_are_counted_where_the_clouds_are_there(folders):
 def test_what_does_not_fit_is_named(folders):
     truth, found = folders
     write(truth, "08", "labels", 0, [9, 9])
-    with pytest.raises(mapless.InputError, match="no NN/predictions of the sequences of semantickitti: 08"):
+    with pytest.raises(mapless.InputError, match="no predictions of the sequences of semantickitti: 08"):
         evaluate_protocol("semantickitti", truth, found)
     write(found, "08", "predictions", 1, [9])
     with pytest.raises(mapless.InputError, match="no prediction of scan 0"):
@@ -105,5 +105,10 @@ def test_the_command_evaluates_what_export_writes(drive, native_result, tmp_path
     assert total["tp"] > 0
     assert all(f": {total[name]}," in report for name in ("tp", "fp", "fn"))
     assert f"{100 * total['iou']:.1f}" in command(*arguments).stdout
+    direct = ("detect", drive, "--odometry", "-o", tmp_path / "again", "--semantic-kitti", tmp_path / "direct")
+    assert command(*direct).returncode == 0
+    for label in sorted((tmp_path / "found" / "sequences" / "08" / "predictions").iterdir()):
+        assert (tmp_path / "direct" / "sequences" / "00" / "predictions" / label.name).read_bytes() == label.read_bytes()
+    assert command(*direct, "--overwrite").returncode == 1  # the predictions are there
     missing = command("evaluate", "--protocol", "helimos", tmp_path / "truth", tmp_path / "found")
     assert (missing.returncode, missing.stderr[:16]) == (3, "mapless: error: ")
