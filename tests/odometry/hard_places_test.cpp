@@ -4,7 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include "odometry/map/coarse_freespace.hpp"
 #include "odometry/registration/mapped_trajectory.hpp"
 #include "support/toy_scene.hpp"
 #include <mapless/odometry/lidar_odometry.hpp>
@@ -95,26 +94,6 @@ TEST(HardPlaces, AScanOfFewReturnsIsExtrapolatedWithThePrior) {
     if (!odometry.started()) continue;
     EXPECT_LT(position_error_m(odometry, street, update.knots.back().time), 0.15) << k;
   }
-}
-
-// With the right motion no point of a room lies in free space; from a pose 3 m aside, points of one wall lie
-// in front of another.
-TEST(HardPlaces, OnlyAWrongMotionHasFreespaceViolations) {
-  const ToyScene room = test::toy_room("VLP-16", test::drive(0, 0));
-  const auto scan = cast_scan(room, 0).scan;
-  const std::vector<ScanPoint> points = thin(*scan, {});
-  const TimeBins bins(select_keypoints(points, {}, 2), scan->start, scan->start);
-  const CoarseFreespace freespace(*scan);
-  const auto interval = [&](const Vector3d& place) {
-    const SE3 T_v0 = SE3(Eigen::Matrix3d::Identity(), place).inverse();
-    return KnotInterval({scan->start, T_v0, Vector6d::Zero()}, {scan->end(), T_v0, Vector6d::Zero()});
-  };
-  const auto inside = [&](const Vector3d& place) {
-    return freespace.count_inside(interval({0, 0, 0}), bins, interval(place));
-  };
-  ASSERT_GT(bins.points().size(), 500u);
-  EXPECT_EQ(inside({0, 0, 0}), 0);
-  EXPECT_GT(inside({3, 0, 0}), static_cast<int>(bins.points().size()) / 10);
 }
 
 }  // namespace MAPLESS_FILE

@@ -32,10 +32,10 @@ namespace mapless::inline v1 {
 ///   laser spacing: how a slanting surface goes on there is unknown.
 /// - inside: all rays of the windows pass beyond q.
 ///
-/// check_freespace (the published method) and CoarseFreespace (odometry's start-up) are apart, for reasons
-/// their headers give; all share FreespaceVerdict. The oracle is
-/// tests/oracle/freespace_probe_oracle.hpp, brute force over all rays in double precision;
-/// tests/detection/freespace/freespace_agreement_test.cpp compares the implementations with one another.
+/// check_freespace (the published method) is apart, for reasons its header gives; both share
+/// FreespaceVerdict. The oracle is tests/oracle/freespace_probe_oracle.hpp, brute force over all rays in
+/// double precision; tests/detection/freespace/freespace_agreement_test.cpp compares the implementations with
+/// one another.
 class FreespaceProbe {
  public:
   FreespaceProbe(const RayImage& image, const Eigen::Vector3d& origin_0, const VotingParameters& parameters);

@@ -2,10 +2,8 @@
 
 #include <cstdint>
 #include <deque>
-#include <memory>
 #include <vector>
 
-#include "odometry/map/coarse_freespace.hpp"
 #include "odometry/registration/scan_registration.hpp"
 #include <mapless/lidar/lidar_scan.hpp>
 
@@ -13,9 +11,9 @@ namespace mapless::inline v1 {
 
 /// The part of a scan that the odometry uses.
 struct UsableScan {
-  std::vector<ScanPoint> points;                     ///< for the map
-  TimeBins bins;                                     ///< of the keypoints, for registration
-  std::shared_ptr<const CoarseFreespace> freespace;  ///< null once the odometry has started
+  std::vector<ScanPoint> points;  ///< for the map
+  TimeBins bins;                  ///< of the keypoints, for registration
+  std::vector<ScanPoint> edges;   ///< select_edges(); none once the odometry has started
   Time start;
   std::size_t interval = 0;  ///< number of the knot at its start
 };

@@ -32,10 +32,6 @@ constexpr double kNearSpeedSigma_mps = 0.5;
 constexpr double kNearTurnRateSigma_radps = 0.5;
 // The same along a direction in which the speed is imposed: far below the steps between these speeds.
 constexpr double kImposedSpeedSigma_mps = 0.02;
-// Velocities closer to each other are one motion. Derived: 0.05 m per scan at 10 Hz, a tenth of the gate, and
-// 0.6 deg per scan.
-constexpr double kAlikeSpeed_mps = 0.5;
-constexpr double kAlikeTurnRate_radps = 0.1;
 // Fewest soft inliers of a motion. Measured without the limit on flying starts: one better, two worse
 // (docs/notebook/odometry.md, "How it starts").
 constexpr double kMinSoftInliers = 50;
@@ -147,10 +143,7 @@ Vector6d KnownMotion::applied_to(Vector6d varpi) const {
   return varpi;
 }
 
-bool are_alike(const TrajectoryKnot& a, const TrajectoryKnot& b) {
-  const Vector6d difference = a.varpi - b.varpi;
-  return difference.head<3>().norm() < kAlikeSpeed_mps && difference.tail<3>().norm() < kAlikeTurnRate_radps;
-}
+bool are_alike(const TrajectoryKnot& a, const TrajectoryKnot& b) { return are_alike(a.varpi, b.varpi); }
 
 PairOfScans::PairOfScans(std::vector<TrajectoryKnot> knots, WindowPrior prior, const UsableScan& first,
                          const UsableScan& second, std::size_t first_knot,
@@ -283,7 +276,26 @@ void PairOfScans::add_along_weak_directions(std::vector<Registration>& all) cons
   }
 }
 
-std::vector<Registration> PairOfScans::register_all() const {
+std::optional<Registration> PairOfScans::register_near(const EdgeMotion& motion) const {
+  const Vector6d varpi = told().applied_to(motion.varpi);
+  WindowPrior prior = prior_;
+  prior.mean.front().varpi = varpi;
+  prior.diagonal.front().bottomRightCorner<6, 6>() = motion.information;
+  Registration out = constant_velocity(knots_, varpi);
+  if (!iterate(1, settings_.max_iterations, false, prior, out)) return std::nullopt;
+  return out;
+}
+
+std::vector<Registration> PairOfScans::register_by_edges() const {
+  const std::vector<Registration> found = transform_parallel(
+      edge_motions(first_, second_), [&](const EdgeMotion& one) { return register_near(one); });
+  std::vector<Registration> out;
+  for (const Registration& registration : found) add_unless_duplicate(out, registration);
+  keep_if_any(out, [&](const Registration& one) { return !is_contradicted(one.knots, settings_); });
+  return out;
+}
+
+std::vector<Registration> PairOfScans::register_by_planes() const {
   const auto refined =
       transform_parallel(coarse_registrations(), [&](Registration candidate) -> std::optional<Registration> {
         if (!refine(candidate)) return std::nullopt;

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "odometry/registration/mapped_trajectory.hpp"
+#include "odometry/start_up/edge_votes.hpp"
 
 namespace mapless::inline v1 {
 
@@ -17,8 +17,9 @@ struct KnownMotion {
   [[nodiscard]] Vector6d applied_to(Vector6d varpi) const;
 };
 
-/// Registers the second scan of a recording to the first, without any knowledge of the velocity. After every
-/// step the first scan is compensated again with the motion found.
+/// Registers the second scan of a recording to the first, without any knowledge of the velocity. Edges are
+/// tried first: with few lasers planes fit many motions along a road, and a registration to planes alone
+/// leaves the right one. After every step the first scan is compensated again with the motion found.
 class PairOfScans {
  public:
   /// `knots` begin with knot number `first_knot`, in which UsableScan::interval counts. The second scan is in
@@ -26,10 +27,13 @@ class PairOfScans {
   PairOfScans(std::vector<TrajectoryKnot> knots, WindowPrior prior, const UsableScan& first,
               const UsableScan& second, std::size_t first_knot, const RegistrationSettings& settings);
 
-  /// All motions that the two scans admit, for later scans to decide between: the one with most inliers
-  /// first, no two alike (are_alike), none with fewer than 50 soft inliers, and where any agrees with the
+  /// The motions under which the edges of the two scans coincide (edge_motions), each registered to planes
+  /// with the information of its edges as a prior. None if the edges admit none. For later scans to decide
+  /// between: no two alike (are_alike), none with fewer than 50 soft inliers, and where any agrees with the
   /// measurements of other sensors, only such.
-  [[nodiscard]] std::vector<Registration> register_all() const;
+  [[nodiscard]] std::vector<Registration> register_by_edges() const;
+  /// The same by planes alone: all motions that the two scans admit, the one with most inliers first.
+  [[nodiscard]] std::vector<Registration> register_by_planes() const;
   /// The motion near a velocity that is known to 0.5 m/s and 0.5 rad/s.
   [[nodiscard]] std::optional<Registration> register_near(const Vector6d& varpi) const;
 
@@ -43,6 +47,7 @@ class PairOfScans {
   [[nodiscard]] std::optional<Registration> register_coarsely(const Vector6d& varpi) const;
   [[nodiscard]] std::optional<Registration> register_at_speed(const Vector6d& varpi,
                                                               const Eigen::Vector3d& direction) const;
+  [[nodiscard]] std::optional<Registration> register_near(const EdgeMotion& motion) const;
   [[nodiscard]] std::vector<Registration> coarse_registrations() const;
   [[nodiscard]] KnownMotion known_motion() const;
   void add_along_weak_directions(std::vector<Registration>& all) const;
@@ -63,8 +68,7 @@ void keep_if_any(std::vector<T>& all, const Predicate& agrees) {
     std::erase_if(all, [&](const T& one) { return !agrees(one); });
 }
 
-/// Whether the velocities at the end of two motions differ by less than 0.5 m/s and 0.1 rad/s: then they are
-/// the same motion, found twice.
+/// The same for the velocities at the end of two motions.
 [[nodiscard]] bool are_alike(const TrajectoryKnot& a, const TrajectoryKnot& b);
 
 }  // namespace mapless

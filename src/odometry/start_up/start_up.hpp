@@ -3,6 +3,7 @@
 #include <optional>
 #include <vector>
 
+#include "odometry/map/edge_grid.hpp"
 #include "odometry/start_up/pair_registration.hpp"
 #include <mapless/odometry/parameters.hpp>
 
@@ -62,9 +63,9 @@ class StartUp {
   struct Hypothesis {
     MappedTrajectory mapped;
     Registration registration;  // of the newest scan
-    // Over the scans from the third on: soft inliers, less freespace violations, less the cost of the motion
-    // prior.
+    // Over the scans from the third on: soft inliers and agreeing edges, less the cost of the motion prior.
     double score = 0;
+    EdgeGrid edges;  // of all scans so far
   };
   // The first scans as one problem without a map; their intervals count from the first of its knots.
   struct JointProblem {

@@ -66,16 +66,14 @@ void expect_right(const SimulatedStart& start) {
 }
 
 // Hand-held in a tunnel: over five scans four motions up to 2.5 m/s apart, rest among them, have equal
-// numbers of inliers to one in 250.
-TEST(StartUp, TakesMoreScansIfTheFirstOnesLeaveTheSpeedOpen) {
+// numbers of inliers to one in 250. Edges tell them apart.
+TEST(StartUp, EdgesTellMotionsApartThatPlanesDoNot) {
   const SimulatedStart tunnel("tunnel", 701, 0);
-  EXPECT_GT(tunnel.started_with, 5);
   EXPECT_LE(tunnel.started_with, 10);
   expect_right(tunnel);
 }
 
-// A motorway in dense traffic. Rising at 22 m/s above the observed scene has no freespace violations, but few
-// inliers.
+// A motorway in dense traffic. Rising at 22 m/s above the observed scene has few inliers.
 TEST(StartUp, DropsAMotionWithFewInliers) { expect_right(SimulatedStart("highway", 201, 5)); }
 
 // Registered jointly without a limit, these scans leave the right speed after 16 steps, for half of it and
@@ -87,11 +85,11 @@ TEST(StartUp, JointRegistrationKeepsTheMotionWithMostInliers) {
 // Above a hill no two of the first scans can be registered to each other.
 TEST(StartUp, UnregisteredScansAreRegisteredLater) { expect_right(SimulatedStart("flyer", 601, 0)); }
 
-// Above a hill hardly any point has a plane in the scan before: from pairs alone, no scan is registered for a
-// second.
-TEST(StartUp, ScansThatNoPairConstrainsAreRegisteredFromRest) {
+// Above a hill hardly any point has a plane in the scan before: from planes of pairs alone, no scan is
+// registered for a second.
+TEST(StartUp, AHillIsHeldByEdgesOrFromRest) {
   const SimulatedStart flyer("flyer", 300, 0);
-  EXPECT_EQ(flyer.started_with, 8);
+  EXPECT_LE(flyer.started_with, 8);
   expect_right(flyer);
   for (std::size_t k = 0; k + 4 < flyer.starts.size(); ++k)
     EXPECT_LT(flyer.turn_error_deg(flyer.starts[k], flyer.starts[k + 4]), 2) << "from scan " << k;
