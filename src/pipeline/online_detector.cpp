@@ -10,6 +10,7 @@
 
 #include "core/argument_checks.hpp"
 #include <mapless/core/errors.hpp>
+#include <mapless/detection/explanation.hpp>
 #include <mapless/geometry/compensated_scan.hpp>
 #include <mapless/pipeline/online_detector.hpp>
 
@@ -51,7 +52,9 @@ struct OnlineDetector::State {
   };
 
   explicit State(const OnlineDetectorOptions& o)
-      : options(o), detector(o.detection), odometry(o.odometry), arena(arena_threads(o)) {}
+      : options(o), detector(o.detection), odometry(o.odometry), arena(arena_threads(o)) {
+    detector.explain(options.explain);
+  }
 
   static int arena_threads(const OnlineDetectorOptions& o) {
     require_between("OnlineDetector", "detection_threads", o.detection_threads, 0,
@@ -181,6 +184,7 @@ std::vector<LabelledScan> OnlineDetector::State::detect_one(const std::shared_pt
   std::vector<LabelledScan> out = labelled(detector.flush());
   if (restarted) {
     detector = Detector(options.detection);
+    detector.explain(options.explain);
     detector_id = last_id;
   }
   if (!lost) return joined(std::move(out), labelled(detector.process(scan, trajectory)));
@@ -210,6 +214,9 @@ std::vector<LabelledScan> OnlineDetector::State::labelled(std::vector<Detection>
     for (TrackedObject& object : detection.tracked) {
       object.id += detector_id;
       last_id = std::max(last_id, object.id);
+    }
+    if (detection.explanation) {
+      for (ObjectDecision& one : detection.explanation->objects) one.object.id += detector_id;
     }
     if (!scan.given) dynamic_points.push_back({detection.scan, detection.object});
     auto update = scan.odometry ? std::make_shared<const OdometryUpdate>(*std::move(scan.odometry)) : nullptr;

@@ -16,6 +16,7 @@ Detection MovingObjects::classify(ObjectProposals proposed) {
   detection.object = std::move(proposed.object);
   detection.objects = proposed.objects;
   detection.seconds = proposed.seconds;
+  detection.explanation = std::move(proposed.explanation);
   const Time now = detection.scan->start;
   detection.tracked = timed(detection.seconds.tracking, [&] {
     return tracker_.process(detection, ScanTrajectory(*detection.scan, std::move(proposed.column_states)),
@@ -25,8 +26,15 @@ Detection MovingObjects::classify(ObjectProposals proposed) {
   std::vector<bool> moves;
   for (const TrackedObject& object : detection.tracked) {
     TrackMotion& state = states_[object.id];
-    state = classifier_.update(state, object, proposed.evidence[object.number - 1U], now);
+    const ObjectEvidence& evidence = proposed.evidence[object.number - 1U];
+    const bool moved = state.moves;
+    state = classifier_.update(state, object, evidence, now);
     moves.push_back(state.moves);
+    if (detection.explanation) {
+      detection.explanation->objects.push_back({object, state.moves, moved, state.reason, evidence.votes,
+                                                state.evidence, state.required, evidence.displacement_m,
+                                                state.unconfirmed_m});
+    }
   }
   erase_dropped(states_, now);
   keep_moving(moves, detection);
