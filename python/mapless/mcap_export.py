@@ -115,7 +115,7 @@ class McapDrive:
         self._store = get_typestore(Stores.ROS2_HUMBLE)
         self._types = self._store.types
         self._scene = SceneUpdate_pb2
-        self._writer = Writer(file)
+        self._writer: Any = Writer(file)
         self._writer.start(profile="", library="mapless")
         self._points = self._ros_channel("/points", "sensor_msgs/msg/PointCloud2")
         self._tf = self._ros_channel("/tf", "tf2_msgs/msg/TFMessage")
@@ -190,7 +190,9 @@ class McapDrive:
 
     def _ros_channel(self, topic: str, name: str) -> int:
         definition = self._store.generate_msgdef(name, ros_version=2)[0].encode()
-        return self._writer.register_channel(topic, "cdr", self._writer.register_schema(name, "ros2msg", definition))
+        schema = self._writer.register_schema(name, "ros2msg", definition)
+        channel: int = self._writer.register_channel(topic, "cdr", schema)
+        return channel
 
     def _add(self, channel: int, time_ns: int, name: str, message: Any) -> None:
         self._writer.add_message(channel, time_ns, bytes(self._store.serialize_cdr(message, name)), time_ns)
