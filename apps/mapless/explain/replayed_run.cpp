@@ -59,8 +59,8 @@ ReplayedRun::ReplayedRun(const Dataset& dataset, const ResultFolder& result, con
   }
   const TrajectorySource motion = motion_of(summary, dataset, given, first_);
   trajectory_ = motion.trajectory;
-  told_ = given.told.measurements(dataset, first_, count_);
-  if (recording_digest(dataset, trajectory_.get(), told_, first_, count_) !=
+  measured_ = given.measured.measurements(dataset, first_, count_);
+  if (recording_digest(dataset, trajectory_.get(), measured_, first_, count_) !=
       summary.value("recording_digest", "")) {
     throw InputError({file, "recording_digest", summary.value("recording_digest", ""),
                       "the recording or the poses are not those of this result",
@@ -74,7 +74,7 @@ void ReplayedRun::run(std::size_t last, const std::function<bool(std::size_t)>& 
   OnlineDetectorOptions options{parameters_.detector, parameters_.odometry};
   options.explain = [&](Time start) { return wanted.contains(start); };
   OnlineDetector online(options);
-  for (const MotionMeasurement& one : told_) online.add_measurement(one);
+  for (const MotionMeasurement& one : measured_) online.add_measurement(one);
   std::size_t next = first_;
   const auto finish = [&](const std::vector<LabelledScan>& scans) {
     for (const LabelledScan& scan : scans) {

@@ -9,8 +9,8 @@
 #include <functional>
 #include <string>
 
+#include "options/motion_measurements.hpp"
 #include "options/parameter_options.hpp"
-#include "options/told_motion.hpp"
 #include <mapless/io/dataset.hpp>
 #include <mapless/io/result_folder.hpp>
 #include <mapless/io/trajectory_file.hpp>
@@ -21,7 +21,7 @@ namespace mapless::app {
 /// The poses and measurements that the run was given on the command line; those of the recording need none.
 struct GivenAgain {
   TrajectoryRequest trajectory;
-  ToldMotion told;
+  MotionMeasurementOptions measured;
 };
 
 /// The run of mapless detect that made a result, once more: the same recording, options and order of scans,
@@ -51,7 +51,7 @@ class ReplayedRun {
   RunParameters parameters_;
   std::size_t first_ = 0, count_ = 0;
   std::shared_ptr<const Trajectory> trajectory_;  // null: estimated
-  std::vector<MotionMeasurement> told_;
+  std::vector<MotionMeasurement> measured_;
 };
 
 }  // namespace mapless::app

@@ -110,7 +110,7 @@ void add_explain(CLI::App& app, int& exit_code) {
       ->required()
       ->check(whole_number(0));
   add_trajectory_options(*verb, options->given.trajectory);
-  add_told_motion_options(*verb, options->given.told);
+  add_motion_measurement_options(*verb, options->given.measured);
   verb->add_flag("--json", options->json, "print JSON with every figure");
   verb->callback([options, &exit_code] { exit_code = explain(*options); });
 }

@@ -92,7 +92,7 @@ void add_view(CLI::App& app, int& exit_code) {
                  "leave out why each point of a result of mapless detect has its label. Without the flag the "
                  "detector runs again, from the first scan of the result on, and compares the labels");
   add_trajectory_options(*verb, options->given.trajectory);
-  add_told_motion_options(*verb, options->given.told);
+  add_motion_measurement_options(*verb, options->given.measured);
   verb->callback([options, &exit_code] { exit_code = view(*options); });
 }
 
