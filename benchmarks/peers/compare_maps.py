@@ -4,8 +4,8 @@
 usage: compare_maps.py [--mapless build/mapless] [--duration-s 12] [--seed 501] [--write docs/export.md]
 
 The clean map has the points labelled static. DUFOMap (the Python package of requirements.txt, parameters of its paper)
-gets every scan first, each point where it truly was and each scan from its true pose, and is then asked about all
-points: its intended use. mapless labels online, one scan late, from the raw scans: with the true poses, and along its
+gets every scan first, each point where it truly was and each scan from its true pose, and is then queried about
+all points: its intended use. mapless labels online, one scan late, from the raw scans: with the true poses, and along its
 own odometry. Points: share of the static ones kept, and of those that moved when they were seen removed. Voxels of
 0.1 m: share of those with a static point that the map has, and of those without one that it does not have.
 """

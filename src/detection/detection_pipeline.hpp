@@ -27,10 +27,10 @@ struct ObjectProposals {
   std::shared_ptr<const RayImage> rays;        ///< of `scan`
   std::vector<ObjectEvidence> evidence;        ///< by object number - 1; empty for method "published"
   StageSeconds seconds;
-  std::shared_ptr<ScanExplanation> explanation;  ///< null unless asked for
+  std::shared_ptr<ScanExplanation> explanation;  ///< null unless wanted: DetectionPipeline::explain
 };
 
-/// Asked of each scan, by its start, whether its points are to be explained.
+/// Whether the points of a scan, given by its start, are to be explained.
 using ExplainedScans = std::function<bool(Time)>;
 
 /// A detection method without its tracker: it keeps what it needs of each scan, and proposes the objects of a

@@ -35,7 +35,7 @@ class Viewer {
   private due = 0; // when the next scan is to be shown [ms]
   private chosen = -1;
   private keepCamera = false;
-  private askedPoint = ""; // by a link: number of the point in the input
+  private linkedPoint = ""; // by a link: number of the point in the input
 
   start(): void {
     const { header } = this;
@@ -163,8 +163,8 @@ class Viewer {
     this.stage.boxes.show(boxesOf(scan), true);
     this.dress();
     at("message").hidden = true;
-    if (this.askedPoint !== "") this.choose(scan.record.indexOf(Number(this.askedPoint)));
-    this.askedPoint = "";
+    if (this.linkedPoint !== "") this.choose(scan.record.indexOf(Number(this.linkedPoint)));
+    this.linkedPoint = "";
     document.documentElement.dataset.scan = String(scan.header.number);
   }
 
@@ -285,7 +285,7 @@ class Viewer {
     }
     const index = this.header.scans.findIndex((s) => String(s.number) === view.get("scan"));
     if (index >= 0) this.wanted = index;
-    this.askedPoint = view.get("point") ?? "";
+    this.linkedPoint = view.get("point") ?? "";
     const eye = vector("eye"), target = vector("target");
     if (!eye || !target) return;
     this.keepCamera = true;

@@ -37,7 +37,7 @@ function row(o: Observation): string {
 
 function rays(e: PointExplanation, scan: Scan, i: number): string {
   if (e.observations.length === 0) return "";
-  const of_other = e.source === i ? "" : `<p class="faint">Not asked about this point itself: it has the evidence of point ${scan.record[e.source]} of its surface.</p>`;
+  const of_other = e.source === i ? "" : `<p class="faint">No scan was queried about it: it has the evidence of point ${scan.record[e.source]} of the same surface.</p>`;
   return `<h3>What the rays of other scans saw here</h3>${of_other}<table class="rays">${e.observations.map(row).join("")}
 <tr class="sum"><td>sum</td><td class="votes">${signed(e.past + e.future)}</td><td></td><td>${signed(e.past)} of earlier scans, ${signed(e.future)} of later ones</td></tr></table>`;
 }

@@ -214,7 +214,7 @@ std::string point_text(const Json& point) {
     out += fmt::format("It is part of it by {}. {}\n", point["step"].get<std::string>(),
                        point["step_text"].get<std::string>());
   if (point["evidence_of"] != point["point"]) {
-    out += fmt::format("The scans were not asked about it: it has the evidence of point {} of its surface.\n",
+    out += fmt::format("No scan was queried about it: it has the evidence of point {} of the same surface.\n",
                        point["evidence_of"].dump());
   }
   if (!point["observations"].empty()) out += table_of_rays(point);

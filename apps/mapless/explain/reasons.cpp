@@ -7,8 +7,8 @@
 namespace mapless::app {
 
 const std::array<ReasonText, kObservationKinds> kObservationTexts = {{
-    {"not asked",
-     "not asked: the scans before it settled the point as static, so it counts as a surface too"},
+    {"not queried",
+     "not queried: the scans before it settled the point as static, so it counts as a surface too"},
     {"no ray", "no ray passes near enough"},
     {"faulty", "the nearest ray gave no usable return"},
     {"edge",

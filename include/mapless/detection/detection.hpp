@@ -136,7 +136,7 @@ struct Detection {
   /// False where the motion of the sensor was lost: no point is known to be dynamic or static, and `object`
   /// is 0 throughout.
   bool motion_known = true;
-  std::shared_ptr<ScanExplanation> explanation;  ///< null unless asked for: Detector::explain
+  std::shared_ptr<ScanExplanation> explanation;  ///< null without Detector::explain
 
   /// Whether return i is dynamic.
   [[nodiscard]] bool dynamic(std::size_t i) const { return object[i] != 0; }

@@ -42,8 +42,8 @@ class Detector {
   std::vector<Detection> flush();
 
   /// Detections from now on get an explanation (explanation.hpp): of their objects, and of every point where
-  /// `points` is true of the start of the scan. Method "voting" alone. Labels do not change. Costs about 10 MB
-  /// and as much time again for each scan whose points are explained.
+  /// `points` is true of the start of the scan. Method "voting" alone. Labels do not change. Costs about 10
+  /// MB and as much time again for each scan whose points are explained.
   void explain(std::function<bool(Time)> points);
 
   /// Scans between a scan and its detection, after the start: forward_gap.

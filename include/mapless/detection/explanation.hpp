@@ -13,7 +13,7 @@ namespace mapless::inline v1 {
 
 /// What became of the thing that a ray hit in front of a point (Observation, verdict `outside`).
 enum class OccluderVerdict : std::uint8_t {
-  not_examined,  ///< farther than max_occluder_distance_m, or of a scan that is not asked about occluders
+  not_examined,  ///< farther than max_occluder_distance_m, or a later scan but the next
   still_there,   ///< the query scan does not observe its place free
   left,          ///< the query scan observes its place free: probably the same object, moving away
   contradicted   ///< its place is free, but the next scan saw a surface at the point all the same
@@ -91,7 +91,7 @@ struct ScanExplanation {
   Time start;                    ///< of the scan
   bool points_recorded = false;  ///< else only `objects` is filled
   DecisionLimits limits;
-  std::vector<int> gaps;         ///< of the reference scans in the order of queries; below 0: later scans
+  std::vector<int> gaps;  ///< of the reference scans in the order of queries; below 0: later scans
   /// Per return: the return whose evidence it has. Itself if the reference scans were queried about it; else
   /// a neighbour on the same surface (ScanlineSampler).
   std::vector<std::int32_t> source;
