@@ -53,6 +53,7 @@ peers: build
 	@build/peers/python/bin/pip install --quiet -r benchmarks/peers/requirements.txt
 	@build/peers/python/bin/python benchmarks/peers/compare_odometry.py $(ARGS) --write docs/odometry.md
 	@build/peers/python/bin/python benchmarks/peers/compare_detection.py --write docs/accuracy.md
+	@build/peers/python/bin/python benchmarks/peers/compare_maps.py --duration-s 8 --write docs/export.md
 
 install: build
 	@cmake --install build/release --prefix $(PREFIX)

@@ -25,7 +25,7 @@ from shared import SCENES, dated_table, run, simulate, write_between_marks  # no
 STATIC, DYNAMIC = 9, 251
 CLEANERS = ["mapless", "mapless, own odometry", "DUFOMap"]
 FIGURES = ["static points kept", "moving points removed", "static voxels kept", "moving voxels removed"]
-COLUMNS = ["recording"] + [f"{name}: {', '.join(FIGURES)} (%)" for name in CLEANERS]
+COLUMNS = ["recording"] + CLEANERS  # of each its FIGURES in percent
 
 
 def read_labels(folder, hits):

@@ -1,6 +1,7 @@
 #include <filesystem>
-#include <map>
+#include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -28,18 +29,17 @@ constexpr int kScans = 14;
 class Explain : public testing::Test {
  protected:
   static void SetUpTestSuite() {
-    folder_ = new test::TemporaryFolder;
+    folder_ = std::make_unique<test::TemporaryFolder>();
     test::write_toy_sequence(test::toy_street("VLP-16"), kScans, street());
     ASSERT_EQ(run_command({"detect", street(), "-o", out("poses")}).exit_code, 0);
     ASSERT_EQ(run_command({"detect", street(), "--odometry", "-o", out("odometry")}).exit_code, 0);
   }
-  static void TearDownTestSuite() { delete folder_; }
+  static void TearDownTestSuite() { folder_.reset(); }
   static std::string street() { return *folder_ / "street"; }
   static std::string out(const std::string& motion) { return *folder_ / motion; }
 
-  static test::TemporaryFolder* folder_;
+  static inline std::unique_ptr<test::TemporaryFolder> folder_;
 };
-test::TemporaryFolder* Explain::folder_ = nullptr;
 
 // The sum of the recorded votes of one return, of earlier and later scans.
 std::pair<int, int> sums(const ScanExplanation& e, std::size_t i) {
