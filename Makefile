@@ -14,8 +14,8 @@ help:
 	@echo 'make build     the release command alone: build/mapless'
 	@echo 'make lint      formatting, layers, documents, clang-tidy'
 	@echo 'make docs      the reference of the public headers: build/reference/index.html'
-	@echo 'make peers     KISS-ICP beside our odometry and DUFOMap beside our detection, their tables into docs/odometry.md and'
-	@echo '               docs/accuracy.md; ARGS="--kitti DRIVE" for that drive too, in the odometry'
+	@echo 'make peers     KISS-ICP beside our odometry and DUFOMap beside our detection, their tables into docs/odometry.md,'
+	@echo '               docs/accuracy.md and docs/export.md; ARGS="--kitti DRIVE" for that drive too, in the odometry'
 	@echo 'make install   library, headers and command to PREFIX ($(PREFIX))'
 	@echo 'make clean     remove build and out'
 	@echo 'JOBS=$(JOBS) is how many processes build and test at once. Missing Debian packages are installed.'
@@ -53,6 +53,7 @@ peers: build
 	@build/peers/python/bin/pip install --quiet -r benchmarks/peers/requirements.txt
 	@build/peers/python/bin/python benchmarks/peers/compare_odometry.py $(ARGS) --write docs/odometry.md
 	@build/peers/python/bin/python benchmarks/peers/compare_detection.py --write docs/accuracy.md
+	@build/peers/python/bin/python benchmarks/peers/compare_maps.py --duration-s 8 --write docs/export.md
 
 install: build
 	@cmake --install build/release --prefix $(PREFIX)

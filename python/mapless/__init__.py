@@ -25,7 +25,7 @@ from mapless._detector import OnlineDetector, parameters
 from mapless._open import open
 from mapless._recording import CloudSource, Recording, Scan
 from mapless._result import Result
-from mapless._verbs import CommandError, detect, evaluate, simulate
+from mapless._verbs import CommandError, detect, evaluate, explain, simulate
 
 __version__ = version()
 
@@ -47,6 +47,7 @@ __all__ = [
     "__version__",
     "detect",
     "evaluate",
+    "explain",
     "open",
     "parameters",
     "simulate",

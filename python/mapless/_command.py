@@ -19,6 +19,11 @@ def run(arguments: list[str]) -> int:
     return _core.run_command(["mapless", *arguments])
 
 
+def asks_for_mcap(words: list[str]) -> bool:
+    """Whether an export is to give an MCAP file, which Python writes."""
+    return "--cloud-format=mcap" in words or ("--cloud-format", "mcap") in zip(words, words[1:])
+
+
 def main() -> None:
     if sys.argv[1:2] == ["batch"]:
         from mapless.batch.command import main as batch
@@ -28,6 +33,10 @@ def main() -> None:
         from mapless.protocols import main as evaluate_protocol
 
         sys.exit(evaluate_protocol(sys.argv[2:]))
+    if sys.argv[1:2] == ["export"] and asks_for_mcap(sys.argv[2:]):
+        from mapless.mcap_export import main as export_mcap
+
+        sys.exit(export_mcap(sys.argv[2:]))
     # Python would notice Ctrl-C only once the command has ended.
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     sys.exit(run(sys.argv[1:]))

@@ -44,6 +44,18 @@ def evaluate(recording: str | os.PathLike[str], result: str | os.PathLike[str], 
     return report
 
 
+def explain(
+    recording: str | os.PathLike[str], result: str | os.PathLike[str], *, scan: int, point: int, **options: Any
+) -> dict[str, Any]:
+    """Why a point of a result is moving or static, with every figure: `mapless explain RECORDING RESULT --json`.
+    `point`: its number in the input."""
+    text = run_verb(
+        "explain", os.fspath(recording), os.fspath(result), "--json", scan=scan, point=point, **options
+    )
+    explanation: dict[str, Any] = json.loads(text)
+    return explanation
+
+
 def run_verb(verb: str, *arguments: str, **options: Any) -> str:
     """What the verb prints. In a process of its own, so that Ctrl-C ends the verb and not Python."""
     command = [sys.executable, "-m", "mapless", verb, *arguments, *_flags(options)]

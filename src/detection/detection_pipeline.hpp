@@ -2,13 +2,16 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "detection/evidence/point_evidence.hpp"
 #include "detection/freespace/ray_image.hpp"
 #include "detection/segmentation/object_evidence.hpp"
 #include <mapless/detection/detection.hpp>
+#include <mapless/detection/explanation.hpp>
 #include <mapless/detection/parameters.hpp>
 #include <mapless/trajectory/trajectory.hpp>
 
@@ -26,7 +29,11 @@ struct ObjectProposals {
   std::vector<ObjectEvidence> evidence;        ///< by object number - 1; empty for method "published"
   std::vector<PointEvidence> votes;            ///< empty for method "published"
   StageSeconds seconds;
+  std::shared_ptr<ScanExplanation> explanation;  ///< null unless wanted: DetectionPipeline::explain
 };
+
+/// Whether the points of a scan, given by its start, are to be explained.
+using ExplainedScans = std::function<bool(Time)>;
 
 /// A detection method without its tracker: it keeps what it needs of each scan, and proposes the objects of a
 /// scan once the later ones are there. Detector decides when. Scans are numbered from 0 in the order of
@@ -41,6 +48,11 @@ class DetectionPipeline {
   /// The objects of scan `number`, using the scans after it up to the newest. Called by increasing number,
   /// once for each scan.
   virtual ObjectProposals propose(std::size_t number) = 0;
+  /// Scans proposed from now on get an explanation, with that of their points where `points` says so.
+  void explain(ExplainedScans points) { explained_ = std::move(points); }
+
+ protected:
+  ExplainedScans explained_;  // empty: nothing is explained
 };
 
 /// Freespace voting, and the five steps as published.

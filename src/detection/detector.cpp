@@ -52,6 +52,8 @@ std::vector<Detection> Detector::flush() {
   return ready;
 }
 
+void Detector::explain(std::function<bool(Time)> points) { pipeline_->explain(std::move(points)); }
+
 std::size_t Detector::first_detections_at() const {
   const bool waits = parameters_.method == DetectionMethod::voting && latency() > 0;
   return waits ? static_cast<std::size_t>(parameters_.voting.start_scans) : 0;

@@ -8,6 +8,7 @@
 #include "detection/freespace/range_noise.hpp"
 #include "detection/own_vehicle.hpp"
 #include "detection/segmentation/evidence_growth.hpp"
+#include "detection/segmentation/explain_segmentation.hpp"
 #include "geometry/sensor_motion.hpp"
 #include <mapless/core/time.hpp>
 
@@ -136,10 +137,19 @@ ObjectProposals VotingPipeline::run_stages(PendingScan query, const std::vector<
   out.seconds = query.seconds;
   out.scan = std::move(query.scan);
   out.column_states = std::move(query.column_states);
+  ScanExplanation* recorded = nullptr;  // what is said of points
+  if (explained_) {
+    out.explanation = std::make_shared<ScanExplanation>();
+    out.explanation->start = out.scan->start;
+    out.explanation->points_recorded = explained_(out.scan->start);
+    out.explanation->limits.tolerance_m = query.parameters.tolerance_m;
+    out.explanation->limits.through_within_m = kSeenThroughWithin_m;
+    if (out.explanation->points_recorded) recorded = out.explanation.get();
+  }
 
   // 2., 3. Comparison and freespace check of every point, against several earlier scans and a later one.
   auto evidence = timed(out.seconds.evidence, [&] {
-    auto of_points = collect_evidence(*out.scan, query.points, references, own, query.parameters);
+    auto of_points = collect_evidence(*out.scan, query.points, references, own, query.parameters, recorded);
     for (const std::int32_t i : query.own_vehicle)
       of_points[static_cast<std::size_t>(i)] = of_static_point(references.size());
     return of_points;
@@ -150,6 +160,11 @@ ObjectProposals VotingPipeline::run_stages(PendingScan query, const std::vector<
   // 5. Clustering and region growth: whole objects.
   auto regions = timed(out.seconds.region_growth,
                        [&] { return grow_evidence(*out.scan, query.points, evidence, seeds, parameters_); });
+  if (recorded) {
+    explain_segmentation(*out.scan, query.points, evidence, regions, parameters_, *recorded);
+    for (const std::int32_t i : query.own_vehicle)
+      recorded->points[static_cast<std::size_t>(i)].own_vehicle = true;
+  }
   out.trace = trace_of(evidence, seeds, regions.verdict);
   out.object = std::move(regions.object);
   out.objects = regions.objects;

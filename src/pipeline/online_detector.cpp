@@ -10,6 +10,7 @@
 
 #include "core/argument_checks.hpp"
 #include <mapless/core/errors.hpp>
+#include <mapless/detection/explanation.hpp>
 #include <mapless/geometry/compensated_scan.hpp>
 #include <mapless/pipeline/online_detector.hpp>
 
@@ -58,7 +59,9 @@ struct OnlineDetector::State {
   };
 
   explicit State(const OnlineDetectorOptions& o)
-      : options(o), detector(o.detection), odometry(o.odometry), arena(arena_threads(o)) {}
+      : options(o), detector(o.detection), odometry(o.odometry), arena(arena_threads(o)) {
+    detector.explain(options.explain);
+  }
 
   static int arena_threads(const OnlineDetectorOptions& o) {
     require_between("OnlineDetector", "detection_threads", o.detection_threads, 0,
@@ -81,9 +84,10 @@ struct OnlineDetector::State {
 
   OnlineDetectorOptions options;
   Detector detector;
-  std::size_t next_number = 0;    // of the next scan to be labelled
-  std::uint32_t last_id = 0;      // the largest id of an object so far
-  std::uint32_t detector_id = 0;  // last_id when `detector` began
+  std::size_t next_number = 0;                       // of the next scan to be labelled
+  std::uint32_t last_id = 0;                         // the largest id of an object so far
+  std::uint32_t detector_id = 0;                     // last_id when `detector` began
+  std::uint32_t last_track = 0, detector_track = 0;  // the same of tracks, for explanations
   LidarOdometry odometry;
   OdometryReport report;
   tbb::task_arena arena;  // of the detection, where it runs side by side
@@ -188,7 +192,9 @@ std::vector<LabelledScan> OnlineDetector::State::detect_one(const std::shared_pt
   std::vector<LabelledScan> out = labelled(detector.flush());
   if (restarted) {
     detector = Detector(options.detection);
+    detector.explain(options.explain);
     detector_id = last_id;
+    detector_track = last_track;
   }
   if (!lost) return joined(std::move(out), labelled(detector.process(scan, trajectory)));
   Detection none;
@@ -217,6 +223,13 @@ std::vector<LabelledScan> OnlineDetector::State::labelled(std::vector<Detection>
     for (TrackedObject& object : detection.tracked) {
       object.id += detector_id;
       last_id = std::max(last_id, object.id);
+    }
+    if (detection.explanation) {
+      for (ObjectDecision& one : detection.explanation->objects) {
+        if (one.object.id != 0) one.object.id += detector_id;
+        one.track += detector_track;
+        last_track = std::max(last_track, one.track);
+      }
     }
     if (!scan.given) dynamic_points.push_back({detection.scan, detection.object});
     auto update = scan.odometry ? std::make_shared<const OdometryUpdate>(*std::move(scan.odometry)) : nullptr;

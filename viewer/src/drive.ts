@@ -1,3 +1,5 @@
+import { ScanExplanation, type ExplanationTexts } from "./explanations";
+
 // The drive in this page: its header, and its scans, decoded when they are needed.
 // apps/mapless/view/scan_block.hpp has the other end of the encoding.
 
@@ -29,6 +31,7 @@ export interface ScanHeader {
 }
 
 export interface DriveHeader {
+  explanations?: ExplanationTexts; // undefined: the page explains no point
   version: number;
   program: string;
   recording: string;
@@ -91,7 +94,7 @@ async function inflate(bytes: Uint8Array<ArrayBuffer>): Promise<Uint8Array> {
 }
 
 // Reads one plane after another; numbers are zigzag coded differences, low bytes first.
-class Planes {
+export class Planes {
   private at = 0;
   constructor(private readonly bytes: Uint8Array) {}
 
@@ -182,6 +185,16 @@ export class Drive {
     const calls = this.waiting;
     this.waiting = [];
     calls.forEach((call) => call());
+  }
+
+  // null: the page has none of this scan, or not at all. Decoded at each call: a click is rare, and they are large.
+  async explanation(scan: Scan): Promise<ScanExplanation | null> {
+    const texts = this.header.explanations;
+    if (!texts) return null;
+    const id = `explain-${scan.header.number}`;
+    while (!this.whole && !document.getElementById(id)?.nextElementSibling) await new Promise<void>((resolve) => this.waiting.push(resolve));
+    const text = document.getElementById(id)?.textContent;
+    return text ? new ScanExplanation(await inflate(bytesOfBase64(text)), scan, this.header, texts) : null;
   }
 
   // The browser may still be reading the file.

@@ -2,7 +2,7 @@
 import { boxesOf } from "./boxes";
 import { css, FALSE, HIT, MISSED, MODES, MOVING, objectColour, ramp, UNJUDGED, type ColourMode } from "./colours";
 import { Drive, DriveError, readHeader, type Scan } from "./drive";
-import { observationsAt } from "./observations";
+import { raysOf } from "./explanations";
 import { pointPanel } from "./point_panel";
 import { RangeImage } from "./range_image";
 import { Stage, type Follow } from "./stage";
@@ -35,6 +35,7 @@ class Viewer {
   private due = 0; // when the next scan is to be shown [ms]
   private chosen = -1;
   private keepCamera = false;
+  private linkedPoint = ""; // by a link: number of the point in the input
 
   start(): void {
     const { header } = this;
@@ -162,6 +163,8 @@ class Viewer {
     this.stage.boxes.show(boxesOf(scan), true);
     this.dress();
     at("message").hidden = true;
+    if (this.linkedPoint !== "") this.choose(scan.record.indexOf(Number(this.linkedPoint)));
+    this.linkedPoint = "";
     document.documentElement.dataset.scan = String(scan.header.number);
   }
 
@@ -229,11 +232,12 @@ class Viewer {
     this.play(false);
     const place = this.stage.placeOf(scan, i);
     this.stage.choose(place, []);
-    panel.innerHTML = pointPanel(this.header, scan, i, []);
-    observationsAt(this.drive, scan, place).then((observations) => {
-      if (this.chosen !== i || this.current !== scan) return;
-      this.stage.choose(place, observations);
-      panel.innerHTML = pointPanel(this.header, scan, i, observations);
+    panel.innerHTML = pointPanel(this.header, scan, i, null);
+    this.drive.explanation(scan).then((found) => {
+      if (!found || this.chosen !== i || this.current !== scan) return;
+      const explanation = found.of(i);
+      this.stage.choose(place, raysOf(explanation, place, this.header));
+      panel.innerHTML = pointPanel(this.header, scan, i, explanation);
     }, complain);
   }
 
@@ -258,6 +262,7 @@ class Viewer {
       scan: String(this.header.scans[this.wanted].number), eye: round(this.stage.camera.position), target: round(this.stage.orbit.target),
       colour: select("colour").value, camera: select("camera").value, together: select("together").value,
     });
+    if (this.current && this.chosen >= 0) view.set("point", String(this.current.record[this.chosen]));
     return `#${view.toString().replaceAll("%2C", ",")}`;
   }
 
@@ -280,6 +285,7 @@ class Viewer {
     }
     const index = this.header.scans.findIndex((s) => String(s.number) === view.get("scan"));
     if (index >= 0) this.wanted = index;
+    this.linkedPoint = view.get("point") ?? "";
     const eye = vector("eye"), target = vector("target");
     if (!eye || !target) return;
     this.keepCamera = true;

@@ -3,12 +3,27 @@ import * as THREE from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { BoxLayer } from "./boxes";
 import { Cloud } from "./cloud";
-import { MISSED, MOVING, type Colour } from "./colours";
-import type { Scan, ScanHeader } from "./drive";
+import type { Colour } from "./colours";
+import { DYNAMIC, type Scan, type ScanHeader } from "./drive";
 import { EyeDome } from "./eye_dome";
-import { SURFACE_WITHIN_M, type Observation } from "./observations";
+import type { Ray } from "./explanations";
 
 export type Follow = "follow" | "turn" | "stand";
+
+// A click this near to a dynamic point, which is drawn large, is on it [CSS pixels].
+const DYNAMIC_DOT_PX = 4;
+// The mark of the chosen point: a ring that hides nothing.
+const RING_PX = 22;
+const RING = {
+  vertexShader: "uniform float size; void main() { gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0); gl_PointSize = size; }",
+  fragmentShader: `uniform vec3 colour;
+void main() {
+  float r = 2.0 * length(gl_PointCoord - 0.5);
+  float ring = smoothstep(0.66, 0.74, r) * (1.0 - smoothstep(0.9, 1.0, r));
+  if (ring < 0.02) discard;
+  gl_FragColor = vec4(colour, ring);
+}`,
+};
 
 const linear = (c: Colour): THREE.Color => new THREE.Color().setRGB(c[0] / 255, c[1] / 255, c[2] / 255, THREE.SRGBColorSpace);
 
@@ -27,7 +42,7 @@ export class Stage {
   private readonly eyeDome = new EyeDome();
   private readonly sensor = new THREE.Group();
   private readonly rays = new THREE.LineSegments(new THREE.BufferGeometry(), new THREE.LineBasicMaterial({ vertexColors: true, transparent: true, opacity: 0.85 }));
-  private readonly cross = new THREE.Points(new THREE.BufferGeometry(), new THREE.PointsMaterial({ color: 0xffffff, size: 14, sizeAttenuation: false, depthTest: false, transparent: true, opacity: 0.9 }));
+  private readonly cross = new THREE.Points(new THREE.BufferGeometry(), new THREE.ShaderMaterial({ ...RING, uniforms: { colour: { value: new THREE.Color() }, size: { value: 1 } }, depthTest: false, transparent: true }));
   private readonly grid: THREE.LineSegments;
   private pose: ScanHeader | null = null;
   private dirty = true;
@@ -76,7 +91,8 @@ export class Stage {
     this.renderer.setClearColor(0x000000, 1);
     this.eyeDome.setBack(r, g, b);
     (this.grid.material as THREE.LineBasicMaterial).color.set(light ? 0xb9c3cf : 0x27303c);
-    (this.cross.material as THREE.PointsMaterial).color.set(light ? 0x000000 : 0xffffff);
+    (this.cross.material as THREE.ShaderMaterial).uniforms.colour.value.set(light ? 0x000000 : 0xffffff);
+    (this.cross.material as THREE.ShaderMaterial).uniforms.size.value = RING_PX * this.renderer.getPixelRatio();
     this.dirty = true;
   }
 
@@ -153,7 +169,7 @@ export class Stage {
       if (cw <= 0.1) continue;
       const dx = (((m[0] * px + m[4] * py + m[8] * pz + m[12]) / cw + 1) / 2) * w - x;
       const dy = ((1 - (m[1] * px + m[5] * py + m[9] * pz + m[13]) / cw) / 2) * h - y;
-      const away = dx * dx + dy * dy;
+      const near = scan.label[i] === DYNAMIC ? DYNAMIC_DOT_PX : 0, beyond = Math.max(0, Math.hypot(dx, dy) - near), away = beyond * beyond;
       if (away > 100) continue;
       const cost = away + 0.15 * cw;
       if (cost < bestCost) {
@@ -164,13 +180,13 @@ export class Stage {
     return best;
   }
 
-  choose(place: [number, number, number] | null, observations: Observation[]): void {
+  choose(place: [number, number, number] | null, rays: Ray[]): void {
     this.cross.visible = place !== null;
     if (place) this.cross.geometry.setAttribute("position", new THREE.Float32BufferAttribute(place, 3));
     const positions: number[] = [], colours: number[] = [];
-    for (const o of observations) {
-      const colour = linear(o.beyond_m > SURFACE_WITHIN_M ? MOVING : o.beyond_m < -SURFACE_WITHIN_M ? [136, 136, 136] : MISSED);
-      positions.push(...o.from, ...o.to);
+    for (const ray of rays) {
+      const colour = linear(ray.colour);
+      positions.push(...ray.from, ...ray.to);
       for (let k = 0; k < 2; ++k) colours.push(colour.r, colour.g, colour.b);
     }
     this.rays.geometry.dispose();

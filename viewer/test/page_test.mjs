@@ -100,7 +100,7 @@ test("a click explains the point under it, in the view and in the range image", 
   await shown(page, 20);
   await page.locator("#range").click({ position: { x: 430, y: 60 } });
   await page.waitForFunction(() => /Point \d+ of scan 20/.test(document.getElementById("point").innerText));
-  assert.match(await page.locator("#point").innerText(), /region growth/);
+  assert.match(await page.locator("#point").innerText(), /After each step/);
   await page.keyboard.press("Escape");
   assert.equal(await page.locator("#point").isVisible(), false);
   // Straight below the eye, from above, is the ground round the sensor.
@@ -110,6 +110,28 @@ test("a click explains the point under it, in the view and in the range image", 
   await page.waitForFunction(() => /rays of other scans/i.test(document.getElementById("point").innerText));
   assert.deepEqual(noted, []);
   await page.close();
+});
+
+test("the page explains points as mapless explain does", async () => {
+  const labels = readFileSync(file("out/labels/000020.label"));
+  const of = (wanted) => Array.from({ length: labels.length / 4 }, (_, i) => i).filter((i) => labels.readUInt16LE(4 * i) === wanted);
+  const dynamic = of(251), still = of(9);
+  assert.ok(dynamic.length > 0, "the scene has no dynamic point");
+  for (const record of [dynamic[0], dynamic[dynamic.length >> 1], still[0], still[still.length >> 1], still[still.length - 1]]) {
+    const said = JSON.parse(mapless("explain", file("town"), file("out"), "--scan", "20", "--point", String(record), "--json"));
+    const { page, noted } = await open("drive.html", `#scan=20&point=${record}`);
+    await page.waitForFunction(() => /Decided by/.test(document.getElementById("point").innerText), null, { timeout: 20000 });
+    const text = await page.locator("#point").innerText();
+    assert.match(text, new RegExp(`Point ${record} of scan 20\\s+labelled ${said.label}`));
+    for (const part of [said.step_text, ...(said.object ? [said.object.text] : []), ...said.observations.map((o) => o.text)])
+      assert.ok(text.includes(part), `${part}\nis not in\n${text}`);
+    const votes = await page.locator("#point .rays .votes").allInnerTexts();
+    const number = (t) => Number(t.replace("\u2212", "-"));
+    assert.deepEqual(votes.slice(0, -1).map(number), said.observations.map((o) => o.votes));
+    assert.equal(number(votes.at(-1)), said.votes.total);
+    assert.deepEqual(noted, []);
+    await page.close();
+  }
 });
 
 test("a link brings scan, camera and colour back", async () => {

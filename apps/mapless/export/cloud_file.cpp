@@ -1,15 +1,15 @@
 #include "export/cloud_file.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cstddef>
 
 #include <fmt/format.h>
 
+#include "export/las_file.hpp"
+#include "export/little_endian.hpp"
+
 namespace mapless::app {
 namespace {
-
-static_assert(std::endian::native == std::endian::little);
 
 constexpr double kFloatReach_m = 8192;
 
@@ -41,14 +41,10 @@ std::string ply_header(const Cloud& cloud, bool doubles) {
   return out + "end_header\n";
 }
 
-template <class Number>
-void append(std::string& out, Number value) {
-  out.append(reinterpret_cast<const char*>(&value), sizeof value);
-}
-
 }  // namespace
 
 std::string cloud_file(const Cloud& cloud, CloudFormat format) {
+  if (format == CloudFormat::las) return las_file(cloud);
   const bool doubles = needs_doubles(cloud);
   std::string out = format == CloudFormat::pcd ? pcd_header(cloud, doubles) : ply_header(cloud, doubles);
   out.reserve(out.size() + cloud.points.size() * ((doubles ? 24 : 12) + 4 * cloud.columns.size()));

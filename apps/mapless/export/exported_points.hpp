@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-#include "export/cloud_file.hpp"
+#include "export/cloud.hpp"
 #include "view/labelled_drive.hpp"
 
 namespace mapless::app {

@@ -8,7 +8,7 @@
 
 #include <Eigen/Core>
 
-#include "export/cloud_file.hpp"
+#include "export/cloud.hpp"
 
 namespace mapless::app {
 

@@ -1,5 +1,7 @@
 #include "run/given_motion.hpp"
 
+#include <string>
+
 #include <mapless/core/errors.hpp>
 
 namespace mapless::app {
@@ -11,7 +13,7 @@ bool needs_odometry(const Dataset& dataset, const TrajectoryRequest& request, st
   return !dataset.read(first).compensated_to;
 }
 
-TrajectorySource estimated() { return {nullptr, {{"source", "estimated by lidar odometry"}}}; }
+TrajectorySource estimated() { return {nullptr, {{"source", std::string(kEstimatedMotion)}}}; }
 
 }  // namespace
 

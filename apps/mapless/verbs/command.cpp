@@ -77,6 +77,7 @@ int run_command(int argc, char** argv, AddVerb live) {
   add_info(command, exit_code);
   add_render(command, exit_code);
   add_view(command, exit_code);
+  add_explain(command, exit_code);
   add_export(command, exit_code);
   add_simulate(command, exit_code);
   add_benchmark(command, exit_code);

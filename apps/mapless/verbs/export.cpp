@@ -54,6 +54,7 @@ ExportedClass class_of(const std::string& what) {
 }
 
 CloudFormat format_of(const std::string& format) {
+  if (format == "las") return CloudFormat::las;
   return format == "ply" ? CloudFormat::ply : CloudFormat::pcd;
 }
 
@@ -138,6 +139,11 @@ void export_predictions(const ExportOptions& options, const Dataset& dataset) {
 }
 
 int export_clouds(const ExportOptions& options) {
+  if (options.format == "mcap") {
+    throw ParameterError({"--cloud-format", "", "mcap",
+                          "is of the Python package alone, with --what labelled",
+                          "pip install 'mapless[mcap]'"});
+  }
   const bool is_map = options.what == "map";
   if (is_map && options.frame != "world") {
     throw ParameterError(
@@ -184,8 +190,10 @@ void add_export(CLI::App& app, int& exit_code) {
                    "with --what semantic-kitti: NN. Default: the name of the recording if it is a number, "
                    "else 00")
       ->check(CLI::NonNegativeNumber);
-  verb->add_option("--cloud-format", options->format, "format of the files, binary")
-      ->check(CLI::IsMember({"pcd", "ply"}))
+  verb->add_option("--cloud-format", options->format,
+                   "format of the files, binary; mcap: one file of clouds, poses and boxes for Foxglove, "
+                   "Lichtblick and Rerun, with --what labelled, of the Python package alone")
+      ->check(CLI::IsMember({"pcd", "ply", "las", "mcap"}))
       ->capture_default_str();
   verb->add_option("--frame", options->frame,
                    "axes of the points of a scan: those of the poses, or of the sensor at its start")

@@ -1,35 +1,73 @@
+#include <filesystem>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "explain/replayed_run.hpp"
 #include "options/recording_options.hpp"
 #include "options/scan_range.hpp"
 #include "terminal/progress.hpp"
+#include "terminal/stderr.hpp"
 #include "verbs/verbs.hpp"
 #include "view/drive_page.hpp"
+#include "view/explanation_block.hpp"
 #include "view/labelled_drive.hpp"
+#include <mapless/core/errors.hpp>
 #include <mapless/io/files.hpp>
 
 namespace mapless::app {
 namespace {
+
+namespace fs = std::filesystem;
 
 struct ViewOptions {
   RecordingOptions recording;
   std::string result;
   ScanRange range;
   std::string page;
+  GivenAgain given;
+  bool no_explanations = false;
 };
+
+// Runs the detector again, which takes as long as the first time. A result that cannot be computed again
+// gives a page all the same.
+ExplainedDrive explanations_of(const ViewOptions& options, const LabelledDrive& drive,
+                               const std::vector<std::size_t>& scans) {
+  ExplainedDrive out;
+  if (options.no_explanations || !drive.result() || !fs::exists(drive.result()->summary())) return out;
+  const std::set<std::size_t> wanted(scans.begin(), scans.end());
+  Progress progress("scans explained");
+  try {
+    const ReplayedRun run(drive.dataset(), *drive.result(), options.given);
+    run.run(
+        scans.back(), [&](std::size_t k) { return wanted.contains(k); },
+        [&](std::size_t k, const LabelledScan& scan) {
+          progress.update(k - run.first() + 1, scans.back() - run.first() + 1);
+          const auto& explanation = scan.detection.explanation;
+          if (!explanation || !explanation->points_recorded) return;
+          out.blocks[k] = encode_explanation(*explanation);
+          out.header = explanation_header(run.parameters().detector.voting, explanation->limits);
+        });
+  } catch (const Error& error) {
+    say("mapless: the page explains no point: {}\n", error.what());
+    return {};
+  }
+  progress.clear();
+  return out;
+}
 
 int view(const ViewOptions& options) {
   const auto dataset = options.recording.open();
   const LabelledDrive drive(*dataset, options.result);
   const std::vector<std::size_t> scans = options.range.of(drive.scans());
+  const ExplainedDrive explained = explanations_of(options, drive, scans);
   Progress progress("scans");
   const std::string page =
-      drive_page(drive, scans, {options.recording.path, options.result},
+      drive_page(drive, scans, {options.recording.path, options.result}, explained,
                  [&](std::size_t done, std::size_t total) { progress.update(done, total); });
   progress.clear();
   write_file_atomically(options.page, page);
@@ -50,6 +88,11 @@ void add_view(CLI::App& app, int& exit_code) {
   add_labels_option(*verb, options->result);
   verb->add_option("-o,--output", options->page, "HTML file to write")->required();
   add_scan_range_options(*verb, options->range);
+  verb->add_flag("--no-explanations", options->no_explanations,
+                 "leave out why each point of a result of mapless detect has its label. Without the flag the "
+                 "detector runs again, from the first scan of the result on, and compares the labels");
+  add_trajectory_options(*verb, options->given.trajectory);
+  add_motion_measurement_options(*verb, options->given.measured);
   verb->callback([options, &exit_code] { exit_code = view(*options); });
 }
 

@@ -45,6 +45,10 @@ struct EncodedScan {
   std::string element;
 };
 
+std::string data_element(std::string_view what, std::size_t k, const std::string& bytes) {
+  return fmt::format("<script type=\"text/plain\" id=\"{}-{}\">{}</script>\n", what, k, base64(bytes));
+}
+
 EncodedScan encode(const LabelledDrive& drive, std::size_t k, const SE3& T_page_world, bool with_stages) {
   const LabelledCloud cloud = drive.read(k);
   const ScanBlock block = encode_scan(cloud, T_page_world.rotation(), with_stages);
@@ -69,8 +73,7 @@ EncodedScan encode(const LabelledDrive& drive, std::size_t k, const SE3& T_page_
                 {"false", block.false_positives},
                 {"missed", block.missed},
                 {"objects", std::move(objects)}};
-  out.element =
-      fmt::format("<script type=\"text/plain\" id=\"scan-{}\">{}</script>\n", k, base64(block.bytes));
+  out.element = data_element("scan", k, block.bytes);
   return out;
 }
 
@@ -120,7 +123,7 @@ Json header_of(const LabelledDrive& drive, const PageTitle& title, bool with_sta
 }  // namespace
 
 std::string drive_page(const LabelledDrive& drive, const std::vector<std::size_t>& scans,
-                       const PageTitle& title,
+                       const PageTitle& title, const ExplainedDrive& explained,
                        const std::function<void(std::size_t, std::size_t)>& progress) {
   const LabelledCloud first = drive.read(scans.front());
   const SE3 T_page_world = first.T_0v.inverse();
@@ -130,6 +133,7 @@ std::string drive_page(const LabelledDrive& drive, const std::vector<std::size_t
   Json header = header_of(drive, title, with_stages, with_truth);
   header["scans"] = Json::array();
   for (const EncodedScan& scan : encoded) header["scans"].push_back(scan.header);
+  if (!explained.blocks.empty()) header["explanations"] = explained.header;
 
   const std::string_view page = page_template();
   const std::size_t drive_at = page.find(kDriveMark), scans_at = page.find(kScansMark);
@@ -139,6 +143,10 @@ std::string drive_page(const LabelledDrive& drive, const std::vector<std::size_t
   out += encoded.front().element;
   out += page.substr(drive_at + kDriveMark.size(), scans_at - drive_at - kDriveMark.size());
   for (std::size_t i = 1; i < encoded.size(); ++i) out += encoded[i].element;
+  for (const std::size_t k : scans) {
+    const auto block = explained.blocks.find(k);
+    if (block != explained.blocks.end()) out += data_element("explain", k, block->second);
+  }
   out += page.substr(scans_at + kScansMark.size());
   return out;
 }

@@ -5,11 +5,11 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <type_traits>
 #include <vector>
 
 #include <zlib.h>
 
+#include "view/planes.hpp"
 #include <mapless/core/errors.hpp>
 
 namespace mapless::app {
@@ -27,23 +27,6 @@ unsigned class_bits(std::uint32_t label) {
       return 0;
   }
   return 0;
-}
-
-// Differences modulo 2^bits, zigzag coded: small of either sign become small. Low bytes first.
-template <class Unsigned>
-void append_planes(std::string& out, const std::vector<Unsigned>& values) {
-  using Signed = std::make_signed_t<Unsigned>;
-  std::vector<Unsigned> coded(values.size());
-  Unsigned before = 0;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    const auto difference = static_cast<Signed>(static_cast<Unsigned>(values[i] - before));
-    const Unsigned sign = difference < 0 ? std::numeric_limits<Unsigned>::max() : Unsigned{0};
-    coded[i] = static_cast<Unsigned>(static_cast<Unsigned>(static_cast<Unsigned>(difference) << 1U) ^ sign);
-    before = values[i];
-  }
-  for (unsigned shift = 0; shift < 8 * sizeof(Unsigned); shift += 8) {
-    for (const Unsigned c : coded) out.push_back(static_cast<char>((c >> shift) & 0xFFU));
-  }
 }
 
 double step_of(const LocalPoints& points) {

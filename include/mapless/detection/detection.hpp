@@ -15,6 +15,8 @@
 
 namespace mapless::inline v1 {
 
+struct ScanExplanation;  // explanation.hpp
+
 /// Whether a point may be dynamic at all. Published method: its distance from the reference scan. Voting:
 /// dynamic if any scan is evidence for it, matched if scans only observed a surface there.
 enum class CandidateVerdict : std::uint8_t { not_compared, matched, dynamic };
@@ -137,6 +139,7 @@ struct Detection {
   /// False where the motion of the sensor was lost: no point is known to be dynamic or static, and `object`
   /// is 0 throughout.
   bool motion_known = true;
+  std::shared_ptr<ScanExplanation> explanation;  ///< null without Detector::explain
 
   /// Whether return i is dynamic.
   [[nodiscard]] bool dynamic(std::size_t i) const { return object[i] != 0; }

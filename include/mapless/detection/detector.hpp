@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -44,6 +45,11 @@ class Detector {
 
   /// Returns the detections not returned yet, in order. Scans can be added afterwards.
   std::vector<Detection> flush();
+
+  /// Detections from now on get an explanation (explanation.hpp): of their objects, and of every point where
+  /// `points` is true of the start of the scan. Method "voting" alone. Labels do not change. Costs about 10
+  /// MB and as much time again for each scan whose points are explained.
+  void explain(std::function<bool(Time)> points);
 
   /// Scans between a scan and its detection, after the start: forward_gap.
   [[nodiscard]] int latency() const { return parameters_.forward_gap; }

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -52,6 +53,8 @@ struct OnlineDetectorOptions {
   bool side_by_side = false;
   /// Threads of the detection where it runs side by side; 0: all that oneTBB has.
   int detection_threads = 0;
+  /// Detector::explain; empty: nothing is explained.
+  std::function<bool(Time)> explain = {};
 };
 
 /// One scan with the label of every point and the motion of its sensor. Owns everything that it refers to: it

@@ -38,8 +38,10 @@ std::vector<ScanlineSampler::Row> rows_of(const LidarScan& scan, bool between) {
 
 std::vector<PointEvidence> collect_evidence(const LidarScan& scan, const LocalPoints& points,
                                             const std::vector<ReferenceScan>& references, const RayImage& own,
-                                            const VotingParameters& parameters) {
-  const EvidenceCollector collector(scan, points, references, own, parameters);
+                                            const VotingParameters& parameters,
+                                            ScanExplanation* explanation) {
+  const EvidenceCollector collector(scan, points, references, own, parameters, explanation);
+  if (explanation) explanation->source.assign(points.points.size(), -1);
   std::vector<PointEvidence> evidence(points.points.size());
   tbb::enumerable_thread_specific<ScanlineSampler> of_thread(std::cref(scan), std::cref(points),
                                                              std::cref(collector));

@@ -80,20 +80,23 @@ int next_gap(const std::vector<ReferenceScan>& references) {
 
 EvidenceCollector::EvidenceCollector(const LidarScan& scan, const LocalPoints& points,
                                      const std::vector<ReferenceScan>& references, const RayImage& own,
-                                     const VotingParameters& parameters)
+                                     const VotingParameters& parameters, ScanExplanation* explanation)
     : scan_(scan),
       points_(points.points),
       image_(scan),
       max_occluder_distance_m_(static_cast<float>(parameters.max_occluder_distance_m)),
       surface_noise_m_(static_cast<float>(kSurfaceNoise * parameters.tolerance_m)),
-      own_(own, points.origin_0, parameters) {
+      own_(own, points.origin_0, parameters),
+      explanation_(explanation) {
   const int recent = recent_gap(references), next = next_gap(references);
   references_.reserve(references.size());
   for (const ReferenceScan& r : query_order(references)) {
     references_.push_back({FreespaceProbe(*r.image, points.origin_0, parameters),
                            surface_votes(std::abs(r.gap)), r.gap < 0, r.gap == next,
-                           std::abs(r.gap) <= recent, r.gap});
+                           std::abs(r.gap) <= recent, r.gap, references_.size()});
+    if (explanation_) explanation_->gaps.push_back(r.gap);
   }
+  if (explanation_) explanation_->observations.assign(points_.size() * references_.size(), {});
 }
 
 // One scan after another for all points, so that its poses and ranges stay in the cache.
@@ -125,7 +128,22 @@ void EvidenceCollector::start(const std::vector<std::size_t>& returns, Workspace
 void EvidenceCollector::query_reference(const Reference& reference, Workspace& work) const {
   work.occluders.clear();
   work.points.observe(reference.probe, [&](std::size_t k, const FreespaceProbe::Answer& answer) {
-    add_answer(reference, answer, work.queries[work.open[k]], work);
+    PointQuery& query = work.queries[work.open[k]];
+    const int before = query.evidence.total();
+    add_answer(reference, answer, query, work);
+    if (Observation* const o = recorded(reference, query.i)) {
+      const bool fired = answer.laser >= 0;
+      *o = {answer.verdict,
+            OccluderVerdict::not_examined,
+            fired && reference.probe.ended(answer),
+            fired && reference.probe.dynamic(answer),
+            false,
+            static_cast<std::int16_t>(query.evidence.total() - before),
+            answer.laser,
+            answer.short_by_m,
+            answer.aside_m,
+            0};
+    }
   });
   find_departed(reference, work);
 }
@@ -141,8 +159,12 @@ void EvidenceCollector::settle(std::size_t queried, Workspace& work) const {
     PointQuery& query = work.queries[work.open[n]];
     PointEvidence& evidence = query.evidence;
     if (is_static(evidence) && evidence.total() <= -enough && !query.occluder_left) {
-      for (std::size_t k = queried; k < references_.size(); ++k)
-        add_votes(references_[k], -references_[k].surface_votes, evidence);
+      for (std::size_t k = queried; k < references_.size(); ++k) {
+        const int votes = -references_[k].surface_votes;
+        add_votes(references_[k], votes, evidence);
+        if (Observation* const o = recorded(references_[k], query.i))
+          o->votes = static_cast<std::int16_t>(votes);
+      }
       continue;
     }
     if (still_open != n) {
@@ -205,6 +227,13 @@ void EvidenceCollector::add_range_rate(std::size_t number, Workspace& work) cons
     if (!offset.agrees) continue;
     std::int16_t& sum = offset.gap < 0 ? evidence.future : evidence.past;
     sum = static_cast<std::int16_t>(sum + offset.surface_votes + kRangeRateVotes);
+    for (const Reference& reference : references_) {
+      if (reference.gap != offset.gap) continue;
+      if (Observation* const o = recorded(reference, query.i)) {
+        o->agrees = true;
+        o->votes = static_cast<std::int16_t>(o->votes + offset.surface_votes + kRangeRateVotes);
+      }
+    }
   }
   evidence.occluder_left = true;
   evidence.recently_free = true;
@@ -244,8 +273,12 @@ void EvidenceCollector::find_departed(const Reference& reference, Workspace& wor
     return false;
   });
   work.places.observe(own_, [&](std::size_t k, const FreespaceProbe::Answer& answer) {
-    if (answer.verdict != FreespaceVerdict::inside) return;
     const Workspace::Occluder& occluder = work.occluders[k];
+    if (Observation* const o = recorded(reference, occluder.query->i)) {
+      o->occluder = OccluderVerdict::still_there;
+      o->occluder_distance_m = std::sqrt(occluder.distance2_m2);
+    }
+    if (answer.verdict != FreespaceVerdict::inside) return;
     occluder.query->occluder_left = true;
     work.departed.push_back({occluder.query, &reference, std::sqrt(occluder.distance2_m2)});
   });
@@ -253,7 +286,12 @@ void EvidenceCollector::find_departed(const Reference& reference, Workspace& wor
 
 void EvidenceCollector::add_departed(Workspace& work) const {
   for (const Workspace::DepartedOccluder& occluder : work.departed) {
-    if (!consistent_with_departure(occluder)) continue;
+    const bool consistent = consistent_with_departure(occluder);
+    if (Observation* const o = recorded(*occluder.reference, occluder.query->i)) {
+      o->occluder = consistent ? OccluderVerdict::left : OccluderVerdict::contradicted;
+      o->votes = static_cast<std::int16_t>(o->votes + (consistent ? kOccluderLeftVotes : 0));
+    }
+    if (!consistent) continue;
     PointEvidence& evidence = occluder.query->evidence;
     add_votes(*occluder.reference, kOccluderLeftVotes, evidence);
     evidence.occluder_left = true;

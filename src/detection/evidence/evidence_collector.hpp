@@ -10,6 +10,7 @@
 #include "detection/evidence/range_rate.hpp"
 #include "detection/freespace/packed_points.hpp"
 #include "lidar/aligned_image.hpp"
+#include <mapless/detection/explanation.hpp>
 #include <mapless/geometry/compensated_scan.hpp>
 
 namespace mapless::inline v1 {
@@ -34,10 +35,10 @@ class EvidenceCollector {
   struct Reference;
 
  public:
-  /// Keeps references to all but `references`.
+  /// Keeps references to all but `references`. `explanation`: records gaps and observations; null: nothing.
   EvidenceCollector(const LidarScan& scan, const LocalPoints& points,
                     const std::vector<ReferenceScan>& references, const RayImage& own,
-                    const VotingParameters& parameters);
+                    const VotingParameters& parameters, ScanExplanation* explanation = nullptr);
 
   /// Memory of one call, kept for the next by its thread.
   struct Workspace {
@@ -74,6 +75,8 @@ class EvidenceCollector {
   /// per return of the scan). Fast where consecutive `returns` are neighbours in a row.
   void query(const std::vector<std::size_t>& returns, Workspace& work,
              std::vector<PointEvidence>& evidence) const;
+  /// What is recorded; null: nothing.
+  [[nodiscard]] ScanExplanation* explanation() const { return explanation_; }
 
  private:
   using PointQuery = Workspace::PointQuery;
@@ -84,6 +87,7 @@ class EvidenceCollector {
     bool next;  // the nearest of the later ones
     bool recent;
     int gap;
+    std::size_t order;  // in references_
   };
 
   [[nodiscard]] float column(std::size_t i) const { return static_cast<float>(scan_.returns[i].column); }
@@ -101,6 +105,10 @@ class EvidenceCollector {
   void add_range_rate(std::size_t number, Workspace& work) const;
   [[nodiscard]] float slope(std::size_t i) const;
   [[nodiscard]] float slope_towards(std::size_t i, int row, int columns) const;
+  // Where the observation of a point by a reference scan is recorded; null: nowhere.
+  [[nodiscard]] Observation* recorded(const Reference& reference, std::size_t i) const {
+    return explanation_ ? &explanation_->observations[i * references_.size() + reference.order] : nullptr;
+  }
 
   const LidarScan& scan_;
   const std::vector<Eigen::Vector3f>& points_;
@@ -108,6 +116,7 @@ class EvidenceCollector {
   float max_occluder_distance_m_, surface_noise_m_;
   FreespaceProbe own_;
   std::vector<Reference> references_;  // in the order of queries
+  ScanExplanation* explanation_;
 };
 
 }  // namespace mapless

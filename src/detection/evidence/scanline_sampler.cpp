@@ -136,8 +136,7 @@ void ScanlineSampler::settle(const Span& span) {
   std::vector<PointEvidence>& evidence = *evidence_;
   if ((is_static(evidence[left]) && is_static(evidence[right])) || evidence[left] == evidence[right] ||
       both_dynamic(evidence[left], evidence[right])) {
-    for (std::size_t i = left + 1; i < right; ++i)
-      evidence[i] = evidence[i - left < right - i ? left : right];
+    for (std::size_t i = left + 1; i < right; ++i) take(i - left < right - i ? left : right, i);
     return;
   }
   const std::size_t middle = (left + right) / 2;
@@ -147,7 +146,17 @@ void ScanlineSampler::settle(const Span& span) {
 }
 
 void ScanlineSampler::query(std::size_t i) {
-  if (!between_ || !take_from_rows_beside(i)) work_->queries.push_back(i);
+  if (between_ && take_from_rows_beside(i)) return;
+  work_->queries.push_back(i);
+  if (ScanExplanation* const explanation = collector_.explanation())
+    explanation->source[i] = static_cast<std::int32_t>(i);
+}
+
+// The evidence of return `from`, for return `to`.
+void ScanlineSampler::take(std::size_t from, std::size_t to) {
+  (*evidence_)[to] = (*evidence_)[from];
+  if (ScanExplanation* const explanation = collector_.explanation())
+    explanation->source[to] = explanation->source[from];
 }
 
 bool ScanlineSampler::take_from_rows_beside(std::size_t i) {
@@ -159,7 +168,7 @@ bool ScanlineSampler::take_from_rows_beside(std::size_t i) {
   const auto& from = points_[static_cast<std::size_t>(b)];
   if (distance_to_segment2_m2(points_[i], from, points_[static_cast<std::size_t>(a)]) > kOffLine2_m2)
     return false;
-  (*evidence_)[i] = lower;
+  take(static_cast<std::size_t>(b), i);
   return true;
 }
 

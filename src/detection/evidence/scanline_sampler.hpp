@@ -41,6 +41,7 @@ class ScanlineSampler {
   [[nodiscard]] std::size_t farthest_off(const Span& span) const;
   void settle(const Span& span);
   void query(std::size_t i);
+  void take(std::size_t from, std::size_t to);
   [[nodiscard]] bool take_from_rows_beside(std::size_t i);
   [[nodiscard]] std::ptrdiff_t in_row(const LidarReturn& r, int row) const;
 

@@ -17,11 +17,7 @@ namespace {
 // Holes are filled where more than a third of the 14 neighbours in the support window are labelled; twice,
 // and in kTangentialRounds more where no scan but the recent ones saw a surface. Measured: commit "Fill on
 // over what only scans of a moment ago saw": IoU .8560 to .8607 over 32 recordings.
-constexpr int kFillNeighbours = 5, kFillRounds = 2, kTangentialRounds = 6;
-
-// Neither filling nor growth reaches points with more votes against them than three scans that saw through
-// outweigh.
-constexpr int kFirmlyStatic = -3 * kSeenThroughVotes;
+constexpr int kFillRounds = 2, kTangentialRounds = 6;
 
 constexpr std::size_t kReservedCandidates = 8192;  // room for a typical scan, allocated at once
 constexpr std::size_t kPointsPerTask = 4096;  // chosen: many tasks a scan, each of several rows of points

@@ -16,6 +16,13 @@ namespace mapless::inline v1 {
 // decides. From outside only this header and the types of object_evidence.hpp are used; disjoint_sets.hpp
 // serves the published method, too.
 
+/// Labelled linked neighbours in the 3 x 5 window from which on a hole is filled: more than a third of 14.
+inline constexpr int kFillNeighbours = 5;
+
+/// Neither filling nor growth reaches points with more votes against them than three scans that saw through
+/// outweigh.
+inline constexpr int kFirmlyStatic = -3 * kSeenThroughVotes;
+
 struct EvidenceGrowthResult {
   std::vector<GrowthVerdict> verdict;  ///< one per return
   /// One per return. 0: static; else 1, 2, ... 65535 (shared beyond), by lowest return index.

@@ -96,10 +96,23 @@ TrackMotion MotionClassifier::update(const TrackMotion& last, const TrackedObjec
     const bool stays_slow = (next.slow && (last.slow || (known && !displaced))) || (last.slow && may_be_zero);
     const bool unsupported = required > parameters_.min_evidence && next.evidence < required / 2;
     next.moves = plausible && !stays_slow && next.unconfirmed_m < kMaxUnconfirmed_m && !unsupported;
+    next.reason = next.moves     ? TrackReason::goes_on
+                  : !plausible   ? TrackReason::velocity_unknown
+                  : stays_slow   ? TrackReason::stopped_slow
+                  : !unsupported ? TrackReason::stopped_unconfirmed
+                                 : TrackReason::stopped_unsupported;
   } else {
     const bool confirmed = last.static_scans < kStaticScans || confirms_velocity(last, object, evidence, now);
-    next.moves = plausible && displaced && confirmed && !next.slow && !may_be_zero &&
-                 next.evidence >= body_factor(evidence.body, object) * required;
+    next.required = body_factor(evidence.body, object) * required;
+    next.moves =
+        plausible && displaced && confirmed && !next.slow && !may_be_zero && next.evidence >= next.required;
+    next.reason = next.moves    ? TrackReason::begins
+                  : !plausible  ? TrackReason::velocity_unknown
+                  : !displaced  ? TrackReason::not_displaced
+                  : !confirmed  ? TrackReason::not_confirmed
+                  : next.slow   ? TrackReason::slow
+                  : may_be_zero ? TrackReason::may_be_zero
+                                : TrackReason::little_evidence;
   }
   return next;
 }

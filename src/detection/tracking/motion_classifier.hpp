@@ -6,6 +6,7 @@
 #include "detection/segmentation/object_evidence.hpp"
 #include <mapless/core/time.hpp>
 #include <mapless/detection/detection.hpp>
+#include <mapless/detection/explanation.hpp>
 #include <mapless/detection/parameters.hpp>
 
 namespace mapless::inline v1 {
@@ -20,6 +21,8 @@ struct TrackMotion {
   int age = 0;                  ///< TrackedObject::age
   double unconfirmed_m = 0;     ///< path by its velocity since the rays last showed a displacement
   Time seen;                    ///< start of its last scan
+  TrackReason reason = TrackReason::begins;  ///< why it moves, or does not
+  double required = 0;                       ///< evidence that it takes to begin
 };
 
 /// Classifies tracks as moving or static, from their velocity and the rays' evidence.

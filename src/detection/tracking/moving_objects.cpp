@@ -17,6 +17,7 @@ Detection MovingObjects::classify(ObjectProposals proposed) {
   detection.object = std::move(proposed.object);
   detection.objects = proposed.objects;
   detection.seconds = proposed.seconds;
+  detection.explanation = std::move(proposed.explanation);
   const Time now = detection.scan->start;
   detection.tracked = timed(detection.seconds.tracking, [&] {
     return tracker_.process(detection, ScanTrajectory(*detection.scan, std::move(proposed.column_states)),
@@ -27,15 +28,30 @@ Detection MovingObjects::classify(ObjectProposals proposed) {
   motions_.assign(proposed.evidence.size(), {});
   for (const TrackedObject& object : detection.tracked) {
     TrackMotion& state = states_[object.id];
-    state = classifier_.update(state, object, proposed.evidence[object.number - 1U], now);
+    const ObjectEvidence& evidence = proposed.evidence[object.number - 1U];
+    const bool moved = state.moves;
+    state = classifier_.update(state, object, evidence, now);
     moves.push_back(state.moves);
     motions_[object.number - 1U] = state;
+    if (detection.explanation) {
+      detection.explanation->objects.push_back({object, object.id, state.moves, moved, state.reason,
+                                                evidence.votes, state.evidence, state.required,
+                                                evidence.displacement_m, state.unconfirmed_m});
+    }
   }
   erase_dropped(states_, now);
   detection.probability = motion_probabilities(proposed.votes, detection.object, motions_);
   keep_moving(moves, detection);
   give_ids(detection.tracked, now);
+  if (detection.explanation) {
+    for (ObjectDecision& one : detection.explanation->objects) one.object.id = given_id(one.track);
+  }
   return detection;
+}
+
+std::uint32_t MovingObjects::given_id(std::uint32_t track) const {
+  const auto given = ids_.find(track);
+  return given == ids_.end() ? 0 : given->second.id;
 }
 
 void MovingObjects::give_ids(std::vector<TrackedObject>& moving, Time now) {

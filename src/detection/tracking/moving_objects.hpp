@@ -44,6 +44,7 @@ class MovingObjects {
     Time moved;  // start of the last scan in which it moved
   };
   void give_ids(std::vector<TrackedObject>& moving, Time now);
+  [[nodiscard]] std::uint32_t given_id(std::uint32_t track) const;  // 0: none
 
   DetectionMethod method_;
   MotionClassifier classifier_;

@@ -48,6 +48,37 @@ TEST(CloudFile, FarCoordinatesAreDoublesInPlyAsInPcd) {
   EXPECT_THAT(cloud_file(cloud, CloudFormat::pcd), HasSubstr("SIZE 8 8 8 4\n"));
 }
 
+// Offsets of LAS 1.4-R15, tables 3, 5 and 15.
+TEST(CloudFile, LasHasStepsFromTheFirstPointAndColumnsAsExtraBytes) {
+  const Cloud cloud{{{458000.2, 2, 3}, {458000.25, -5.5, 6}}, {{"label", {9, 251}}, {"object", {0, 7}}}};
+  const std::string bytes = cloud_file(cloud, CloudFormat::las);
+  EXPECT_EQ(bytes.substr(0, 4), "LASF");
+  EXPECT_EQ(bytes.substr(24, 2), std::string("\1\4"));
+  EXPECT_EQ(number_at<std::uint16_t>(bytes, 94), 375);
+  const auto data = number_at<std::uint32_t>(bytes, 96);
+  EXPECT_EQ(data, 375U + 54 + 2 * 192);
+  EXPECT_EQ(number_at<std::uint8_t>(bytes, 104), 6);
+  EXPECT_EQ(number_at<std::uint16_t>(bytes, 105), 38);
+  EXPECT_EQ(number_at<double>(bytes, 131), 1e-4);
+  EXPECT_EQ(number_at<double>(bytes, 155), 458000);
+  EXPECT_EQ(number_at<double>(bytes, 179), 458000.25);  // largest x
+  EXPECT_EQ(number_at<double>(bytes, 203), -5.5);       // smallest y
+  EXPECT_EQ(number_at<std::uint64_t>(bytes, 247), 2U);
+  EXPECT_EQ(bytes.substr(375 + 54 + 192 + 4, 6), "object");
+  ASSERT_EQ(bytes.size(), data + 2 * 38);
+  EXPECT_EQ(number_at<std::int32_t>(bytes, data), 2000);
+  EXPECT_EQ(number_at<std::int32_t>(bytes, data + 38 + 4), -75000);
+  EXPECT_EQ(number_at<std::uint32_t>(bytes, data + 38 + 30), 251U);
+  EXPECT_EQ(number_at<std::uint32_t>(bytes, data + 38 + 34), 7U);
+}
+
+// int32 in steps of 0.1 mm ends at 214.7 km.
+TEST(CloudFile, LasTakesCoarserStepsForAWideCloud) {
+  const std::string bytes = cloud_file({{{0, 0, 0}, {300000, 0, 0}}, {}}, CloudFormat::las);
+  EXPECT_DOUBLE_EQ(number_at<double>(bytes, 131), 1e-3);
+  EXPECT_EQ(number_at<std::int32_t>(bytes, 375 + 30), 300000000);
+}
+
 TEST(VoxelMap, HasTheMeanOfEachVoxel) {
   VoxelMap map(1.0);  // voxels begin at the first point
   map.add({10, 0, 0});
