@@ -277,7 +277,7 @@ void PairOfScans::add_along_weak_directions(std::vector<Registration>& all) cons
 }
 
 std::optional<Registration> PairOfScans::register_near(const EdgeMotion& motion) const {
-  const Vector6d varpi = told().applied_to(motion.varpi);
+  const Vector6d varpi = known_motion().applied_to(motion.varpi);
   WindowPrior prior = prior_;
   prior.mean.front().varpi = varpi;
   prior.diagonal.front().bottomRightCorner<6, 6>() = motion.information;
