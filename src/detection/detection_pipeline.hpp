@@ -10,9 +10,17 @@
 #include "detection/segmentation/object_evidence.hpp"
 #include <mapless/detection/detection.hpp>
 #include <mapless/detection/parameters.hpp>
+#include <mapless/geometry/compensated_scan.hpp>
 #include <mapless/trajectory/trajectory.hpp>
 
 namespace mapless::inline v1 {
+
+/// The rays of another scan. `gap` [scans]: how far before the scan of the proposals it lies; below 0 it is
+/// later.
+struct ReferenceRays {
+  std::shared_ptr<const RayImage> rays;
+  int gap = 1;
+};
 
 /// The objects of one scan before they are tracked: method "voting" still has to classify which of them move.
 /// Vectors have one element per return of `scan`, unless stated otherwise.
@@ -25,6 +33,10 @@ struct ObjectProposals {
   std::shared_ptr<const RayImage> rays;        ///< of `scan`
   std::vector<ObjectEvidence> evidence;        ///< by object number - 1; empty for method "published"
   std::vector<PointEvidence> votes;            ///< empty for method "published"
+  // Method "voting" alone:
+  LocalPoints points;                     ///< of `scan`
+  std::vector<ReferenceRays> references;  ///< that gave the evidence
+  VotingParameters parameters;            ///< with the tolerance for the noise of `scan`
   StageSeconds seconds;
 };
 

@@ -1,11 +1,16 @@
 #include "detection/tracking/moving_objects.hpp"
 
+#include <cstddef>
 #include <utility>
+
+#include <tbb/parallel_for.h>
 
 #include "detection/dynamic_returns.hpp"
 #include "detection/object_number.hpp"
 #include "detection/scan_trajectory.hpp"
 #include "detection/tracking/motion_probability.hpp"
+#include "detection/tracking/object_members.hpp"
+#include "detection/tracking/standing_test.hpp"
 #include <mapless/core/time.hpp>
 
 namespace mapless::inline v1 {
@@ -23,11 +28,15 @@ Detection MovingObjects::classify(ObjectProposals proposed) {
                             proposed.rays);
   });
   if (method_ == DetectionMethod::published) return detection;
-  std::vector<bool> moves;
-  motions_.assign(proposed.evidence.size(), {});
   for (const TrackedObject& object : detection.tracked) {
     TrackMotion& state = states_[object.id];
     state = classifier_.update(state, object, proposed.evidence[object.number - 1U], now);
+  }
+  timed(detection.seconds.tracking, [&] { stop_standing(proposed, detection); });
+  std::vector<bool> moves;
+  motions_.assign(proposed.evidence.size(), {});
+  for (const TrackedObject& object : detection.tracked) {
+    const TrackMotion& state = states_[object.id];
     moves.push_back(state.moves);
     motions_[object.number - 1U] = state;
   }
@@ -47,6 +56,17 @@ void MovingObjects::give_ids(std::vector<TrackedObject>& moving, Time now) {
     given.moved = now;
     object.id = given.id;
   }
+}
+
+// The rays outvote the velocity of a track: its registered surface may be a part that changes.
+void MovingObjects::stop_standing(const ObjectProposals& proposed, const Detection& detection) {
+  const ObjectMembers members(detection.object);
+  const StandingTest test(*detection.scan, proposed.points, proposed.references, proposed.parameters);
+  tbb::parallel_for(std::size_t{0}, detection.tracked.size(), [&](std::size_t k) {
+    const TrackedObject& object = detection.tracked[k];
+    TrackMotion& state = states_.at(object.id);
+    state.moves = state.moves && !test.stands(members.of(object.number), object.velocity_0);
+  });
 }
 
 void keep_moving(const std::vector<bool>& moves, Detection& detection) {

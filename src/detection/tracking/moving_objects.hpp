@@ -44,6 +44,7 @@ class MovingObjects {
     Time moved;  // start of the last scan in which it moved
   };
   void give_ids(std::vector<TrackedObject>& moving, Time now);
+  void stop_standing(const ObjectProposals& proposed, const Detection& detection);
 
   DetectionMethod method_;
   MotionClassifier classifier_;
