@@ -13,9 +13,17 @@
 #include <mapless/detection/detection.hpp>
 #include <mapless/detection/explanation.hpp>
 #include <mapless/detection/parameters.hpp>
+#include <mapless/geometry/compensated_scan.hpp>
 #include <mapless/trajectory/trajectory.hpp>
 
 namespace mapless::inline v1 {
+
+/// The rays of another scan. `gap` [scans]: how far before the scan of the proposals it lies; below 0 it is
+/// later.
+struct ReferenceRays {
+  std::shared_ptr<const RayImage> rays;
+  int gap = 1;
+};
 
 /// The objects of one scan before they are tracked: method "voting" still has to classify which of them move.
 /// Vectors have one element per return of `scan`, unless stated otherwise.
@@ -28,6 +36,10 @@ struct ObjectProposals {
   std::shared_ptr<const RayImage> rays;        ///< of `scan`
   std::vector<ObjectEvidence> evidence;        ///< by object number - 1; empty for method "published"
   std::vector<PointEvidence> votes;            ///< empty for method "published"
+  // Method "voting" alone:
+  LocalPoints points;                     ///< of `scan`
+  std::vector<ReferenceRays> references;  ///< that gave the evidence
+  VotingParameters parameters;            ///< with the tolerance for the noise of `scan`
   StageSeconds seconds;
   std::shared_ptr<ScanExplanation> explanation;  ///< null unless wanted: DetectionPipeline::explain
 };

@@ -65,6 +65,9 @@ class VotingPipeline final : public DetectionPipeline {
     StageSeconds seconds;                   // of its preparation
   };
   [[nodiscard]] const RayImage& image(std::size_t number) const { return *images_.at(number - first_image_); }
+  [[nodiscard]] std::shared_ptr<const RayImage> rays_at(std::size_t number, int gap) const {
+    return images_.at(static_cast<std::size_t>(static_cast<int>(number - first_image_) - gap));
+  }
   [[nodiscard]] std::vector<ReferenceScan> references_of(std::size_t number) const;
   [[nodiscard]] ObjectProposals run_stages(PendingScan query, const std::vector<ReferenceScan>& references,
                                            const RayImage& own) const;
@@ -121,8 +124,10 @@ std::vector<ReferenceScan> VotingPipeline::references_of(std::size_t number) con
 ObjectProposals VotingPipeline::propose(std::size_t number) {
   PendingScan query = std::move(pending_.front());
   pending_.pop_front();
-  ObjectProposals proposed = run_stages(std::move(query), references_of(number), image(number));
+  const std::vector<ReferenceScan> references = references_of(number);
+  ObjectProposals proposed = run_stages(std::move(query), references, image(number));
   proposed.rays = images_.at(number - first_image_);
+  for (const ReferenceScan& r : references) proposed.references.push_back({rays_at(number, r.gap), r.gap});
   images_.at(number - first_image_)->mark_dynamic(*proposed.scan, proposed.object);
   while (first_image_ + gaps_.back() < number + 1) {  // the oldest reference scan of the next query scan
     images_.pop_front();
@@ -170,6 +175,8 @@ ObjectProposals VotingPipeline::run_stages(PendingScan query, const std::vector<
   out.objects = regions.objects;
   out.evidence = std::move(regions.evidence);
   out.votes = std::move(evidence);
+  out.points = std::move(query.points);
+  out.parameters = query.parameters;
   return out;
 }
 

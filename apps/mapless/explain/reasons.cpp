@@ -84,6 +84,9 @@ const std::array<ReasonText, kTrackReasons> kTrackTexts = {{
      "displacement."},
     {"stops: unsupported",
      "It stops: its velocity is known to {std} m/s only, and its evidence is {evidence}."},
+    {"static by the rays",
+     "The rays of the scans around end on it as if it were static, better than as if it moved at "
+     "{speed} m/s."},
 }};
 
 int steps_of(double metres) {

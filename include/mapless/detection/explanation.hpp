@@ -62,7 +62,8 @@ enum class TrackReason : std::uint8_t {
   little_evidence,      ///< begins not: its evidence is below what it takes
   stopped_slow,         ///< stops: slow in this scan and before, or in this one without a displacement
   stopped_unconfirmed,  ///< stops: its path without a displacement shown by the rays reaches the limit
-  stopped_unsupported   ///< stops: velocity known badly, and evidence below half of what it takes
+  stopped_unsupported,  ///< stops: velocity known badly, and evidence below half of what it takes
+  stopped_by_rays       ///< the rays of the scans around show that it stands, whatever its velocity
 };
 
 /// What tracking decided about one proposed object of one scan.

@@ -35,7 +35,8 @@ float range_of_cell(const LidarScan& scan, std::int32_t cell) {
 RayImage::RayImage(const CompensatedScan& scan, const RayImage* before)
     : model_(scan.scan->model),
       fan_(before != nullptr && before->model_ == model_ ? before->fan_
-                                                         : std::make_shared<const BeamFan>(*model_)) {
+                                                         : std::make_shared<const BeamFan>(*model_)),
+      start_(scan.scan->start) {
   if (!scan.column_T_0v.empty()) origin_0_ = scan.column_T_0v.front().translation();
   poses_.resize(scan.column_states.size());
   const double period_s = scan.scan->column_period.seconds();

@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 
 #include "detection/freespace/beam_fan.hpp"
+#include <mapless/core/time.hpp>
 #include <mapless/geometry/compensated_scan.hpp>
 
 namespace mapless::inline v1 {
@@ -51,6 +52,8 @@ class RayImage {
     return !dynamic_.empty() &&
            dynamic_[static_cast<std::size_t>(laser) * poses_.size() + static_cast<std::size_t>(column)];
   }
+  /// Of the scan.
+  [[nodiscard]] Time start() const { return start_; }
   /// Position of the sensor at the scan's start, in the world [m].
   [[nodiscard]] const Eigen::Vector3d& origin_0() const { return origin_0_; }
   /// Pose of the hub at the instant of a column.
@@ -59,6 +62,7 @@ class RayImage {
  private:
   std::shared_ptr<const LidarModel> model_;
   std::shared_ptr<const BeamFan> fan_;  // where it is stays when the image is moved
+  Time start_;
   Eigen::Vector3d origin_0_ = Eigen::Vector3d::Zero();
   std::vector<Pose> poses_;      // one per column
   std::vector<float> ranges_m_;  // row-major, with kBeside more columns before each row and after the last

@@ -39,7 +39,7 @@ struct TrackMotion {
 /// - its evidence reaches min_evidence, times the factor of its Body, times the standard deviation of its
 ///   velocity over 0.5 m/s from its third scan on.
 ///
-/// A moving track stops if any of these holds:
+/// A moving track stops if any of these holds (or if StandingTest says so, which MovingObjects asks):
 /// - it is slow in two consecutive scans, where in the second a velocity within 2 sigma of zero suffices;
 /// - it is slow in one scan, its velocity is known, and the rays show no displacement;
 /// - its path by its velocity since the rays last showed a displacement reaches 1 m;

@@ -1,11 +1,16 @@
 #include "detection/tracking/moving_objects.hpp"
 
+#include <cstddef>
 #include <utility>
+
+#include <tbb/parallel_for.h>
 
 #include "detection/dynamic_returns.hpp"
 #include "detection/object_number.hpp"
 #include "detection/scan_trajectory.hpp"
 #include "detection/tracking/motion_probability.hpp"
+#include "detection/tracking/object_members.hpp"
+#include "detection/tracking/standing_test.hpp"
 #include <mapless/core/time.hpp>
 
 namespace mapless::inline v1 {
@@ -24,21 +29,20 @@ Detection MovingObjects::classify(ObjectProposals proposed) {
                             proposed.rays);
   });
   if (method_ == DetectionMethod::published) return detection;
-  std::vector<bool> moves;
-  motions_.assign(proposed.evidence.size(), {});
+  std::vector<bool> moved, moves;
   for (const TrackedObject& object : detection.tracked) {
     TrackMotion& state = states_[object.id];
-    const ObjectEvidence& evidence = proposed.evidence[object.number - 1U];
-    const bool moved = state.moves;
-    state = classifier_.update(state, object, evidence, now);
+    moved.push_back(state.moves);
+    state = classifier_.update(state, object, proposed.evidence[object.number - 1U], now);
+  }
+  timed(detection.seconds.tracking, [&] { stop_standing(proposed, detection); });
+  motions_.assign(proposed.evidence.size(), {});
+  for (const TrackedObject& object : detection.tracked) {
+    const TrackMotion& state = states_[object.id];
     moves.push_back(state.moves);
     motions_[object.number - 1U] = state;
-    if (detection.explanation) {
-      detection.explanation->objects.push_back({object, object.id, state.moves, moved, state.reason,
-                                                evidence.votes, state.evidence, state.required,
-                                                evidence.displacement_m, state.unconfirmed_m});
-    }
   }
+  if (detection.explanation) explain(proposed.evidence, moved, detection);
   erase_dropped(states_, now);
   detection.probability = motion_probabilities(proposed.votes, detection.object, motions_);
   keep_moving(moves, detection);
@@ -47,6 +51,18 @@ Detection MovingObjects::classify(ObjectProposals proposed) {
     for (ObjectDecision& one : detection.explanation->objects) one.object.id = given_id(one.track);
   }
   return detection;
+}
+
+void MovingObjects::explain(const std::vector<ObjectEvidence>& evidence, const std::vector<bool>& moved,
+                            Detection& detection) const {
+  for (std::size_t k = 0; k < detection.tracked.size(); ++k) {
+    const TrackedObject& object = detection.tracked[k];
+    const TrackMotion& state = states_.at(object.id);
+    const ObjectEvidence& e = evidence[object.number - 1U];
+    detection.explanation->objects.push_back({object, object.id, state.moves, moved[k], state.reason, e.votes,
+                                              state.evidence, state.required, e.displacement_m,
+                                              state.unconfirmed_m});
+  }
 }
 
 std::uint32_t MovingObjects::given_id(std::uint32_t track) const {
@@ -63,6 +79,19 @@ void MovingObjects::give_ids(std::vector<TrackedObject>& moving, Time now) {
     given.moved = now;
     object.id = given.id;
   }
+}
+
+// The rays outvote the velocity of a track: its registered surface may be a part that changes.
+void MovingObjects::stop_standing(const ObjectProposals& proposed, const Detection& detection) {
+  const ObjectMembers members(detection.object);
+  const StandingTest test(*detection.scan, proposed.points, proposed.references, proposed.parameters);
+  tbb::parallel_for(std::size_t{0}, detection.tracked.size(), [&](std::size_t k) {
+    const TrackedObject& object = detection.tracked[k];
+    TrackMotion& state = states_.at(object.id);
+    if (!state.moves || !test.stands(members.of(object.number), object.velocity_0)) return;
+    state.moves = false;
+    state.reason = TrackReason::stopped_by_rays;
+  });
 }
 
 void keep_moving(const std::vector<bool>& moves, Detection& detection) {

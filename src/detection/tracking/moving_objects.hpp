@@ -45,6 +45,9 @@ class MovingObjects {
   };
   void give_ids(std::vector<TrackedObject>& moving, Time now);
   [[nodiscard]] std::uint32_t given_id(std::uint32_t track) const;  // 0: none
+  void stop_standing(const ObjectProposals& proposed, const Detection& detection);
+  void explain(const std::vector<ObjectEvidence>& evidence, const std::vector<bool>& moved,
+               Detection& detection) const;
 
   DetectionMethod method_;
   MotionClassifier classifier_;

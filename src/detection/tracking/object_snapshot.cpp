@@ -298,36 +298,6 @@ void add_surface(const Vector3d& origin_0, std::vector<Neighbour>& candidates, O
   }
 }
 
-// The points of each object of a scan, in their order.
-class Members {
- public:
-  explicit Members(const Detection& detection) {
-    std::vector<std::int32_t> dynamic;
-    for_each_dynamic(detection.object,
-                     [&](std::size_t i) { dynamic.push_back(static_cast<std::int32_t>(i)); });
-    const auto number = [&](std::int32_t i) -> std::size_t {
-      return detection.object[static_cast<std::size_t>(i)];
-    };
-    for (const std::int32_t i : dynamic) {
-      if (number(i) + 2 > begins_.size()) begins_.resize(number(i) + 2, 0);
-      ++begins_[number(i) + 1];
-    }
-    std::partial_sum(begins_.begin(), begins_.end(), begins_.begin());
-    members_.resize(dynamic.size());
-    std::vector<std::size_t> next = begins_;
-    for (const std::int32_t i : dynamic) members_[next[number(i)]++] = i;
-  }
-  [[nodiscard]] std::size_t numbers() const { return begins_.empty() ? 0 : begins_.size() - 1; }
-  [[nodiscard]] std::span<const std::int32_t> of(std::size_t number) const {
-    return {members_.begin() + static_cast<std::ptrdiff_t>(begins_[number]),
-            begins_[number + 1] - begins_[number]};
-  }
-
- private:
-  std::vector<std::int32_t> members_;  // by number
-  std::vector<std::size_t> begins_;    // of each number among them, and the end
-};
-
 }  // namespace
 
 Eigen::AlignedBox3d ObjectSnapshot::box(const Vector3d& velocity_0) const {
@@ -338,7 +308,7 @@ Eigen::AlignedBox3d ObjectSnapshot::box(const Vector3d& velocity_0) const {
 
 std::vector<ObjectSnapshot> take_snapshots(const Detection& detection, const Trajectory& trajectory,
                                            const std::shared_ptr<const RayImage>& rays) {
-  const Members members(detection);
+  const ObjectMembers members(detection.object);
   SnapshotBuilder builder(detection, trajectory);
   std::vector<Neighbour> candidates;
   std::vector<ObjectSnapshot> out;
