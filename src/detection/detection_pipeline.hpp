@@ -10,6 +10,7 @@
 #include "detection/segmentation/object_evidence.hpp"
 #include <mapless/detection/detection.hpp>
 #include <mapless/detection/parameters.hpp>
+#include <mapless/geometry/compensated_scan.hpp>
 #include <mapless/trajectory/trajectory.hpp>
 
 namespace mapless::inline v1 {
@@ -25,6 +26,7 @@ struct ObjectProposals {
   std::shared_ptr<const RayImage> rays;        ///< of `scan`
   std::vector<ObjectEvidence> evidence;        ///< by object number - 1; empty for method "published"
   std::vector<PointEvidence> votes;            ///< empty for method "published"
+  LocalPoints points;                          ///< empty for method "published"
   StageSeconds seconds;
 };
 

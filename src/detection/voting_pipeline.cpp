@@ -146,6 +146,7 @@ ObjectProposals VotingPipeline::run_stages(PendingScan query, const std::vector<
   out.objects = regions.objects;
   out.evidence = std::move(regions.evidence);
   out.votes = std::move(evidence);
+  out.points = std::move(query.points);
   return out;
 }
 

@@ -5,6 +5,7 @@
 #include "detection/dynamic_returns.hpp"
 #include "detection/object_number.hpp"
 #include "detection/scan_trajectory.hpp"
+#include "detection/tracking/body_completion.hpp"
 #include "detection/tracking/motion_probability.hpp"
 #include <mapless/core/time.hpp>
 
@@ -32,8 +33,14 @@ Detection MovingObjects::classify(ObjectProposals proposed) {
     motions_[object.number - 1U] = state;
   }
   erase_dropped(states_, now);
+  const std::vector<std::uint32_t> completing =
+      complete_bodies(proposed.points, proposed.votes, detection.tracked, motions_, detection.object);
   detection.probability = motion_probabilities(proposed.votes, detection.object, motions_);
   keep_moving(moves, detection);
+  for (const std::uint32_t i : completing) {
+    detection.trace[i].growth = GrowthVerdict::grown;
+    ++detection.tracked[detection.object[i] - 1U].points;
+  }
   return detection;
 }
 
