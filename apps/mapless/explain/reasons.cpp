@@ -58,6 +58,9 @@ const std::array<ReasonText, kPointSteps> kPointTexts = {{
     {"tangential surface",
      "Its surface slides along itself: linked points of the object go on in it, so its "
      "votes ({votes}) are not held against it."},
+    {"body completed",
+     "It lies within the radius of a dynamic object, at most 1.5 m, of one of its points, and its votes "
+     "({votes}) are at least those of one scan that saw through it."},
 }};
 
 const std::array<ReasonText, kTrackReasons> kTrackTexts = {{
@@ -119,6 +122,7 @@ ObservationKind kind_of(const Observation& o, const DecisionLimits& limits) {
 
 PointStep step_of(const PointDecision& p, const DecisionLimits& limits) {
   using enum PointStep;
+  if (p.completed) return completed;
   if (p.growth == GrowthVerdict::too_small) return few_seeds;
   if (p.growth == GrowthVerdict::seed) return seed;
   if (p.proposed != 0) {

@@ -85,7 +85,8 @@ struct TrackedObject {
   std::uint16_t number = 0;  ///< in Detection::object, of this scan alone
   Time time;                 ///< mean instant of its points; centre, extent and velocity are at this time
   int points = 0;            ///< number of its points
-  /// Box of its points, each moved with velocity_0 to `time`; its sides are along the axes of the world.
+  /// Box of its points, each moved with velocity_0 to `time`; its sides are along the axes of the world. It
+  /// leaves out points by which the object was completed (docs/method.md 7).
   Eigen::Vector3d centre_0 = Eigen::Vector3d::Zero();               ///< [m]
   Eigen::Vector3d extent_0 = Eigen::Vector3d::Zero();               ///< lengths of the sides [m]
   Eigen::Vector3d velocity_0 = Eigen::Vector3d::Zero();             ///< of its visible surface [m/s]
@@ -131,7 +132,7 @@ struct Detection {
   std::vector<StageTrace> trace;      ///< verdict of each stage
   std::vector<std::uint16_t> object;  ///< 0: static; 1, 2, ...: the dynamic object of this scan it belongs to
   /// One per return: the probability that it moves. Calibrated: of the points given .9, nine in ten move
-  /// (docs/accuracy.md). Empty for method "published", and where `motion_known` is false.
+  /// (docs/probability.md). Empty for method "published", and where `motion_known` is false.
   std::vector<float> probability;
   int objects = 0;                     ///< number of dynamic objects
   std::vector<TrackedObject> tracked;  ///< their tracks, ordered by number

@@ -46,6 +46,7 @@ struct PointDecision {
   std::uint8_t reach_labelled = 0;  ///< linked neighbours in a proposed object in the 5 x 9 window, of 44
   std::uint16_t proposed = 0;       ///< number of the proposed object it belongs to, 0: none
   GrowthVerdict growth = GrowthVerdict::not_reached;
+  bool completed = false;  ///< in no object by these, it was added to the body of a dynamic one, `proposed`
 
   [[nodiscard]] int votes() const { return past + future; }
 };

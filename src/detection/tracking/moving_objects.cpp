@@ -8,6 +8,7 @@
 #include "detection/dynamic_returns.hpp"
 #include "detection/object_number.hpp"
 #include "detection/scan_trajectory.hpp"
+#include "detection/tracking/body_completion.hpp"
 #include "detection/tracking/motion_probability.hpp"
 #include "detection/tracking/object_members.hpp"
 #include "detection/tracking/standing_test.hpp"
@@ -44,8 +45,20 @@ Detection MovingObjects::classify(ObjectProposals proposed) {
   }
   if (detection.explanation) explain(proposed.evidence, moved, detection);
   erase_dropped(states_, now);
+  const std::vector<std::uint32_t> completing =
+      complete_bodies(proposed.points, proposed.votes, detection.tracked, motions_, detection.object);
+  if (detection.explanation && detection.explanation->points_recorded) {
+    for (const std::uint32_t i : completing) {
+      detection.explanation->points[i].completed = true;
+      detection.explanation->points[i].proposed = detection.object[i];
+    }
+  }
   detection.probability = motion_probabilities(proposed.votes, detection.object, motions_);
   keep_moving(moves, detection);
+  for (const std::uint32_t i : completing) {
+    detection.trace[i].growth = GrowthVerdict::grown;
+    ++detection.tracked[detection.object[i] - 1U].points;
+  }
   give_ids(detection.tracked, now);
   if (detection.explanation) {
     for (ObjectDecision& one : detection.explanation->objects) one.object.id = given_id(one.track);

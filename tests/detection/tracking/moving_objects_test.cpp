@@ -33,6 +33,8 @@ ObjectProposals propose(const test::ToyScene& scene, int k, double displacement_
   ObjectProposals proposed;
   proposed.scan = cast.scan;
   proposed.trace.resize(proposed.scan->returns.size());
+  proposed.votes.resize(proposed.scan->returns.size());
+  for (const LidarReturn& r : proposed.scan->returns) proposed.points.points.push_back(r.position_v);
   for (const LidarReturn& r : proposed.scan->returns)
     proposed.object.push_back(is_of_box(scene, *cast.scan, r) ? 1 : 0);
   proposed.objects = 1;
