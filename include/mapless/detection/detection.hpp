@@ -79,7 +79,7 @@ inline constexpr StageNames kPublishedStageNames = {"pointcloud comparison", "fr
 /// returns with its `number` in Detection::object; a point measured at time t_i is at p_0 + velocity_0 (t -
 /// t_i) at time t.
 struct TrackedObject {
-  std::uint32_t id = 0;      ///< of the track: 1, 2, ..., kept over scans and never reused
+  std::uint32_t id = 0;      ///< kept over scans, never reused: 1, 2, ... in the order of their first scans
   std::uint16_t number = 0;  ///< in Detection::object, of this scan alone
   Time time;                 ///< mean instant of its points; centre, extent and velocity are at this time
   int points = 0;            ///< number of its points

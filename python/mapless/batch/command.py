@@ -9,16 +9,17 @@ import signal
 import sys
 from typing import NoReturn
 
-from mapless.batch import run as local, storage
-from mapless.batch.drives import find_drives
+from mapless.batch import parts, run as local, storage
+from mapless.batch.drives import Drive, find_drives
 from mapless.batch.errors import BatchError, ExitCode
 from mapless.batch.merge import merge
 from mapless.batch.plan import Task, absolute, make_task, read_plan, read_task, write_plan
 from mapless.batch.progress import Progress
-from mapless.batch.task import MAPLESS, run_task
+from mapless.batch.task import MAPLESS, reader_options, run_task
 
 PLAN_COPY = "plan.jsonl"
 DEFAULT_RETRIES = 2
+UNCUT = {"--first", "--count", "--realtime", "--resume"}  # options of detect that parts have of their own, or cannot have
 EPILOGUE = """exit codes: 0 all is done; 1 failure of the environment; 2 wrong usage; 3 bad data, trying again cannot help;
 4 finished, not all of it trustworthy; 75 trying again can help; 130 interrupted. docs/fleet.md has engines and examples."""
 
@@ -46,6 +47,13 @@ def _not_negative(text: str) -> int:
     return value
 
 
+def _chunk(text: str) -> int:
+    value = int(text)
+    if value < parts.FEWEST_SCANS:
+        raise argparse.ArgumentTypeError(f"{text}: expected {parts.FEWEST_SCANS} or more, twice what is labelled before a part")
+    return value
+
+
 def parser() -> argparse.ArgumentParser:
     top = _Parser(prog="mapless batch", description="Label many recordings.", epilog=EPILOGUE)
     verbs = top.add_subparsers(dest="verb", required=True, metavar="VERB")
@@ -60,6 +68,11 @@ def parser() -> argparse.ArgumentParser:
     plan.add_argument(
         "--view", type=_not_negative, default=0, metavar="SCANS",
         help="add a page of mapless view to each result, with so many scans spread over the drive (default: none)",
+    )  # fmt: skip
+    plan.add_argument(
+        "--chunk", type=_chunk, default=0, metavar="SCANS",
+        help="cut drives that have poses into parts of at least so many scans, a task each; the last joins them to the "
+        "bytes of one run (default: not)",
     )  # fmt: skip
     plan.add_argument("--evaluate", action="store_true", help="compare with the true labels of the recordings")
 
@@ -91,18 +104,38 @@ def absolute_sensor(sensor: str) -> str:
     return absolute(sensor) if os.path.exists(sensor) else sensor
 
 
+def parts_of(drive: Drive, options: tuple[str, ...], chunk: int) -> int:
+    """Along own odometry no two runs of different starts agree to the byte, so a drive without poses stays whole."""
+    flags = {option.split("=")[0] for option in options}
+    if chunk and flags & UNCUT:
+        raise BatchError(f"--chunk: not with {', '.join(sorted(flags & UNCUT))} among --options")
+    poses = "--odometry" not in flags and (drive.poses or bool(flags & {"--trajectory", "--stationary"}))
+    if not chunk or drive.scans is None or drive.scans < 2 * chunk:
+        return 1
+    if not poses:
+        say(f"not cut: {drive.path}: it has no poses")
+        return 1
+    return drive.scans // chunk
+
+
 def plan_verb(given: argparse.Namespace) -> int:
     options = tuple(shlex.split(given.options))
     if given.sensor:
         options = ("--sensor", absolute_sensor(given.sensor), *options)
-    drives, refused = find_drives(given.roots, given.sensor)
+    drives, refused = find_drives(given.roots, given.sensor, reader_options(options))
     for refusal in refused:
         reason = refusal.reason.removeprefix(f"{refusal.path}: ")
         say(f"refused: {refusal.path}: {reason}")
     if not drives:
         raise BatchError(f"{', '.join(given.roots)}: no drive that can be read", ExitCode.BAD_INPUT)
-    write_plan(given.output, [make_task(drive, options, given.evaluate, given.view) for drive in drives])
-    print(f"{len(drives)} drives in {given.output}" + (f", {len(refused)} refused" if refused else ""))
+    tasks = [
+        part
+        for drive in drives
+        for part in make_task(drive, options, given.evaluate, given.view).cut(parts_of(drive, options, given.chunk))
+    ]
+    write_plan(given.output, tasks)
+    lines = f" ({len(tasks)} tasks)" if len(tasks) > len(drives) else ""
+    print(f"{len(drives)} drives{lines} in {given.output}" + (f", {len(refused)} refused" if refused else ""))
     return ExitCode.NOT_TRUSTED if refused else ExitCode.SUCCESS
 
 

@@ -8,14 +8,14 @@ import os
 import pathlib
 import re
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 
 import mapless
 from mapless import _core
 from mapless.batch import storage
 from mapless.batch.errors import BatchError, ExitCode
 from mapless.batch.plan import Refusal, absolute
-from mapless.readers import READERS, bags
+from mapless.readers import FIELDS, READERS, bags
 
 ROSBAG2_KEY = b"rosbag2_bagfile_information"
 # To distinguish copies of a drive from drives of the same sizes: the first bytes of some of the files.
@@ -30,6 +30,8 @@ class Drive:
     format: str
     sensor: str | None = None
     scans: int | None = None
+    poses: bool = False
+    """whether the recording has poses of its own"""
 
 
 def formats_of(path: pathlib.Path, holds: Callable[[pathlib.Path], bytes] = pathlib.Path.read_bytes) -> list[str]:
@@ -84,21 +86,25 @@ def id_of(path: str, root: str, prefix: str) -> str:
     return re.sub(r"[^\w.-]", "_", ".".join(parts)).lstrip(".")
 
 
-def opened(drive: Drive, sensor: str) -> Drive:
-    """Format, sensor and number of scans. Of a bag the index is read, not its messages. Raises mapless.InputError."""
+def opened(drive: Drive, sensor: str, options: Mapping[str, str]) -> Drive:
+    """Format, sensor, number of scans and whether it has poses. Of a bag the index is read, not its messages.
+
+    `options`: of its reader, by flag. Raises mapless.InputError."""
     path = pathlib.Path(drive.path)
     if drive.format in bags.BagReader.formats:
         reader = bags.open_reader(path)
-        topic = bags.choose_topic(reader, path, None)
+        topic = bags.choose_topic(reader, path, options.get("--topic"))
         scans = sum(c.msgcount for c in reader.connections if c.topic == topic)
         reader.close()
         form = "rosbag2" if path.is_dir() else bags.SUFFIXES[path.suffix]
-        return dataclasses.replace(drive, format=form, scans=scans, sensor=sensor or None)
-    recording = mapless.open(drive.path, sensor=sensor)
-    return dataclasses.replace(drive, format=recording.format, scans=len(recording), sensor=recording.sensor)
+        poses = "--pose-topic" in options
+        return dataclasses.replace(drive, format=form, scans=scans, sensor=sensor or None, poses=poses)
+    recording = mapless.open(drive.path, sensor=sensor, **{FIELDS[flag]: text for flag, text in options.items()})
+    found = dataclasses.replace(drive, format=recording.format, scans=len(recording), sensor=recording.sensor)
+    return dataclasses.replace(found, poses=recording.trajectory is not None)
 
 
-def found_below(root: str, prefix: str, sensor: str) -> Iterator[Drive | Refusal]:
+def found_below(root: str, prefix: str, sensor: str, options: Mapping[str, str]) -> Iterator[Drive | Refusal]:
     if storage.is_uri(root):
         for uri, formats in remote_candidates(root):
             if len(formats) == 1:
@@ -110,7 +116,7 @@ def found_below(root: str, prefix: str, sensor: str) -> Iterator[Drive | Refusal
         formats = formats_of(path) or [""]
         drive = Drive(str(path), id_of(str(path), root, prefix), formats[0])
         try:
-            yield opened(drive, sensor)
+            yield opened(drive, sensor, options)
         except (mapless.Error, OSError) as error:
             yield Refusal(str(path), str(error))
 
@@ -154,13 +160,13 @@ def without_duplicates(drives: list[Drive]) -> Iterator[Drive | Refusal]:
         yield drive
 
 
-def find_drives(roots: list[str], sensor: str = "") -> tuple[list[Drive], list[Refusal]]:
+def find_drives(roots: list[str], sensor: str, options: Mapping[str, str]) -> tuple[list[Drive], list[Refusal]]:
     """Drives sorted by id, and what was refused. The ids of several roots begin with the name of their root."""
     found: list[Drive] = []
     refused: list[Refusal] = []
     for root in sorted({absolute(r) for r in roots}):
         prefix = os.path.basename(root) if len(roots) > 1 else ""
-        for each in found_below(root, prefix, sensor):
+        for each in found_below(root, prefix, sensor, options):
             (found if isinstance(each, Drive) else refused).append(each)  # type: ignore[arg-type]
     kept: list[Drive] = []
     # Of several paths to one drive, the one that is no link is kept.

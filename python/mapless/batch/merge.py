@@ -27,12 +27,17 @@ REAL = {"driven_m", "seconds", "peak_memory_mb"}
 Row = dict[str, Any]
 
 
-def row_of(task: Task, results: str) -> Row:
+def _is_started(task: Task, results: str) -> bool:
+    return not storage.is_uri(results) and os.path.isdir(os.path.join(results, tasks.ATTEMPTS, task.id))
+
+
+def row_of(task: Task, parts: list[Task], results: str) -> Row:
     """What has become of one drive: done, not trusted, failed, killed (it was started), or waiting."""
     row: Row = dict.fromkeys(COLUMNS)
     row.update(id=task.id, path=task.path, format=task.format, sensor=task.sensor, hash=task.hash, version=task.version)
     record = tasks.record_of(results, task)
-    failure = None if record else tasks.failure_of(results, task)
+    own = [] if record else [task, *(part for part in parts if part.parts > 1)]
+    failure = next((failure for each in own if (failure := tasks.failure_of(results, each)) is not None), None)
     if record is not None:
         row.update({name: record[name] for name in COLUMNS if record.get(name) is not None})
         trusted = record["exit_code"] != ExitCode.NOT_TRUSTED
@@ -40,10 +45,11 @@ def row_of(task: Task, results: str) -> Row:
     elif failure is not None:
         code = int(failure["exit_code"])
         row.update(state="failed", cause=cause(code), message=failure["message"], exit_code=code, host=failure["host"])
-    elif not storage.is_uri(results) and os.path.isdir(os.path.join(results, tasks.ATTEMPTS, task.id)):
+    elif any(_is_started(each, results) for each in own):
         row.update(state="failed", cause="started and not ended (running, killed, or its node was lost)", message="")
     else:
-        row.update(state="waiting", cause="", message="")
+        labelled = sum(tasks.record_of(results, part) is not None for part in own[1:])
+        row.update(state="waiting", cause="", message=f"{labelled} of {len(own) - 1} parts are labelled" if labelled else "")
     return row
 
 
@@ -95,7 +101,10 @@ def merge(plan: list[Task], results: str) -> tuple[list[Row], dict[str, Any]]:
     """Writes drives.csv, drives.parquet (with pyarrow), sums.json and index.html into the results."""
     from mapless.batch.page import page
 
-    rows = [row_of(task, results) for task in plan]
+    drives: dict[str, list[Task]] = {}
+    for task in plan:
+        drives.setdefault(task.whole().id, []).append(task)
+    rows = [row_of(parts[0].whole(), parts, results) for parts in drives.values()]
     sums = sums_of(rows)
     storage.write_bytes(storage.joined(results, "drives.csv"), csv_text(rows).encode())
     parquet = parquet_bytes(rows)

@@ -37,12 +37,34 @@ class Task:
     """whether the result is compared with the true labels of the recording"""
     view: int = 0
     """scans shown by viewer.html of the result, spread over the drive; 0: no such page"""
+    drive: str = ""
+    """id of the drive of which this is a part; empty: of a whole drive"""
+    part: int = 0
+    parts: int = 1
 
     @property
     def hash(self) -> str:
         """Of all that the result depends on. A result with the same hash is not computed again."""
-        parts = [self.id, self.input, self.format, self.version, list(self.options), self.evaluate, self.view]
-        return hashlib.sha256(json.dumps(parts).encode()).hexdigest()[:32]
+        facts = [self.id, self.input, self.format, self.version, list(self.options), self.evaluate, self.view]
+        if self.parts > 1:
+            facts += [self.part, self.parts]
+        return hashlib.sha256(json.dumps(facts).encode()).hexdigest()[:32]
+
+    @property
+    def kept(self) -> range:
+        """The scans of the drive that this part labels."""
+        scans = self.scans or 0
+        return range(scans * self.part // self.parts, scans * (self.part + 1) // self.parts)
+
+    def whole(self) -> Task:
+        """The task of the whole drive. Parts leave the bytes of its result, and so its hash."""
+        return dataclasses.replace(self, id=self.drive or self.id, drive="", part=0, parts=1)
+
+    def cut(self, parts: int) -> list[Task]:
+        """The tasks of all parts of the drive."""
+        drive = self.drive or self.id
+        named = [dataclasses.replace(self, id=f"{drive}.part{k:04d}", drive=drive, part=k, parts=parts) for k in range(parts)]
+        return named if parts > 1 else [self.whole()]
 
     def line(self) -> str:
         return json.dumps({**dataclasses.asdict(self), "hash": self.hash}, sort_keys=True) + "\n"

@@ -70,8 +70,15 @@ class Counts:
 
 
 def undone(plan: list[Task], results: str) -> list[int]:
-    """Numbers of the lines whose result is not there, with the same hash."""
-    return [k for k, task in enumerate(plan) if tasks.record_of(results, task) is None]
+    """Numbers of the lines whose result is not there, with the same hash. Of a drive whose parts are all labelled and not
+    joined: that of its last part, whose task joins them."""
+    drives = {task.whole().id: task.whole() for task in plan}
+    done = {name for name, drive in drives.items() if tasks.record_of(results, drive) is not None}
+    open_lines = [k for k, task in enumerate(plan) if task.whole().id not in done]
+    lacking = [k for k in open_lines if plan[k].parts == 1 or tasks.record_of(results, plan[k]) is None]
+    with_labels = drives.keys() - {plan[k].whole().id for k in lacking}
+    joining = [k for k in open_lines if plan[k].whole().id in with_labels and plan[k].part == plan[k].parts - 1]
+    return sorted(lacking + joining)
 
 
 class LocalRun:

@@ -26,7 +26,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from mapless._result import Result
-from mapless.batch import storage
+from mapless.batch import parts, storage
 from mapless.batch.errors import FINISHED, BatchError, ExitCode
 from mapless.batch.plan import Task, fingerprint
 from mapless.readers import OPTIONS
@@ -41,9 +41,9 @@ MAPLESS = (sys.executable, "-m", "mapless")
 
 
 def record_of(results: str, task: Task) -> dict[str, Any] | None:
-    """_SUCCESS.json of the drive, if its result is that of this line of the plan."""
+    """_SUCCESS.json of the drive, if its result is that of this line of the plan and there."""
     record = storage.read_json(storage.joined(results, task.id, SUCCESS))
-    return record if record is not None and record.get("hash") == task.hash else None
+    return record if record is not None and record.get("hash") == task.hash and not record.get("joined") else None
 
 
 def failure_of(results: str, task: Task) -> dict[str, Any] | None:
@@ -103,6 +103,13 @@ def _options_of_recording(options: Sequence[str]) -> list[str]:
         if option.split("=")[0] in RECORDING_OPTIONS:
             kept += [option] if "=" in option else [option, value]
     return kept
+
+
+def reader_options(options: Sequence[str]) -> dict[str, str]:
+    """Those of the readers of Python, by flag."""
+    kept = _options_of_recording(options)
+    split = [part for text in kept for part in (text.split("=", 1) if text.startswith("--") else [text])]
+    return {flag: value for flag, value in zip(split[::2], split[1::2]) if flag in OPTIONS}
 
 
 def _confusion(task: Task, local: str, folder: str, command: Sequence[str]) -> dict[str, Any]:
@@ -179,50 +186,98 @@ def _failed(task: Task, results: str, code: int, message: str) -> int:
     return code
 
 
+def _record(task: Task, folder: str, code: int, trouble: str) -> dict[str, Any]:
+    return {
+        "id": task.id,
+        "path": task.path,
+        "hash": task.hash,
+        "input": task.input,
+        "version": task.version,
+        "exit_code": code,
+        "trouble": trouble,
+        "host": socket.gethostname(),
+        **_counts(folder),
+    }
+
+
+def _finish(task: Task, results: str, attempt: _Attempt, record: dict[str, Any], started: float) -> None:
+    record["seconds"] = round(time.time() - started + record.get("seconds", 0.0), 3)
+    storage.remove(os.path.join(attempt.output, ".lock"))
+    storage.write_json(os.path.join(attempt.output, SUCCESS), record)
+    storage.publish(attempt.output, storage.joined(results, task.id), SUCCESS)
+    attempt.remove()
+    storage.remove(storage.joined(results, FAILED, task.id + ".json"))
+
+
 def _label(task: Task, results: str, scratch: str | None, threads: int, command: Sequence[str]) -> int:
     started = time.time()
     with contextlib.closing(_Attempt(task, results, scratch)) as attempt, storage.local_copy(task.path, scratch) as local:
-        flags = ["-o", attempt.output, "--threads", str(threads)]
+        flags = ["-o", attempt.output, "--threads", str(threads), *parts.range_flags(task)]
         code, lines = _execute([*command, "detect", local, "--format", task.format, *flags, *task.options])
         if code not in FINISHED:
             if code not in (ExitCode.TEMPORARY, ExitCode.INTERRUPTED):
                 attempt.remove()
             errors = [line.removeprefix("error: ") for line in lines if line.startswith("error: ")]
             return _failed(task, results, code, (errors or lines or ["no message"])[-1])
-        _write_viewer(task, local, attempt.output, command)
-        record = {
-            "id": task.id,
-            "path": task.path,
-            "hash": task.hash,
-            "input": task.input,
-            "version": task.version,
-            "exit_code": code,
-            "trouble": lines[-1] if code == ExitCode.NOT_TRUSTED and lines else "",
-            "host": socket.gethostname(),
-            **_counts(attempt.output),
-            **_confusion(task, local, attempt.output, command),
-            "seconds": round(time.time() - started, 3),
-        }
-        storage.remove(os.path.join(attempt.output, ".lock"))
-        storage.write_json(os.path.join(attempt.output, SUCCESS), record)
-        storage.publish(attempt.output, storage.joined(results, task.id), SUCCESS)
-        attempt.remove()
-    storage.remove(storage.joined(results, FAILED, task.id + ".json"))
+        trouble = lines[-1] if code == ExitCode.NOT_TRUSTED and lines else ""
+        record = _record(task, attempt.output, code, trouble)
+        if task.parts == 1:
+            _write_viewer(task, local, attempt.output, command)
+            record |= _confusion(task, local, attempt.output, command)
+        _finish(task, results, attempt, record, started)
     return code
+
+
+def _join(task: Task, results: str, scratch: str | None, threads: int, command: Sequence[str]) -> int:
+    """The result of the whole drive, if all of its parts are done. Where they do not fit, by one run."""
+    siblings, whole = task.cut(task.parts), task.whole()
+    records = [record for sibling in siblings if (record := record_of(results, sibling)) is not None]
+    if len(records) < task.parts:
+        return ExitCode.SUCCESS
+    places = [storage.joined(results, sibling.id) for sibling in siblings]
+    started = time.time()
+    try:
+        with contextlib.ExitStack() as stack:
+            try:
+                attempt = stack.enter_context(contextlib.closing(_Attempt(whole, results, scratch)))
+            except BatchError:  # the task of another part, which has ended at the same time, joins them
+                return ExitCode.SUCCESS
+            local = stack.enter_context(storage.local_copy(task.path, scratch))
+            folders = [stack.enter_context(storage.local_copy(place, scratch)) for place in places]
+            parts.join(siblings, folders, attempt.output)
+            record = _record(whole, attempt.output, ExitCode.SUCCESS, "")
+            record |= {"parts": task.parts, "seconds": sum(part["seconds"] for part in records)}
+            _write_viewer(whole, local, attempt.output, command)
+            record |= _confusion(whole, local, attempt.output, command)
+            _finish(whole, results, attempt, record, started)
+    except parts.PartsDifferError as difference:
+        print(f"mapless: drive {whole.id}: its parts differ ({difference}); it is labelled in one run", file=sys.stderr)
+        code = _label(whole, results, scratch, threads, command)
+        if code not in FINISHED:
+            return code
+    for part, place in zip(records, places):  # the record stays: it is what Snakemake waits for
+        storage.remove(place)
+        storage.write_json(storage.joined(place, SUCCESS), {**part, "joined": True})
+    return ExitCode.SUCCESS
 
 
 def run_task(
     task: Task, results: str, *, scratch: str | None = None, threads: int = 1, command: Sequence[str] = MAPLESS
 ) -> int:
     """Labels the drive unless its result is there. Returns the exit code of the task; never raises for a bad drive."""
-    done = record_of(results, task)
+    done = record_of(results, task.whole())
     if done is not None:
         return int(done["exit_code"])
     try:
+        code: int = ExitCode.SUCCESS
         if fingerprint(task.path) != task.input:
             message = f"{task.path}: changed since the plan was made; make the plan anew"
             return _failed(task, results, ExitCode.BAD_INPUT, message)
-        return _label(task, results, scratch, threads, command)
+        if task.parts == 1 or record_of(results, task) is None:
+            code = _label(task, results, scratch, threads, command)
+        if task.parts > 1 and code in FINISHED:
+            code = _join(task, results, scratch, threads, command)
+        return code
     except FileNotFoundError as error:
         return _failed(task, results, ExitCode.BAD_INPUT, f"{error.filename}: no such file")
     except BatchError as error:

@@ -34,7 +34,19 @@ Detection MovingObjects::classify(ObjectProposals proposed) {
   erase_dropped(states_, now);
   detection.probability = motion_probabilities(proposed.votes, detection.object, motions_);
   keep_moving(moves, detection);
+  give_ids(detection.tracked, now);
   return detection;
+}
+
+void MovingObjects::give_ids(std::vector<TrackedObject>& moving, Time now) {
+  std::erase_if(ids_,
+                [now](const auto& entry) { return (now - entry.second.moved).seconds() > kLongestRest_s; });
+  for (TrackedObject& object : moving) {
+    GivenId& given = ids_[object.id];
+    if (given.id == 0) given.id = next_id_++;
+    given.moved = now;
+    object.id = given.id;
+  }
 }
 
 void keep_moving(const std::vector<bool>& moves, Detection& detection) {

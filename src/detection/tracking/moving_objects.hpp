@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+#include <map>
 #include <vector>
 
 #include "detection/detection_pipeline.hpp"
@@ -19,6 +21,10 @@ namespace mapless::inline v1 {
 /// Tracks the proposed objects and, with method "voting", leaves those that move now in the detection. Rays
 /// show that an object was elsewhere some scans ago; whether it still moves, the registration of its whole
 /// surface shows better, down to centimetres. Static objects are tracked as long as they are proposed.
+///
+/// Moving objects get the ids 1, 2, ... in the order in which they are first found to move; a track that
+/// rests for kLongestRest_s and moves again gets a new one. So ids do not depend on static tracks, nor on how
+/// long ago a track began: parts of a drive, each with some scans before it, are numbered as the whole.
 class MovingObjects {
  public:
   explicit MovingObjects(const DetectorParameters& parameters)
@@ -29,13 +35,22 @@ class MovingObjects {
 
   /// What the last call decided, by number of the proposed object - 1.
   [[nodiscard]] const std::vector<TrackMotion>& motions() const { return motions_; }
+  static constexpr double kLongestRest_s = 5;  ///< a short halt in traffic
 
  private:
+  struct GivenId {
+    std::uint32_t id = 0;
+    Time moved;  // start of the last scan in which it moved
+  };
+  void give_ids(std::vector<TrackedObject>& moving, Time now);
+
   DetectionMethod method_;
   MotionClassifier classifier_;
   ObjectTracker tracker_;
   TrackMotions states_;
   std::vector<TrackMotion> motions_;
+  std::map<std::uint32_t, GivenId> ids_;  // by id of the track
+  std::uint32_t next_id_ = 1;
 };
 
 /// Keeps the elements of detection.tracked that move (`moves`: one per element) and numbers them 1, 2, ... in

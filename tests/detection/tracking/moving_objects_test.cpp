@@ -88,6 +88,25 @@ TEST(MovingObjects, AnObjectUnseenForMoreThanASecondIsNew) {
   }
 }
 
+// The box moves in scans 0 to 11; then no ray shows it, and after a metre it counts as static. Of a rest
+// of 4.5 s it keeps its id, of one of 5.4 s it does not.
+TEST(MovingObjects, AnIdIsForgottenAfterALongRest) {
+  auto scene = room_with_box(1);
+  scene.world.back().T_0b = test::toy_box({4, -3, 0}, {0.5, 0.5, 0.8}).T_0b;
+  for (const int again : {56, 65}) {
+    SCOPED_TRACE(again);
+    MovingObjects moving{DetectorParameters{}};
+    const auto id = [&](int k, double displacement_m) {
+      const auto tracked = moving.classify(propose(scene, k, displacement_m)).tracked;
+      return tracked.empty() ? 0 : tracked.front().id;
+    };
+    for (const int k : {0, 1, 2}) EXPECT_EQ(id(k, kDisplacement_m), 1u);
+    EXPECT_EQ(id(11, 0), 1u);
+    for (int k = 20; k < again; k += 9) EXPECT_EQ(id(k, 0), 0u);
+    EXPECT_EQ(id(again, kDisplacement_m), again == 56 ? 1u : 2u);
+  }
+}
+
 // The second half of the box is an object of its own: the one with a displacement moves, and has number 1.
 TEST(MovingObjects, EveryObjectHasItsOwnDisplacement) {
   const auto scene = room_with_box(0);
@@ -106,6 +125,8 @@ TEST(MovingObjects, EveryObjectHasItsOwnDisplacement) {
     const Detection detection = MovingObjects{DetectorParameters{}}.classify(std::move(proposed));
     for (std::size_t i = 0; i < before.size(); ++i)
       EXPECT_EQ(detection.object[i], before[i] == (second ? 2 : 1) ? 1 : 0);
+    ASSERT_EQ(detection.tracked.size(), 1u);
+    EXPECT_EQ(detection.tracked.front().id, 1u);  // whatever static tracks there are
   }
 }
 
