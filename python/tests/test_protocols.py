@@ -79,7 +79,7 @@ def test_ranges_are_counted_where_the_clouds_are_there(folders):
 def test_what_does_not_fit_is_named(folders):
     truth, found = folders
     write(truth, "08", "labels", 0, [9, 9])
-    with pytest.raises(mapless.InputError, match="no NN/predictions of the sequences of semantickitti: 08"):
+    with pytest.raises(mapless.InputError, match="no predictions of the sequences of semantickitti: 08"):
         evaluate_protocol("semantickitti", truth, found)
     write(found, "08", "predictions", 1, [9])
     with pytest.raises(mapless.InputError, match="no prediction of scan 0"):

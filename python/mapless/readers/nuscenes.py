@@ -45,6 +45,23 @@ def pose_of(row: Any) -> Any:
     return matrix(row["translation"], (x, y, z, w))
 
 
+def scenes_of(tables: pathlib.Path) -> dict[str, str]:
+    """Tokens of the scenes by name."""
+    return {scene["name"]: token for token, scene in by_token(tables, "scene").items()}
+
+
+def sweeps_of(tables: pathlib.Path, name: str) -> list[Any]:
+    """Of the lidar in a scene, key frames among them, in the order of time: rows of sample_data."""
+    scene = scenes_of(tables)[name]
+    samples = {token for token, sample in by_token(tables, "sample").items() if sample["scene_token"] == scene}
+    sweeps = [
+        sweep
+        for sweep in by_token(tables, "sample_data").values()
+        if sweep["sample_token"] in samples and CHANNEL in sweep["filename"] and sweep["filename"].endswith(SUFFIX)
+    ]
+    return sorted(sweeps, key=lambda sweep: int(sweep["timestamp"]))
+
+
 class NuScenesReader:
     formats = ("nuscenes",)
 
@@ -61,16 +78,10 @@ class NuScenesReader:
             raise InputError(f"{tables}: not the tables of nuScenes: {error!r}") from None
 
     def _scene(self, path: pathlib.Path, tables: pathlib.Path, name: str | None) -> CloudSource:
-        scenes = {scene["name"]: token for token, scene in by_token(tables, "scene").items()}
-        if name not in scenes:
-            raise InputError(f"{path}: choose a scene with --scene: {', '.join(sorted(scenes))}")
-        samples = {t for t, sample in by_token(tables, "sample").items() if sample["scene_token"] == scenes[name]}
-        sweeps = [
-            sweep
-            for sweep in by_token(tables, "sample_data").values()
-            if sweep["sample_token"] in samples and CHANNEL in sweep["filename"] and sweep["filename"].endswith(SUFFIX)
-        ]
-        sweeps.sort(key=lambda sweep: int(sweep["timestamp"]))
+        names = scenes_of(tables)
+        if name not in names:
+            raise InputError(f"{path}: choose a scene with --scene: {', '.join(sorted(names))}")
+        sweeps = sweeps_of(tables, name)
         ego, sensors = by_token(tables, "ego_pose"), by_token(tables, "calibrated_sensor")
         source = self._source(path, [path / sweep["filename"] for sweep in sweeps], f"trajectory: of the poses of {name}")
         source.trajectory = trajectory_of(
