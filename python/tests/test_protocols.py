@@ -105,5 +105,10 @@ def test_the_command_evaluates_what_export_writes(drive, native_result, tmp_path
     assert total["tp"] > 0
     assert all(f": {total[name]}," in report for name in ("tp", "fp", "fn"))
     assert f"{100 * total['iou']:.1f}" in command(*arguments).stdout
+    direct = ("detect", drive, "--odometry", "-o", tmp_path / "again", "--semantic-kitti", tmp_path / "direct")
+    assert command(*direct).returncode == 0
+    for label in sorted((tmp_path / "found" / "sequences" / "08" / "predictions").iterdir()):
+        assert (tmp_path / "direct" / "sequences" / "00" / "predictions" / label.name).read_bytes() == label.read_bytes()
+    assert command(*direct, "--overwrite").returncode == 1  # the predictions are there
     missing = command("evaluate", "--protocol", "helimos", tmp_path / "truth", tmp_path / "found")
     assert (missing.returncode, missing.stderr[:16]) == (3, "mapless: error: ")

@@ -34,6 +34,8 @@ struct ObjectProposals {
 class DetectionPipeline {
  public:
   virtual ~DetectionPipeline() = default;
+  /// Detector::learn_own_vehicle.
+  virtual void learn_own_vehicle(const LidarScan& scan, const Trajectory& trajectory) = 0;
   /// Takes the next scan. Throws TrajectoryDomainError, and has then not taken it.
   virtual void add(std::shared_ptr<const LidarScan> scan, const Trajectory& trajectory) = 0;
   /// The objects of scan `number`, using the scans after it up to the newest. Called by increasing number,

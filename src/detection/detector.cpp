@@ -25,6 +25,10 @@ Detector::~Detector() = default;
 Detector::Detector(Detector&&) noexcept = default;
 Detector& Detector::operator=(Detector&&) noexcept = default;
 
+void Detector::learn_own_vehicle(const LidarScan& scan, const Trajectory& trajectory) {
+  pipeline_->learn_own_vehicle(scan, trajectory);
+}
+
 std::vector<Detection> Detector::process(std::shared_ptr<const LidarScan> scan,
                                          const Trajectory& trajectory) {
   const Time start = scan->start;

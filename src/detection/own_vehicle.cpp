@@ -80,7 +80,7 @@ bool OwnVehicle::is_key_scan(const SE3& T_v0) {
   return true;
 }
 
-void OwnVehicle::learn(const LidarScan& scan, float tolerance_m) {
+void OwnVehicle::count_ranges(const LidarScan& scan, float tolerance_m) {
   if (model_ != scan.model) {
     model_ = scan.model;
     cells_.assign(model_->lasers.size() * static_cast<std::size_t>(model_->columns), {});
@@ -127,12 +127,15 @@ bool OwnVehicle::ends_freely(const LidarScan& scan, int row, int column, int sid
   return 2 * linked <= kBeyondEnd;
 }
 
+void OwnVehicle::learn(const LidarScan& scan, const SE3& T_v0, double tolerance_m) {
+  if (!is_key_scan(T_v0)) return;
+  count_ranges(scan, static_cast<float>(tolerance_m));
+  find_own_cells(scan);
+}
+
 std::vector<std::int32_t> OwnVehicle::find(const LidarScan& scan, const SE3& T_v0, double tolerance_m) {
   const auto tolerance = static_cast<float>(tolerance_m);
-  if (is_key_scan(T_v0)) {
-    learn(scan, tolerance);
-    find_own_cells(scan);
-  }
+  learn(scan, T_v0, tolerance_m);
   std::vector<std::int32_t> found;
   if (model_ != scan.model) return found;
   const auto is_own = [&](const LidarReturn& r) {

@@ -29,8 +29,10 @@ namespace mapless::inline v1 {
 /// is nearer than kLargestRange_m with all of a row, cannot be distinguished from the own one.
 class OwnVehicle {
  public:
-  /// The returns of the next scan on the own vehicle, by increasing index. `T_v0`: pose of the sensor at the
-  /// start of the scan; `tolerance_m`: largest difference between two ranges of one surface [m].
+  /// Takes the next scan. `T_v0`: pose of the sensor at the start of the scan; `tolerance_m`: largest
+  /// difference between two ranges of one surface [m].
+  void learn(const LidarScan& scan, const SE3& T_v0, double tolerance_m);
+  /// Takes the next scan; returns its returns on the own vehicle, by increasing index.
   [[nodiscard]] std::vector<std::int32_t> find(const LidarScan& scan, const SE3& T_v0, double tolerance_m);
 
  private:
@@ -42,7 +44,7 @@ class OwnVehicle {
     void add(float seen_m, float tolerance_m);
   };
   [[nodiscard]] bool is_key_scan(const SE3& T_v0);
-  void learn(const LidarScan& scan, float tolerance_m);
+  void count_ranges(const LidarScan& scan, float tolerance_m);
   void find_own_cells(const LidarScan& scan);
   [[nodiscard]] bool ends_freely(const LidarScan& scan, int row, int column, int side) const;
 

@@ -8,6 +8,7 @@
 #include "detection/freespace/range_noise.hpp"
 #include "detection/own_vehicle.hpp"
 #include "detection/segmentation/evidence_growth.hpp"
+#include "geometry/sensor_motion.hpp"
 #include <mapless/core/time.hpp>
 
 namespace mapless::inline v1 {
@@ -49,6 +50,7 @@ class VotingPipeline final : public DetectionPipeline {
         gaps_(reference_gaps(parameters.voting)),
         forward_gap_(static_cast<std::size_t>(parameters.forward_gap)) {}
 
+  void learn_own_vehicle(const LidarScan& scan, const Trajectory& trajectory) override;
   void add(std::shared_ptr<const LidarScan> scan, const Trajectory& trajectory) override;
   ObjectProposals propose(std::size_t number) override;
 
@@ -74,6 +76,13 @@ class VotingPipeline final : public DetectionPipeline {
   std::size_t first_image_ = 0;                   // number of the oldest
   std::deque<PendingScan> pending_;               // scans without proposals yet, oldest first
 };
+
+void VotingPipeline::learn_own_vehicle(const LidarScan& scan, const Trajectory& trajectory) {
+  const SensorMotion motion(scan, trajectory);  // the pose to the bit as in `add`
+  if (motion.column_states.empty()) return;
+  const double tolerance_m = with_tolerance_for_noise(parameters_, scan).tolerance_m;
+  own_vehicle_.learn(scan, motion.column_states.front().T_v0, tolerance_m);
+}
 
 // Step 1 gives the trajectory; here every return and ray gets its own pose.
 void VotingPipeline::add(std::shared_ptr<const LidarScan> scan, const Trajectory& trajectory) {

@@ -5,6 +5,8 @@
 #include <map>
 #include <numeric>
 
+#include <fmt/format.h>
+
 #include "lidar/ring_points.hpp"
 #include <mapless/core/errors.hpp>
 
@@ -15,6 +17,11 @@ using Cloud = std::vector<Eigen::Vector3f>;
 
 // Twice as many as any sensor has lasers. The points of a cloud in another order fall into tens of thousands.
 constexpr std::size_t kMostRings = 256;
+
+// RMS distance of the points from the lines of their rings. Of KITTI raw 0.0003 m; of a cloud that is
+// compensated for motion, several centimetres. Beams 0.4 degrees apart are 0.2 m apart at 30 m: then rings
+// are none. Chosen.
+constexpr double kLargestResidual_m = 0.2;
 
 // The expected number of rings where any scan has it, else the most frequent one (the larger of two).
 std::size_t ring_count(const std::vector<std::vector<std::size_t>>& starts, int expected,
@@ -40,6 +47,15 @@ std::size_t ring_count(const std::vector<std::vector<std::size_t>>& starts, int 
   throw InputError({source, "rings", std::to_string(best),
                     "more than " + std::to_string(kMostRings) + ": the points are not stored ring after ring",
                     "restore the order in which the sensor's driver wrote them"});
+}
+
+double checked_residual(double residual_m, std::size_t rings, const std::string& source) {
+  if (residual_m <= kLargestResidual_m) return residual_m;
+  throw InputError({source, "rings", fmt::format("{:.0f} mm", 1e3 * residual_m),
+                    fmt::format("so far from {} beams (RMS) are the points that should lie on them: rings or "
+                                "columns of the recording are not what they were taken for",
+                                rings),
+                    "name the sensor, or say what the columns are"});
 }
 
 // The scans with as many rings as most have.
@@ -130,6 +146,7 @@ EstimatedModel estimate_model_of_rings(const std::vector<RingedCloud>& clouds, s
   estimate.scans_used = static_cast<int>(clouds.size());
   const std::vector<RingPoints> rings = collect_rings(clouds, count);
   const std::vector<RingLine> lines = fit_ring_lines(rings);
+  estimate.elevation_residual_m = checked_residual(ring_line_residual(rings, lines), count, source);
   const AzimuthGrid grid =
       find_azimuth_grid(rings, options.start_azimuth_rad, static_cast<double>(options.direction));
   if (grid.columns <= 0) {
@@ -155,7 +172,6 @@ EstimatedModel estimate_model_of_rings(const std::vector<RingedCloud>& clouds, s
   }
   estimate.encoder_steps = grid.encoder_steps;
   estimate.azimuths_absolute = grid.absolute;
-  estimate.elevation_residual_m = ring_line_residual(rings, lines);
   estimate.azimuth_residual_columns = azimuth_residual(clouds, result);
   return result;
 }

@@ -229,6 +229,9 @@ std::vector<LabelledScan> OnlineDetector::State::labelled(std::vector<Detection>
 OnlineDetector::OnlineDetector(const OnlineDetectorOptions& options)
     : state_(std::make_unique<State>(options)) {}
 OnlineDetector::~OnlineDetector() = default;
+void OnlineDetector::learn_own_vehicle(const LidarScan& scan, const Trajectory& given) {
+  state_->detector.learn_own_vehicle(scan, given);
+}
 void OnlineDetector::add_measurement(const MotionMeasurement& measured) {
   state_->odometry.add_measurement(measured);
 }

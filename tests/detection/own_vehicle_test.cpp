@@ -1,8 +1,13 @@
 #include "detection/own_vehicle.hpp"
 
+#include <algorithm>
+#include <memory>
+
 #include <gtest/gtest.h>
 
 #include "support/small_scan.hpp"
+#include "support/toy_scene.hpp"
+#include <mapless/detection/detector.hpp>
 
 namespace mapless {
 namespace MAPLESS_FILE {
@@ -88,6 +93,38 @@ TEST(OwnVehicle, IsNoSideWhoseEndMoves) {
     scan.model = first.model;
     EXPECT_TRUE(own.find(scan, after(0.6 * k), kTolerance_m).empty()) << "scan " << k;
   }
+}
+
+// A box in front of the sensor that drives with it at 5 m/s: of scans 15 to 25, the points that move.
+std::size_t moving_points(bool learn) {
+  test::ToyScene scene;
+  scene.model = std::make_shared<const LidarModel>(named_model("OS1-64"));
+  scene.trajectory = test::drive(5, 0);
+  scene.world = {test::toy_ground(-1.5), test::toy_box({40, 0, 0}, {1, 20, 5})};
+  scene.world.push_back(test::toy_box({2, 0, -0.2}, {0.2, 0.4, 0.3}));
+  scene.world.back().velocity_0 = {5, 0, 0};
+  Detector detector;
+  std::size_t moving = 0;
+  const auto count = [&](const std::vector<Detection>& detections) {
+    for (const Detection& d : detections)
+      moving += static_cast<std::size_t>(
+          std::count_if(d.object.begin(), d.object.end(), [](auto o) { return o > 0; }));
+  };
+  for (int k = 0; k < 26; ++k) {
+    const auto scan = test::cast_scan(scene, k).scan;
+    if (k >= 15) {
+      count(detector.process(scan, *scene.trajectory));
+    } else if (learn) {
+      detector.learn_own_vehicle(*scan, *scene.trajectory);
+    }
+  }
+  count(detector.flush());
+  return moving;
+}
+
+TEST(OwnVehicle, IsKnownFromScansThatAreNotLabelled) {
+  EXPECT_GT(moving_points(false), 100U);
+  EXPECT_EQ(moving_points(true), 0U);
 }
 
 }  // namespace MAPLESS_FILE

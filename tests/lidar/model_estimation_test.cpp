@@ -155,6 +155,20 @@ TEST(EstimateModel, RefusesPointsInAnotherOrder) {
   }
 }
 
+// Neighbours of one ring are given sixteen rings: metres from any beam.
+TEST(EstimateModel, RefusesRingsThatPointsDoNotLieOn) {
+  const LidarModel truth = make_bare_cloud_model(16, 1000);
+  RingedCloud cloud{make_bare_cloud(truth, 0), {}};
+  for (std::size_t i = 0; i < cloud.points.size(); ++i)
+    cloud.rings.push_back(static_cast<std::int32_t>(i % 16));  // stored ring after ring
+  try {
+    (void)estimate_model_of_rings({cloud}, 16, {}, "cloud");
+    ADD_FAILURE() << "no error";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("so far from 16 beams"));
+  }
+}
+
 TEST(EstimateModel, RefusesCloudsWithoutPoints) {
   EXPECT_THROW((void)estimate_model({}, {}, "nothing"), InputError);
   EXPECT_THROW((void)estimate_model({{}, {{0, 0, 0}}}, {}, "nothing"), InputError);

@@ -28,6 +28,10 @@ std::string prediction_name(const fs::path& scan_file, std::size_t k) {
                                                          : fmt::format("{:06}", k);
 }
 
+fs::path predictions_folder(const fs::path& output, const std::string& sequence) {
+  return output / "sequences" / sequence / "predictions";
+}
+
 }  // namespace
 
 std::string semantic_kitti_sequence(const fs::path& recording) {
@@ -35,14 +39,18 @@ std::string semantic_kitti_sequence(const fs::path& recording) {
   return is_number(name) ? name : "00";
 }
 
+void require_free_predictions(const fs::path& output, const std::string& sequence) {
+  const fs::path folder = predictions_folder(output, sequence);
+  if (!fs::exists(folder) || fs::is_empty(folder)) return;
+  throw OutputError({folder.string(), "", "", "is there and is not an empty folder",
+                     "remove it, or give another folder or --sequence"});
+}
+
 PredictionCounts write_semantic_kitti(const Dataset& dataset, const ResultFolder& result,
                                       const std::vector<std::size_t>& scans, const fs::path& output,
                                       const std::string& sequence) {
-  const fs::path folder = output / "sequences" / sequence / "predictions";
-  if (fs::exists(folder) && !fs::is_empty(folder)) {
-    throw OutputError({folder.string(), "", "", "is there and is not an empty folder",
-                       "remove it, or give another folder or --sequence"});
-  }
+  require_free_predictions(output, sequence);
+  const fs::path folder = predictions_folder(output, sequence);
   fs::create_directories(folder);
   PredictionCounts counts;
   Progress progress("scans");

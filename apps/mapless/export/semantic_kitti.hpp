@@ -19,6 +19,9 @@ struct PredictionCounts {
 /// The sequence of a recording in sequences/NN: "NN"; "00" for any other recording.
 [[nodiscard]] std::string semantic_kitti_sequence(const std::filesystem::path& recording);
 
+/// Throws OutputError where the folder for the predictions holds something.
+void require_free_predictions(const std::filesystem::path& output, const std::string& sequence);
+
 /// Writes the labels of scans of a result for evaluate_mos.py of semantic-kitti-api:
 /// output/sequences/`sequence`/predictions/NNNNNN.label, with the number that the scan's file has for a name,
 /// else with that of the scan. One uint32 per input record, 251 moving or 9 static. A record

@@ -36,7 +36,8 @@ DetectionRun::DetectionRun(const Dataset& dataset, std::shared_ptr<const Traject
       pace_(std::move(pace)),
       summary_(summary),
       progress_("scans"),
-      reader_([this](std::size_t k) { return read(k); }, selection.first, selection.count),
+      reader_([this](std::size_t k) { return read(k); }, selection.own_vehicle_from,
+              selection.first - selection.own_vehicle_from + selection.count),
       writer_(kMostUnwritten, [this](const FinishedScan& scan) { write(scan); }) {}
 
 bool DetectionRun::run() {
@@ -83,7 +84,13 @@ bool DetectionRun::detect_all() {
   return true;
 }
 
+void DetectionRun::learn_own_vehicle() {
+  for (std::size_t k = selection_.own_vehicle_from; k < selection_.first && !InterruptGuard::requested(); ++k)
+    online_.learn_own_vehicle(*take(k), *given_);
+}
+
 bool DetectionRun::push_all() {
+  learn_own_vehicle();
   while (const auto index = next_scan()) {
     if (InterruptGuard::requested()) return false;
     const std::size_t k = selection_.first + *index;

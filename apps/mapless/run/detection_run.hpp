@@ -26,6 +26,7 @@ namespace mapless::app {
 struct ScanSelection {
   std::size_t first = 0;
   std::size_t count = 0;
+  std::size_t own_vehicle_from = 0;  ///< the own vehicle is learnt from these scans on; at most `first`
 };
 
 /// One run: scans in, files out. One thread reads scans ahead and one writes results, beside the
@@ -71,6 +72,7 @@ class DetectionRun {
   };
 
   [[nodiscard]] InputScan read(std::size_t k) const;
+  void learn_own_vehicle();
   bool detect_all();
   bool push_all();
   [[nodiscard]] std::optional<std::size_t> next_scan();

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <tbb/global_control.h>
 
+#include "export/semantic_kitti.hpp"
 #include "options/motion_measurements.hpp"
 #include "options/option_checks.hpp"
 #include "options/parameter_options.hpp"
@@ -35,8 +36,10 @@ struct DetectOptions {
   ParameterOptions parameters;
   MotionMeasurementOptions measured;
   std::string output;
+  std::string semantic_kitti;  // folder; empty: not wanted
   std::size_t first = 0;
   std::optional<std::size_t> count;
+  std::optional<std::size_t> own_vehicle_from;
   std::optional<std::size_t> threads;
   bool odometry = false;
   bool real_time = false;
@@ -58,6 +61,20 @@ std::size_t selected_count(const DetectOptions& options, const Dataset& dataset)
                           fmt::format("more scans than there are from scan {} on", options.first), remedy});
   }
   return count;
+}
+
+// The first scan from which the own vehicle is learnt.
+std::size_t own_vehicle_from(const DetectOptions& options, const TrajectorySource& motion) {
+  const std::size_t from = options.own_vehicle_from.value_or(options.first);
+  if (from > options.first) {
+    throw ParameterError({"--own-vehicle-from", "", std::to_string(from), "after the first scan to process",
+                          fmt::format("--first is {}", options.first)});
+  }
+  if (from < options.first && !motion.trajectory) {
+    throw ParameterError(
+        {"--own-vehicle-from", "", std::to_string(from), "needs poses", "give poses, or leave it out"});
+  }
+  return from;
 }
 
 // Measurements are for the odometry.
@@ -147,6 +164,16 @@ void announce(const std::optional<EarlierRun>& earlier, const std::string& outpu
   }
 }
 
+// What can be said before the recording is opened.
+void require_possible(const DetectOptions& options, DetectionMethod method) {
+  if (options.probability && method != DetectionMethod::voting) {
+    throw ParameterError({"--probability", "method", "published", "has no evidence to derive one from",
+                          "use the default method"});
+  }
+  if (options.semantic_kitti.empty()) return;
+  require_free_predictions(options.semantic_kitti, semantic_kitti_sequence(options.recording.path));
+}
+
 int detect(const DetectOptions& options) {
   std::optional<tbb::global_control> threads;
   if (options.threads) threads.emplace(tbb::global_control::max_allowed_parallelism, *options.threads);
@@ -156,10 +183,7 @@ int detect(const DetectOptions& options) {
   const OnlineDetectorOptions detector{options.parameters.chosen(), options.parameters.odometry(),
                                        options.threads != 1};
 
-  if (options.probability && detector.detection.method != DetectionMethod::voting) {
-    throw ParameterError({"--probability", "method", "published", "has no evidence to derive one from",
-                          "use the default method"});
-  }
+  require_possible(options, detector.detection.method);
   const auto dataset = options.recording.open();
   const std::size_t count = selected_count(options, *dataset);
   require_time_order(*dataset, options.first, count);
@@ -193,8 +217,9 @@ int detect(const DetectOptions& options) {
   };
   std::optional<RealTimePace> pace;
   if (options.real_time) pace = pace_of(*dataset, options.first, count);
-  DetectionRun run(*dataset, motion.trajectory, result, detector, summary, {options.first, count},
-                   std::move(pace), make_folder, finished_before);
+  DetectionRun run(*dataset, motion.trajectory, result, detector, summary,
+                   {options.first, count, own_vehicle_from(options, motion)}, std::move(pace), make_folder,
+                   finished_before);
   for (const MotionMeasurement& one : measured) run.add_measurement(one);
   if (options.probability) run.write_probabilities();
   const bool complete = run_to_the_end(run, summary);
@@ -203,6 +228,9 @@ int detect(const DetectOptions& options) {
   if (const std::string trouble = summary.input_output_trouble(); !trouble.empty())
     say("mapless: {}\n", trouble);
   const int code = report(options, summary, complete, finished_before);
+  if (code == kSuccess && !options.semantic_kitti.empty())
+    write_semantic_kitti(*dataset, result, result.labelled_scans(), options.semantic_kitti,
+                         semantic_kitti_sequence(options.recording.path));
   return code != kSuccess ? code : trust(odometry.count(MotionState::lost), odometry.scans());
 }
 
@@ -242,6 +270,12 @@ void add_detect(CLI::App& app, int& exit_code) {
   verb->add_option("--first", options->first, "number of the first scan to process, from 0")
       ->check(whole_number(0))
       ->capture_default_str();
+  verb->add_option("--own-vehicle-from", options->own_vehicle_from,
+                   "with poses: learn the own vehicle from the scans from this number on, which are read and "
+                   "not labelled before --first. Of long ago it is all that labels depend on: with 0 the "
+                   "labels are those of the whole recording some hundred scans after --first (default: "
+                   "--first)")
+      ->check(whole_number(0));
   verb->add_option("--count", options->count, "number of scans to process (default: all from --first on)")
       ->check(whole_number(1));
   verb->add_flag(
@@ -257,6 +291,9 @@ void add_detect(CLI::App& app, int& exit_code) {
           "number of threads for odometry and detection (default: all cores); reading and writing use one "
           "more each. The result does not depend on it")
       ->check(CLI::Range(1, 1024));
+  verb->add_option("--semantic-kitti", options->semantic_kitti,
+                   "also write the labels to sequences/NN/predictions/NNNNNN.label of this folder, as "
+                   "semantic-kitti-api evaluates them (mapless export --what semantic-kitti)");
   verb->add_flag("--json", options->json, "print the summary as JSON");
   verb->callback([options, &exit_code] { exit_code = detect(*options); });
 }

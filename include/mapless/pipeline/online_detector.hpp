@@ -118,6 +118,9 @@ class OnlineDetector {
   [[nodiscard]] std::vector<LabelledScan> push(LidarScan scan,
                                                const std::shared_ptr<const Trajectory>& given = nullptr);
 
+  /// Detector::learn_own_vehicle, from a scan before the first one pushed, with given poses.
+  void learn_own_vehicle(const LidarScan& scan, const Trajectory& given);
+
   /// What another sensor measures of the motion, before the scan during which it is measured is pushed:
   /// LidarOdometry::add_measurement. Without effect where poses are given.
   void add_measurement(const MotionMeasurement& measured);

@@ -1,9 +1,10 @@
 """Parts of a long drive, labelled by tasks of their own, and their join to the bytes of one run.
 
-A part is labelled from WARM_UP scans before its first scan: references, tracks and what is known of the own vehicle
-then are those of a run from the start. LOOK_AHEAD scans follow its last one: evidence from later scans. Over the
-second half of the warm-up the part is compared with the one before it, labels, stages and objects; where a byte
-differs the parts are not joined. The poses are given: along own odometry no two runs of different starts agree.
+A part is labelled from WARM_UP scans before its first scan: references and tracks then are those of a run from the
+start. The own vehicle is learnt from the first scan on. LOOK_AHEAD scans follow the last one: evidence from later
+scans. Over the last COMPARED scans of the warm-up the part is compared with the one before it, labels, stages and
+objects; where a byte differs the parts are not joined. The poses are given: along own odometry no two runs of
+different starts agree.
 """
 
 from __future__ import annotations
@@ -22,10 +23,10 @@ import numpy.typing as npt
 from mapless._result import MOVING, Result
 from mapless.batch.plan import Task
 
-# Four times the span of the reference scans (64), which themselves know what moved in their references. Measured on
-# town1 and the highway: docs/fleet.md.
+# Four times the span of the reference scans (64), which themselves know what moved in their references. Measured from
+# nine starts: equal to the byte after 135 scans at most (docs/fleet.md).
 WARM_UP = 256
-COMPARED = WARM_UP // 2  # more than the 5 s after which an object at rest loses its id, at up to 25 scans a second
+COMPARED = 128  # more than the 5 s after which an object at rest loses its id, at up to 25 scans a second
 LOOK_AHEAD = 100  # the largest forward_gap
 FEWEST_SCANS = 2 * WARM_UP  # of a part
 LABEL_NUMBERS = 65535
@@ -47,7 +48,8 @@ def range_flags(task: Task) -> list[str]:
     if task.parts == 1 or task.scans is None:
         return []
     end = min(task.kept.stop + LOOK_AHEAD, task.scans)
-    return ["--first", str(first_scan(task)), "--count", str(end - first_scan(task))]
+    first = str(first_scan(task))
+    return ["--first", first, "--count", str(end - first_scan(task)), "--own-vehicle-from", "0"]
 
 
 def label_number(identity: int) -> int:
@@ -145,8 +147,9 @@ def _rows(part: _Part) -> list[Row]:
 
 def _write_scans(part: _Part, folder: pathlib.Path) -> None:
     for scan in part.task.kept:
-        name = pathlib.Path("stages", f"{scan:06d}.stages")
-        _link(part.folder / name, folder / name)
+        for file in sorted(part.folder.glob(f"*/{scan:06d}.*")):  # stages, and what options of detect add
+            if file.parent.name != "labels":
+                _link(file, folder / file.parent.name / file.name)
         name = pathlib.Path("labels", f"{scan:06d}.label")
         same = all(part.known[int(row[ID])].identity == int(row[ID]) for row in part.rows.get(scan, []))
         if same:
@@ -217,7 +220,7 @@ def join(tasks: list[Task], folders: list[str], output: str) -> None:
     """Writes the result of one run into `output` from those of all parts of a drive. Raises PartsDifferError."""
     parts = [_Part(task, folder) for task, folder in zip(tasks, folders)]
     place = pathlib.Path(output)
-    for name in ("labels", "stages"):
+    for name in {path.parent.name for path in parts[0].folder.glob("*/*")}:
         (place / name).mkdir(parents=True)
     last = 0
     for before, part in zip([None, *parts], parts):

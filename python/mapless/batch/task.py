@@ -168,7 +168,7 @@ class _Attempt:
         storage.remove(self.folder)
 
     def close(self) -> None:
-        """Nothing of the task is left but the folder of an attempt that can go on."""
+        """Nothing of the task is left but the folder of one that was killed or raised."""
         if self._temporary is not None:
             self._temporary.cleanup()
         if self._lock is not None:
@@ -215,8 +215,7 @@ def _label(task: Task, results: str, scratch: str | None, threads: int, command:
         flags = ["-o", attempt.output, "--threads", str(threads), *parts.range_flags(task)]
         code, lines = _execute([*command, "detect", local, "--format", task.format, *flags, *task.options])
         if code not in FINISHED:
-            if code not in (ExitCode.TEMPORARY, ExitCode.INTERRUPTED):
-                attempt.remove()
+            attempt.remove()  # the next try begins anew; on a full disk the other drives need the place
             errors = [line.removeprefix("error: ") for line in lines if line.startswith("error: ")]
             return _failed(task, results, code, (errors or lines or ["no message"])[-1])
         trouble = lines[-1] if code == ExitCode.NOT_TRUSTED and lines else ""

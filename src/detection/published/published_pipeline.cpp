@@ -40,6 +40,8 @@ class PublishedPipeline final : public DetectionPipeline {
  public:
   explicit PublishedPipeline(const DetectorParameters& parameters) : parameters_(parameters) {}
 
+  void learn_own_vehicle(const LidarScan& /*scan*/, const Trajectory& /*trajectory*/) override {}
+
   void add(std::shared_ptr<const LidarScan> scan, const Trajectory& trajectory) override {
     buffer_.push_back(prepare(std::move(scan), trajectory));
   }
