@@ -164,13 +164,14 @@ void announce(const std::optional<EarlierRun>& earlier, const std::string& outpu
   }
 }
 
-void require_possible_outputs(const DetectOptions& options, DetectionMethod method,
-                              const std::string& sequence) {
+// What can be said before the recording is opened.
+void require_possible(const DetectOptions& options, DetectionMethod method) {
   if (options.probability && method != DetectionMethod::voting) {
     throw ParameterError({"--probability", "method", "published", "has no evidence to derive one from",
                           "use the default method"});
   }
-  if (!options.semantic_kitti.empty()) require_free_predictions(options.semantic_kitti, sequence);
+  if (options.semantic_kitti.empty()) return;
+  require_free_predictions(options.semantic_kitti, semantic_kitti_sequence(options.recording.path));
 }
 
 int detect(const DetectOptions& options) {
@@ -181,8 +182,8 @@ int detect(const DetectOptions& options) {
   result.require_free(options.overwrite || options.resume);
   const OnlineDetectorOptions detector{options.parameters.chosen(), options.parameters.odometry(),
                                        options.threads != 1};
-  const std::string sequence = semantic_kitti_sequence(options.recording.path);
-  require_possible_outputs(options, detector.detection.method, sequence);
+
+  require_possible(options, detector.detection.method);
   const auto dataset = options.recording.open();
   const std::size_t count = selected_count(options, *dataset);
   require_time_order(*dataset, options.first, count);
@@ -228,7 +229,8 @@ int detect(const DetectOptions& options) {
     say("mapless: {}\n", trouble);
   const int code = report(options, summary, complete, finished_before);
   if (code == kSuccess && !options.semantic_kitti.empty())
-    write_semantic_kitti(*dataset, result, result.labelled_scans(), options.semantic_kitti, sequence);
+    write_semantic_kitti(*dataset, result, result.labelled_scans(), options.semantic_kitti,
+                         semantic_kitti_sequence(options.recording.path));
   return code != kSuccess ? code : trust(odometry.count(MotionState::lost), odometry.scans());
 }
 

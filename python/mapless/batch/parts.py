@@ -147,8 +147,9 @@ def _rows(part: _Part) -> list[Row]:
 
 def _write_scans(part: _Part, folder: pathlib.Path) -> None:
     for scan in part.task.kept:
-        name = pathlib.Path("stages", f"{scan:06d}.stages")
-        _link(part.folder / name, folder / name)
+        for file in sorted(part.folder.glob(f"*/{scan:06d}.*")):  # stages, and what options of detect add
+            if file.parent.name != "labels":
+                _link(file, folder / file.parent.name / file.name)
         name = pathlib.Path("labels", f"{scan:06d}.label")
         same = all(part.known[int(row[ID])].identity == int(row[ID]) for row in part.rows.get(scan, []))
         if same:
@@ -219,7 +220,7 @@ def join(tasks: list[Task], folders: list[str], output: str) -> None:
     """Writes the result of one run into `output` from those of all parts of a drive. Raises PartsDifferError."""
     parts = [_Part(task, folder) for task, folder in zip(tasks, folders)]
     place = pathlib.Path(output)
-    for name in ("labels", "stages"):
+    for name in {path.parent.name for path in parts[0].folder.glob("*/*")}:
         (place / name).mkdir(parents=True)
     last = 0
     for before, part in zip([None, *parts], parts):
