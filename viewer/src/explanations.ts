@@ -52,8 +52,8 @@ export interface PointExplanation {
 
 const AGREES = 16, NOT_KNOWN = 65535, EDGE = 3, THROUGH = 4;
 const GREY: Colour = [136, 136, 136];
-// By ObservationKind.
-const COLOURS: (Colour | null)[] = [null, null, null, null, MOVING, MOVING, MOVING, MISSED, UNJUDGED, GREY, GREY, HIT, FALSE];
+// Of an ObservationKind, by a function: colours.ts is read after this file.
+const colourOf = (kind: number): Colour | null => [null, null, null, null, MOVING, MOVING, MOVING, MISSED, UNJUDGED, GREY, GREY, HIT, FALSE][kind] ?? null;
 const NOTHING_MET = 6, OWN_VEHICLE = 0;
 const SHOWN_WITHOUT_RETURN_M = 30; // of a ray that met nothing, behind the place
 
@@ -130,7 +130,7 @@ export class ScanExplanation {
     const other = this.drive.scans.find((s) => s.number === number), words = this.texts.observations[kind];
     const text = filledIn(words.text, figures) + (agrees ? "; the ranges of the scans change steadily, as of a surface moving along the rays" : "");
     const beyond_m = kind === NOTHING_MET ? SHOWN_WITHOUT_RETURN_M : known ? metres(coded >> 1) * (behind ? 1 : -1) : 0;
-    return { scan: number, votes: seen.votes[code], name: words.name, text, colour: COLOURS[kind] ?? null, beyond_m, agrees,
+    return { scan: number, votes: seen.votes[code], name: words.name, text, colour: colourOf(kind), beyond_m, agrees,
              after_s: other ? Number(BigInt(other.time_ns) - BigInt(this.scan.header.time_ns)) * 1e-9 : null };
   }
 

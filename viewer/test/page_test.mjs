@@ -125,6 +125,8 @@ test("the page explains points as mapless explain does", async () => {
     assert.match(text, new RegExp(`Point ${record} of scan 20\\s+labelled ${said.label}`));
     for (const part of [said.step_text, ...(said.object ? [said.object.text] : []), ...said.observations.map((o) => o.text)])
       assert.ok(text.includes(part), `${part}\nis not in\n${text}`);
+    const coloured = await page.locator("#point .rays .dot[style]").count();
+    assert.equal(coloured, said.observations.filter((o) => !["not queried", "no ray", "faulty", "edge"].includes(o.kind)).length);
     const votes = await page.locator("#point .rays .votes").allInnerTexts();
     const number = (t) => Number(t.replace("\u2212", "-"));
     assert.deepEqual(votes.slice(0, -1).map(number), said.observations.map((o) => o.votes));
