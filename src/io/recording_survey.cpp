@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "core/median.hpp"
-#include "io/point_oddities.hpp"
+#include "io/self_check/scan_checks.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/io/dataset.hpp>
 #include <mapless/io/files.hpp>
@@ -168,12 +168,12 @@ RecordingSurvey survey_recording(const Dataset& dataset,
   survey.scans = dataset.size();
   ScanSizes sizes;
   DuplicateFinder duplicates;
-  PointOddities points;
+  ScanChecks points;
   for (std::size_t k = 0; k < survey.scans; ++k) {
     try {
       const LidarScan scan = dataset.read(k);
       survey_scan(scan, k, survey, sizes);
-      points.add(scan, k);
+      points.add(scan, k, nullptr);
       duplicates.add(dataset, k, survey.oddities);
     } catch (const InputError& error) {
       survey.oddities.push_back(fmt::format("scan {}: {}", k, error.what()));

@@ -13,6 +13,7 @@
 #include "run/duration_histogram.hpp"
 #include "run/input_output_report.hpp"
 #include "run/real_time_pace.hpp"
+#include "trust/moving_share.hpp"
 #include <mapless/detection/detector.hpp>
 #include <mapless/io/dataset.hpp>
 #include <mapless/io/trajectory_file.hpp>
@@ -49,6 +50,8 @@ class RunSummary {
   [[nodiscard]] std::string input_output_trouble() const {
     return input_output_ ? trouble(*input_output_) : "";
   }
+  /// One line; empty where the share of moving points is plausible.
+  [[nodiscard]] std::string moving_trouble() const { return moving_share_.trouble(); }
   [[nodiscard]] std::size_t scans() const { return scans_; }
   [[nodiscard]] Json json() const;
   /// Text of summary.json.
@@ -72,6 +75,7 @@ class RunSummary {
   std::vector<bool> seen_ids_;  // of the moving objects of all scans: one bit an object
   std::size_t ids_ = 0;
   std::array<DurationHistogram, kTimings> durations_;
+  MovingShare moving_share_;
   std::optional<OdometryReport> odometry_;
   std::optional<InputOutputReport> input_output_;
   std::optional<RealTimeReport> real_time_;

@@ -21,6 +21,7 @@
 #include "terminal/exit_codes.hpp"
 #include "terminal/interrupt.hpp"
 #include "terminal/stderr.hpp"
+#include "trust/input_check.hpp"
 #include "verbs/verbs.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/io/dataset.hpp>
@@ -146,10 +147,11 @@ bool run_to_the_end(DetectionRun& run, RunSummary& summary) {
   }
 }
 
-int trust(std::size_t lost, std::size_t scans) {
-  if (lost == 0) return kSuccess;
-  say("mapless: {}\n", motion_lost_line(lost, scans));
-  return kNotTrusted;
+int trust(std::size_t lost, std::size_t scans, bool doubtful, const std::string& moving = "") {
+  if (!moving.empty()) say("mapless: {}\n", moving);
+  if (lost > 0) say("mapless: {}\n", motion_lost_line(lost, scans));
+  if (doubtful || !moving.empty()) say("mapless: finished; the result is doubtful, see above\n");
+  return lost > 0 || doubtful || !moving.empty() ? kNotTrusted : kSuccess;
 }
 
 // Says what --resume will do.
@@ -182,7 +184,6 @@ int detect(const DetectOptions& options) {
   result.require_free(options.overwrite || options.resume);
   const OnlineDetectorOptions detector{options.parameters.chosen(), options.parameters.odometry(),
                                        options.threads != 1};
-
   require_possible(options, detector.detection.method);
   const auto dataset = options.recording.open();
   const std::size_t count = selected_count(options, *dataset);
@@ -193,6 +194,7 @@ int detect(const DetectOptions& options) {
   announce(*dataset, motion);
   const std::vector<MotionMeasurement> measured = measurements_of(options, *dataset, motion, count);
   if (motion.trajectory) require_coverage(*dataset, *motion.trajectory, options.first, count);
+  const bool doubtful = says_doubts(*dataset, motion.trajectory, {options.first, count});
 
   const InterruptGuard interrupt;
   RunSummary summary(*dataset, options.recording.path, motion, options.parameters.profile, options.first,
@@ -204,7 +206,7 @@ int detect(const DetectOptions& options) {
   if (options.resume) {
     const auto earlier = earlier_run(result, summary, configuration_text(options.parameters));
     announce(earlier, options.output);
-    if (earlier && earlier->complete) return trust(earlier->lost_scans, count);
+    if (earlier && earlier->complete) return trust(earlier->lost_scans, count, doubtful);
     if (earlier) summary.set_resumed_after(finished_before = earlier->finished);
     result.remove_partial_files();
   }
@@ -228,10 +230,11 @@ int detect(const DetectOptions& options) {
   if (const std::string trouble = summary.input_output_trouble(); !trouble.empty())
     say("mapless: {}\n", trouble);
   const int code = report(options, summary, complete, finished_before);
-  if (code == kSuccess && !options.semantic_kitti.empty())
+  if (code != kSuccess) return code;
+  if (!options.semantic_kitti.empty())
     write_semantic_kitti(*dataset, result, result.labelled_scans(), options.semantic_kitti,
                          semantic_kitti_sequence(options.recording.path));
-  return code != kSuccess ? code : trust(odometry.count(MotionState::lost), odometry.scans());
+  return trust(odometry.count(MotionState::lost), odometry.scans(), doubtful, summary.moving_trouble());
 }
 
 // What is written beside the result.

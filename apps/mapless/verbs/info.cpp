@@ -1,5 +1,6 @@
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -41,7 +42,32 @@ Json estimate_json(const Dataset& dataset) {
           {"azimuth_residual_columns", estimate->azimuth_residual_columns}};
 }
 
-Json to_json(const Dataset& dataset, const RecordingSurvey& s) {
+// Along the poses of the recording, where they cover it.
+std::vector<CheckResult> self_check(const Dataset& dataset) {
+  std::shared_ptr<const Trajectory> given;
+  try {
+    given = dataset.trajectory();
+    if (given) require_coverage(dataset, *given, 0, dataset.size());
+  } catch (const Error&) {  // trajectory_line says so
+    given = nullptr;
+  }
+  return check_recording(dataset, given, 0, dataset.size());
+}
+
+Json to_json(const std::vector<CheckResult>& checks) {
+  Json out = Json::array();
+  for (const CheckResult& c : checks) {
+    out.push_back({{"name", c.name},
+                   {"trust", name_of(c.trust)},
+                   {"measured", c.measured},
+                   {"where", c.where},
+                   {"problem", c.problem},
+                   {"remedy", c.remedy}});
+  }
+  return out;
+}
+
+Json to_json(const Dataset& dataset, const RecordingSurvey& s, const std::vector<CheckResult>& checks) {
   const auto model = dataset.model();
   return {{"format", dataset.format()},
           {"sensor",
@@ -71,6 +97,7 @@ Json to_json(const Dataset& dataset, const RecordingSurvey& s) {
             {"moving_points", s.moving_points},
             {"static_points", s.still_points},
             {"unknown_points", s.unknown_points}}},
+          {"self_check", to_json(checks)},
           {"oddities", s.oddities},
           {"notes", dataset.notes()}};
 }
@@ -97,7 +124,7 @@ std::string sensor_line(const Dataset& dataset) {
   return line;
 }
 
-std::string lines(const Dataset& dataset, const RecordingSurvey& s) {
+std::string lines(const Dataset& dataset, const RecordingSurvey& s, const std::vector<CheckResult>& checks) {
   std::string out;
   const auto line = [&out](std::string_view name, const std::string& text) {
     out += fmt::format("{:<14}{}\n", name, text);
@@ -124,6 +151,12 @@ std::string lines(const Dataset& dataset, const RecordingSurvey& s) {
                      ? "none"
                      : fmt::format("{} scans; {} moving, {} static, {} unknown points", s.labelled_scans,
                                    s.moving_points, s.still_points, s.unknown_points));
+  for (const CheckResult& c : checks) {
+    line("check", c.trust == Trust::unknown
+                      ? fmt::format("{}: {}", c.name, c.measured)
+                      : fmt::format("{}: {}: {}", c.name, name_of(c.trust), c.measured));
+    if (!c.problem.empty()) line("", fmt::format("{}: {}; {}", c.where, c.problem, c.remedy));
+  }
   for (const std::string& note : dataset.notes()) line("note", note);
   for (const std::string& oddity : s.oddities) line("odd", oddity);
   if (s.oddities.empty()) line("odd", "nothing");
@@ -136,10 +169,11 @@ int info(const InfoOptions& options) {
   const RecordingSurvey survey = survey_recording(
       *dataset, [&progress](std::size_t done, std::size_t of) { progress.update(done, of); });
   progress.clear();
+  const std::vector<CheckResult> checks = self_check(*dataset);
   if (options.json) {
-    fmt::print("{}", json_text(to_json(*dataset, survey)));
+    fmt::print("{}", json_text(to_json(*dataset, survey, checks)));
   } else {
-    fmt::print("{}", lines(*dataset, survey));
+    fmt::print("{}", lines(*dataset, survey, checks));
   }
   return 0;
 }

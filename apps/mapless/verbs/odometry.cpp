@@ -27,6 +27,7 @@
 #include "terminal/interrupt.hpp"
 #include "terminal/progress.hpp"
 #include "terminal/stderr.hpp"
+#include "trust/input_check.hpp"
 #include "verbs/verbs.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/evaluation/trajectory_evaluation.hpp>
@@ -186,6 +187,7 @@ int odometry(const OdometryOptions& options) {
   files.require_free(options.overwrite);
   const auto dataset = options.recording.open();
   (void)motion_by_odometry(*dataset, 0);  // refuses a compensated recording
+  const bool doubtful = says_doubts(*dataset, nullptr, {0, dataset->size()});
   const InterruptGuard interrupt;
   const std::optional<Estimate> done = estimate(*dataset, options);
   if (!done) {
@@ -198,7 +200,7 @@ int odometry(const OdometryOptions& options) {
   files.write(found.at_instants, found.rows, found.motions);
   const std::size_t lost = found.report.count(MotionState::lost);
   if (lost > 0) say("mapless: {}\n", motion_lost_line(lost, found.report.scans()));
-  const int code = lost > 0 ? kNotTrusted : kSuccess;
+  const int code = lost > 0 || doubtful ? kNotTrusted : kSuccess;
   if (options.json) {
     fmt::print("{}", summary_json(options, found, trouble));
     return code;

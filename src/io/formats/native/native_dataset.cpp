@@ -1,5 +1,6 @@
 #include "io/formats/native/native_dataset.hpp"
 
+#include <algorithm>
 #include <map>
 #include <utility>
 
@@ -35,6 +36,18 @@ void require_size_of_model(const PcdCloud& cloud, const LidarModel& model) {
   require("WIDTH", cloud.width, static_cast<std::size_t>(model.columns), "columns");
 }
 
+// A file that was cut and filled up with zeros, as copying to a full disk or a power cut leave it. Sensors
+// without a return give a time, or NaN.
+void require_not_padded(const PcdCloud& cloud) {
+  const std::size_t size = cloud.size() == 0 ? 0 : cloud.bytes.size() / cloud.size();
+  std::size_t zeros =
+      cloud.bytes.size() - std::min(cloud.bytes.find_last_not_of('\0') + 1, cloud.bytes.size());
+  if (size == 0 || zeros / size < cloud.width || cloud.find("t") == nullptr) return;
+  throw InputError({cloud.file.string(), "points", fmt::format("{}", cloud.size()),
+                    fmt::format("the last {} are zeros: the file was cut, and filled up", zeros / size),
+                    "copy the recording again"});
+}
+
 std::int64_t nominal_time_ns(const LidarModel& model, Duration period, const LidarRecord& r) {
   return r.column * period.nanoseconds() +
          model.lasers[static_cast<std::size_t>(r.laser)].firing_offset.nanoseconds();
@@ -63,11 +76,15 @@ std::vector<LidarRecord> read_records(const PcdCloud& cloud) {
   const std::vector<ReturnCode> codes = read_codes(cloud);
   std::vector<LidarRecord> records(cloud.size());
   for (std::size_t i = 0; i < records.size(); ++i) {
-    records[i] = {{x[i], y[i], z[i]},
-                  static_cast<std::int32_t>(i / cloud.width),
-                  static_cast<std::int32_t>(i % cloud.width),
-                  0,
-                  codes[i]};
+    const Eigen::Vector3f position(x[i], y[i], z[i]);
+    if (codes[i] == ReturnCode::nothing && position.allFinite() && !position.isZero()) {
+      throw InputError({cloud.file.string(), fmt::format("point {} code", i), "2",
+                        fmt::format("says that nothing is within range, and the point is {:.3f} m away",
+                                    position.cast<double>().norm()),
+                        "give code 0 to points, and NaN where there is none"});
+    }
+    records[i] = {position, static_cast<std::int32_t>(i / cloud.width),
+                  static_cast<std::int32_t>(i % cloud.width), 0, codes[i]};
   }
   return records;
 }
@@ -120,6 +137,7 @@ class NativeDataset final : public Dataset {
   [[nodiscard]] LidarScan read(std::size_t k) const override {
     const PcdCloud cloud = read_pcd(scans_[checked(k)]);
     require_size_of_model(cloud, *model_);
+    require_not_padded(cloud);
     LidarScan scan;
     scan.model = model_;
     scan.start = starts_[k];

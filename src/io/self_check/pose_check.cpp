@@ -1,0 +1,255 @@
+#include "io/self_check/pose_check.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "core/median.hpp"
+#include "io/self_check/pose_mistakes.hpp"
+#include "io/self_check/pose_pair.hpp"
+#include <mapless/core/errors.hpp>
+
+namespace mapless::inline v1 {
+namespace {
+
+// Time between the two scans of a pair: a person on foot moves by 0.7 m, an accelerating car differs from a
+// constant velocity by less than 0.4 m.
+constexpr double kApart_s = 0.5;
+// Poses are sharp up to this blur: noise of 0.05 m gives 0.04, and a wrong motion of 0.2 m/s, the slowest
+// that counts as moving, another 0.05.
+constexpr double kSharp_m = 0.08;
+// Blur by the poses less blur by the registration, beyond which they contradict: this, and 1.5 times the blur
+// by the registration. Wrong poses have 0.12 to 0.45 m; right ones 0.08 at most over 150 places of two
+// simulators, where all surfaces are vehicles, or a few in the air.
+constexpr double kExcess_m = 0.10, kExcessShare = 1.5;
+// A mistake explains where it takes away this share of the difference.
+constexpr double kExplained = 0.7;
+constexpr std::size_t kFewestPoints = 150;
+constexpr double kSharpest_m = 0.01;  // smaller blurs are rounding, in "times sharper"
+// Poses jump where the change of velocity within a period displaces by this much, and by so many times the
+// usual.
+constexpr double kJump_m = 0.5, kJumpTimes = 8;
+// Displacement that a turn counts as [m/rad].
+constexpr double kLever_m = 10;
+constexpr std::size_t kMostJumps = 2;
+constexpr std::size_t kNear = 7;  // scans: a pair of scans half a second apart reaches over the jump
+// A registration that finds the sensor at rest, where the poses say otherwise, is believed where this share
+// of the beams end at the same range: a motorway looks the same from metre to metre, and vehicles beside the
+// sensor move with it.
+constexpr double kAtRest = 0.85;
+// Poses that are faster are wrong in any case; high-speed trains are not.
+constexpr double kFastest_mps = 150;
+// Displacement that is rest: this; up to a tenth of that by the poses, but not more than a walk.
+constexpr double kRest_m = 0.3, kRestShare = 0.1, kMostRest_m = 1.5;
+
+struct Place {
+  LidarScan first, next, last;
+};
+
+struct PlaceFinding {
+  std::size_t k = 0;             // of its first scan
+  double said_m = 0, own_m = 0;  // blur by the poses, by the registration
+  Trust trust = Trust::unknown;
+  std::shared_ptr<const Place> place;
+  bool at_jump = false;
+};
+
+std::size_t scans_apart(const Dataset& dataset, std::size_t k, std::size_t last) {
+  std::size_t n = 1;
+  while (k + n < last && (dataset.scan_start(k + n) - dataset.scan_start(k)).seconds() < kApart_s) ++n;
+  return n;
+}
+
+// Velocities to begin the registration of neighbouring scans with: at rest, as the poses say, and, as the
+// nearest basin may be that of a wrong motion, the sharpest of some speeds along the sensor's x and y.
+std::vector<Vector6d> starts(const PosePair& pair, const std::optional<Vector6d>& said) {
+  std::vector<Vector6d> out = {Vector6d::Zero()};
+  if (said) out.push_back(*said);
+  Vector6d best = Vector6d::Zero();
+  double best_m = pair.blur_m(best);
+  for (const double speed : {4.0, 8.0, 12.0, 18.0, 25.0, 32.0}) {
+    for (int direction = 0; direction < 4; ++direction) {
+      Vector6d velocity = Vector6d::Zero();
+      velocity[direction / 2] = direction % 2 == 0 ? speed : -speed;
+      const double blur = pair.blur_m(velocity);
+      if (blur >= best_m) continue;
+      best_m = blur;
+      best = velocity;
+    }
+  }
+  if (!best.isZero()) out.push_back(best);
+  return out;
+}
+
+// The blur under the best registration of the scans.
+double own_blur_m(const Place& place, const PosePair& apart, const Motion& said) {
+  const PosePair neighbours(place.first, place.next);
+  const auto said_velocity = apart.mean_velocity(said);
+  const double apart_s = (place.last.start - place.first.start).seconds();
+  const double said_m = said_velocity ? said_velocity->head<3>().norm() * apart_s : 0;
+  const bool may_rest = said_m < kRest_m || said_m > kFastest_mps * apart_s || apart.equal_share() > kAtRest;
+  double best_m = PosePair::kCap_m;
+  for (const Vector6d& start : starts(neighbours, neighbours.mean_velocity(said))) {
+    const Vector6d found = apart.registered(neighbours.registered(start));
+    const bool at_rest =
+        found.head<3>().norm() * apart_s < std::max(kRest_m, std::min(kMostRest_m, kRestShare * said_m));
+    if (!at_rest || may_rest) best_m = std::min(best_m, apart.blur_m(found));
+  }
+  return best_m;
+}
+
+PlaceFinding look_at(std::shared_ptr<const Place> place, std::size_t k, const Motion& said) {
+  PlaceFinding found;
+  found.k = k;
+  const PosePair apart(place->first, place->last);
+  const auto blur = apart.blur_m(said);
+  if (!blur || apart.size() < kFewestPoints) return found;
+  found.said_m = *blur;
+  found.own_m = *blur > kSharp_m ? own_blur_m(*place, apart, said) : *blur;
+  const bool contradicts = found.said_m - found.own_m > std::max(kExcess_m, kExcessShare * found.own_m);
+  found.trust = contradicts ? Trust::wrong : Trust::right;
+  found.place = std::move(place);
+  return found;
+}
+
+std::shared_ptr<const Place> read_place(const Dataset& dataset, std::size_t k, std::size_t last) try {
+  const std::size_t n = scans_apart(dataset, k, last);
+  LidarScan next = dataset.read(k + 1);
+  LidarScan far = n == 1 ? next : dataset.read(k + n);
+  return std::make_shared<const Place>(Place{dataset.read(k), std::move(next), std::move(far)});
+} catch (const InputError&) {  // the run says so when it reaches the scan
+  return nullptr;
+}
+
+// Scans before which the poses jump: the largest first.
+std::vector<std::size_t> jumps(const Dataset& dataset, const Motion& said, std::size_t first,
+                               std::size_t count) {
+  std::vector<SE3> poses;
+  for (std::size_t k = first; k < first + count; ++k) {
+    const auto pose = said(dataset.scan_start(k));
+    if (!pose) return {};
+    poses.push_back(*pose);
+  }
+  std::vector<std::pair<double, std::size_t>> sizes;
+  std::vector<double> all;
+  for (std::size_t i = 1; i + 1 < poses.size(); ++i) {
+    const double before_s = (dataset.scan_start(first + i) - dataset.scan_start(first + i - 1)).seconds();
+    const double after_s = (dataset.scan_start(first + i + 1) - dataset.scan_start(first + i)).seconds();
+    if (!(before_s > 0 && after_s > 0)) continue;
+    const SE3 before = poses[i - 1].inverse() * poses[i], after = poses[i].inverse() * poses[i + 1];
+    const Vector6d change = after.log() * (before_s / after_s) - before.log();
+    const double size = change.head<3>().norm() + kLever_m * change.tail<3>().norm();
+    sizes.emplace_back(size, first + i);
+    all.push_back(size);
+  }
+  if (all.empty()) return {};
+  const double usual = median(all);
+  std::sort(sizes.rbegin(), sizes.rend());
+  std::vector<std::size_t> out;
+  for (const auto& [size, k] : sizes) {
+    if (size < std::max(kJump_m, kJumpTimes * usual) || out.size() == kMostJumps) break;
+    const bool near =
+        std::any_of(out.begin(), out.end(), [k = k](std::size_t o) { return o < k + 5 && k < o + 5; });
+    if (!near) out.push_back(std::max(first + 2, k) - 2);
+  }
+  return out;
+}
+
+// The mistake under which the places that contradict are sharpest.
+std::string likely_mistake(const std::vector<PlaceFinding>& findings,
+                           const std::shared_ptr<const Trajectory>& given) {
+  double said = 0, own = 0;
+  std::vector<PosePair> pairs;
+  for (const PlaceFinding& found : findings) {
+    if (found.trust < Trust::doubtful) continue;
+    pairs.emplace_back(found.place->first, found.place->last);
+    said += found.said_m;
+    own += found.own_m;
+  }
+  std::string best;
+  double least = said - kExplained * (said - own);
+  for (const PoseMistake& mistake : pose_mistakes(given)) {
+    double sum = 0;
+    for (const PosePair& pair : pairs) sum += pair.blur_m(mistake.motion).value_or(PosePair::kCap_m);
+    if (sum >= least) continue;
+    least = sum;
+    best = fmt::format("{}: the static world is {:.0f} times sharper so", mistake.text,
+                       said / std::max(sum, kSharpest_m));
+  }
+  return best.empty() ? "poses of another recording, of another frame or clock?" : best;
+}
+
+// The numbers of the scans to look at: no pair reaches beyond the last scan.
+std::vector<std::size_t> numbers_of(const Dataset& dataset, std::size_t first, std::size_t last,
+                                    std::vector<std::size_t> numbers) {
+  for (std::size_t& k : numbers) {
+    while (k > first && (dataset.scan_start(last) - dataset.scan_start(k)).seconds() < kApart_s) --k;
+    k = std::min(k, last - 1);
+  }
+  std::sort(numbers.begin(), numbers.end());
+  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+  return numbers;
+}
+
+CheckResult result_of(const std::vector<PlaceFinding>& findings, const Dataset& dataset,
+                      const std::shared_ptr<const Trajectory>& given) {
+  std::size_t checked = 0, wrong = 0, bad = 0, at_jumps = 0;
+  const PlaceFinding* worst = &findings.front();
+  for (const PlaceFinding& found : findings) {
+    if (!found.at_jump) ++checked;
+    if (!found.at_jump && found.trust == Trust::wrong) ++wrong;
+    if (found.trust > Trust::right) ++bad;
+    if (found.trust > Trust::right && found.at_jump) ++at_jumps;
+    if (found.said_m - found.own_m > worst->said_m - worst->own_m) worst = &found;
+  }
+  CheckResult out{"poses", Trust::right, "", "", "", ""};
+  out.measured = fmt::format(
+      "at worst of {} places, the static world is blurred by {:.3f} m under the poses, by {:.3f} m under a "
+      "registration of the scans",
+      findings.size(), worst->said_m, worst->own_m);
+  if (bad == 0) return out;
+  out.trust = wrong > 0 && 2 * wrong >= checked ? Trust::wrong : Trust::doubtful;
+  out.where = dataset.scan_file(worst->k).string();
+  out.problem = fmt::format(
+      "from scan {} on, the static world is blurred by {:.2f} m under the poses, by {:.2f} m "
+      "under a registration of the scans (at {} of {} places): ",
+      worst->k, worst->said_m, worst->own_m, bad, findings.size());
+  out.problem += bad == at_jumps ? "the poses jump there" : likely_mistake(findings, given);
+  out.remedy = "correct the poses, or leave them out (--odometry)";
+  return out;
+}
+
+}  // namespace
+
+CheckResult check_poses(const Dataset& dataset, const std::shared_ptr<const Trajectory>& given,
+                        std::size_t first, std::size_t count, const std::vector<std::size_t>& places) {
+  CheckResult out{"poses", Trust::unknown, "not checked: none given", "", "", ""};
+  if (!given) return out;
+  out.measured = "not checked: too few scans or points, or poses that do not cover them";
+  if (count < 2) return out;
+  const Motion said = motion_of(given);
+  const std::size_t last = first + count - 1;
+  std::vector<PlaceFinding> findings;
+  const std::vector<std::size_t> jumped =
+      numbers_of(dataset, first, last, jumps(dataset, said, first, count));
+  const auto near_jump = [&](std::size_t k) {
+    return std::any_of(jumped.begin(), jumped.end(),
+                       [k](std::size_t j) { return k < j + kNear && j < k + kNear; });
+  };
+  std::vector<std::size_t> numbers = jumped;
+  numbers.insert(numbers.end(), places.begin(), places.end());
+  for (const std::size_t k : numbers_of(dataset, first, last, std::move(numbers))) {
+    auto place = read_place(dataset, k, last);
+    if (!place) continue;
+    PlaceFinding found = look_at(std::move(place), k, said);
+    found.at_jump = near_jump(k);
+    if (found.trust != Trust::unknown) findings.push_back(std::move(found));
+  }
+  return findings.empty() ? out : result_of(findings, dataset, given);
+}
+
+}  // namespace mapless

@@ -1,0 +1,166 @@
+#include "io/self_check/pose_pair.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+
+namespace mapless::inline v1 {
+namespace {
+
+constexpr std::size_t kSample = 900;
+// Farther surfaces are others.
+constexpr double kReach_m = 1.5;
+// Normals of one surface are alike: within 45 degrees.
+constexpr double kAlike = 0.7;
+constexpr std::size_t kFewestMatches = 30;
+
+// Three standard deviations of the difference of two ranges with noise of 0.035 m, two of 0.05 m.
+constexpr float kEqual_m = 0.15F;
+
+struct Stage {
+  double reach_m, scale_m;  // of matches, of the robust loss
+  int steps;
+};
+// From coarse to fine. The first finds a motion that is metres off.
+constexpr std::array<Stage, 3> kStages = {{{3.0, 0.5, 6}, {1.5, 0.2, 5}, {0.8, 0.1, 5}}};
+// Prior of a step: the part of the motion that no surface shows stays [1/m^2, 1/rad^2].
+constexpr double kDamping = 1e-3;
+
+// World from sensor at the instants of ScanPoses; of a compensated scan, at that of its points.
+std::vector<Time> instants(const LidarScan& scan) {
+  std::vector<Time> out;
+  const std::int64_t length = (scan.end() - scan.start).nanoseconds();
+  for (int i = 0; i < ScanPoses::kInstants; ++i) {
+    const Time t = scan.start + Duration::from_nanoseconds(length * i / ScanPoses::kInstants);
+    out.push_back(scan.compensated_to.value_or(t));
+  }
+  return out;
+}
+
+std::optional<ScanPoses> poses_of(const LidarScan& scan, const Motion& motion) {
+  ScanPoses poses;
+  for (const Time t : instants(scan)) {
+    const auto T_0v = motion(t);
+    if (!T_0v) return std::nullopt;
+    poses.T_0v.push_back(*T_0v);
+  }
+  return poses;
+}
+
+ScanPoses poses_of(const LidarScan& scan, const Vector6d& velocity, Time since) {
+  ScanPoses poses;
+  for (const Time t : instants(scan)) poses.T_0v.push_back(SE3::exp((t - since).seconds() * velocity));
+  return poses;
+}
+
+}  // namespace
+
+PosePair::PosePair(const LidarScan& first, const LidarScan& second)
+    : first_scan_(first),
+      second_scan_(second),
+      first_(first),
+      second_(second),
+      sample_(second_.sample(kSample)) {}
+
+PosePair::Comparison PosePair::compare(const Surfel& s, const ScanPoses& first, const ScanPoses& second,
+                                       double reach_m) const {
+  const SE3& T_second = second.at(s.fraction);
+  const Eigen::Vector3d p_0 = T_second * s.position_v;
+  const SurfelImage::Sight sight = first_.look(p_0, first, reach_m);
+  if (!sight.surfel) return {std::nullopt, sight.free};
+  const Surfel& near = *sight.surfel;
+  const SE3& T_first = first.at(near.fraction);
+  const Eigen::Vector3d normal_0 = T_first.rotation() * near.normal_v;
+  if (std::abs(normal_0.dot(T_second.rotation() * s.normal_v)) < kAlike) return {};
+  const double apart_s = (second_scan_.start - first_scan_.start).seconds();
+  const auto since = [](const LidarScan& scan, double fraction, double duration_s) {
+    return scan.compensated_to ? (*scan.compensated_to - scan.start).seconds() : fraction * duration_s;
+  };
+  return {
+      Match{T_first * near.position_v, p_0, normal_0, since(first_scan_, near.fraction, first_.duration_s()),
+            apart_s + since(second_scan_, s.fraction, second_.duration_s())},
+      false};
+}
+
+double PosePair::blur_m(const ScanPoses& first, const ScanPoses& second) const {
+  double sum = 0, count = 0;
+  for (const Surfel& s : sample_) {
+    const Comparison c = compare(s, first, second, kReach_m);
+    if (!c.match && !c.free) continue;
+    ++count;
+    sum += c.match ? std::min(kCap_m, std::abs(c.match->normal_0.dot(c.match->second_0 - c.match->first_0)))
+                   : kCap_m;
+  }
+  return count < static_cast<double>(kFewestMatches) ? kCap_m : sum / count;
+}
+
+std::optional<double> PosePair::blur_m(const Motion& motion) const {
+  const auto first = poses_of(first_scan_, motion), second = poses_of(second_scan_, motion);
+  if (!first || !second) return std::nullopt;
+  return blur_m(*first, *second);
+}
+
+double PosePair::blur_m(const Vector6d& velocity) const {
+  return blur_m(poses_of(first_scan_, velocity, first_scan_.start),
+                poses_of(second_scan_, velocity, first_scan_.start));
+}
+
+double PosePair::equal_share() const {
+  if (first_scan_.cells.size() != second_scan_.cells.size()) return 0;
+  double equal = 0, both = 0;
+  for (std::size_t i = 0; i < first_scan_.cells.size(); ++i) {
+    const std::int32_t a = first_scan_.cells[i], b = second_scan_.cells[i];
+    if (a < 0 || b < 0) continue;
+    const float difference_m = first_scan_.returns[static_cast<std::size_t>(a)].range_m -
+                               second_scan_.returns[static_cast<std::size_t>(b)].range_m;
+    ++both;
+    if (std::abs(difference_m) < kEqual_m) ++equal;
+  }
+  return both > 0 ? equal / both : 0;
+}
+
+std::optional<Vector6d> PosePair::mean_velocity(const Motion& motion) const {
+  const auto first = motion(first_scan_.start), second = motion(second_scan_.start);
+  if (!first || !second) return std::nullopt;
+  return Vector6d((first->inverse() * *second).log() / (second_scan_.start - first_scan_.start).seconds());
+}
+
+// A Gauss-Newton step: point to plane, both scans moving.
+bool PosePair::step(Vector6d& velocity, double reach_m, double scale_m) const {
+  const ScanPoses first = poses_of(first_scan_, velocity, first_scan_.start),
+                  second = poses_of(second_scan_, velocity, first_scan_.start);
+  Matrix6d information = kDamping * Matrix6d::Identity();
+  Vector6d gradient = Vector6d::Zero();
+  std::size_t matches = 0;
+  for (const Surfel& s : sample_) {
+    const auto m = compare(s, first, second, reach_m).match;
+    if (!m) continue;
+    ++matches;
+    const double distance = m->normal_0.dot(m->second_0 - m->first_0);
+    const double weight = 1 / (1 + (distance / scale_m) * (distance / scale_m));
+    Vector6d row;
+    row << m->normal_0 * (m->second_s - m->first_s),
+        m->second_s * m->second_0.cross(m->normal_0) - m->first_s * m->first_0.cross(m->normal_0);
+    information += weight * row * row.transpose();
+    gradient += weight * distance * row;
+  }
+  if (matches < kFewestMatches) return false;
+  velocity -= information.ldlt().solve(gradient);
+  return velocity.allFinite();
+}
+
+Vector6d PosePair::registered(Vector6d velocity) const {
+  for (const Stage& stage : kStages) {
+    for (int i = 0; i < stage.steps; ++i) {
+      Vector6d next = velocity;
+      if (!step(next, stage.reach_m, stage.scale_m)) return velocity;
+      velocity = next;
+    }
+  }
+  return velocity;
+}
+
+}  // namespace mapless

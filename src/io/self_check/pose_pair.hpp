@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "io/self_check/surfel_image.hpp"
+#include <mapless/core/se3.hpp>
+#include <mapless/core/time.hpp>
+#include <mapless/lidar/lidar_scan.hpp>
+
+namespace mapless::inline v1 {
+
+/// T_0v(t) by one account of the motion; none where it does not say.
+using Motion = std::function<std::optional<SE3>(Time)>;
+
+/// Two scans, and how well they fit each other by an account of the motion.
+class PosePair {
+ public:
+  /// A point of the second scan counts as this far from the first at most [m].
+  static constexpr double kCap_m = 0.5;
+
+  PosePair(const LidarScan& first, const LidarScan& second);
+
+  /// Mean distance of points of the second scan from the surfaces that the first saw there, each at most
+  /// kCap_m; kCap_m where there is no such surface. 0: all the same; about 0.3: unrelated. None where
+  /// `motion` does not cover the scans.
+  [[nodiscard]] std::optional<double> blur_m(const Motion& motion) const;
+  /// Of a constant velocity varpi (of T_0v = exp(-varpi t)) since the start of the first scan.
+  [[nodiscard]] double blur_m(const Vector6d& velocity) const;
+  /// The constant velocity near `velocity` under which the two fit best.
+  [[nodiscard]] Vector6d registered(Vector6d velocity) const;
+  /// The constant velocity between the starts of the two scans.
+  [[nodiscard]] std::optional<Vector6d> mean_velocity(const Motion& motion) const;
+  /// Share of the beams that end at the same range in both scans, to 0.15 m. A sensor that stands still sees
+  /// 0.9 and more; one that drives on a motorway, or beside vehicles as fast as itself, less than 0.75.
+  [[nodiscard]] double equal_share() const;
+  /// Points of the second scan that are compared.
+  [[nodiscard]] std::size_t size() const { return sample_.size(); }
+
+ private:
+  struct Match {
+    Eigen::Vector3d first_0, second_0, normal_0;
+    double first_s, second_s;  // since the start of the first scan
+  };
+  struct Comparison {
+    std::optional<Match> match;
+    bool free = false;  // the rays of the first scan passed through the point
+  };
+  [[nodiscard]] Comparison compare(const Surfel& s, const ScanPoses& first, const ScanPoses& second,
+                                   double reach_m) const;
+  [[nodiscard]] double blur_m(const ScanPoses& first, const ScanPoses& second) const;
+  bool step(Vector6d& velocity, double reach_m, double scale_m) const;
+
+  const LidarScan &first_scan_, &second_scan_;
+  SurfelImage first_, second_;
+  std::vector<Surfel> sample_;  // of the second
+};
+
+}  // namespace mapless

@@ -1,0 +1,61 @@
+#include "io/self_check/scan_checks.hpp"
+
+#include <fmt/format.h>
+
+#include "io/self_check/beam_check.hpp"
+#include "io/self_check/range_check.hpp"
+#include "io/self_check/time_check.hpp"
+
+namespace mapless::inline v1 {
+
+void Findings::add(const ScanFinding& found, std::size_t k) {
+  if (found.trust == Trust::unknown) {
+    if (checked_ == 0) worst_ = found;
+    return;
+  }
+  if (found.trust == Trust::wrong) ++wrong_;
+  if (found.trust != Trust::right) bad_.push_back(k);
+  const bool worse = found.trust > worst_.trust || (found.trust == worst_.trust && found.size > worst_.size);
+  if (checked_++ > 0 && !worse) return;
+  worst_ = found;
+  worst_scan_ = k;
+}
+
+CheckResult Findings::result(const Dataset& dataset) const {
+  CheckResult out{name_, worst_.trust, worst_.measured, "", "", worst_.remedy};
+  if (bad_.empty()) return out;
+  if (out.trust == Trust::wrong && 2 * wrong_ < checked_) out.trust = Trust::doubtful;
+  out.where = dataset.scan_file(worst_scan_).string();
+  out.problem = worst_.problem;
+  if (bad_.size() < checked_) {
+    out.problem +=
+        fmt::format(" (in {} of {} scans looked at, scan {} the first)", bad_.size(), checked_, bad_.front());
+  }
+  return out;
+}
+
+std::string Findings::line() const {
+  if (bad_.empty()) return "";
+  const std::string others = bad_.size() > 1 ? fmt::format(" (and {} others)", bad_.size() - 1) : "";
+  return fmt::format("scan {}{}: {}", bad_.front(), others, worst_.problem);
+}
+
+void ScanChecks::add(const LidarScan& scan, std::size_t k, const Trajectory* given) {
+  ranges_.add(check_ranges(scan), k);
+  beams_.add(check_beams(scan, given), k);
+  times_.add(check_point_times(scan), k);
+}
+
+std::vector<CheckResult> ScanChecks::results(const Dataset& dataset) const {
+  return {beams_.result(dataset), ranges_.result(dataset), times_.result(dataset)};
+}
+
+std::vector<std::string> ScanChecks::lines() const {
+  std::vector<std::string> out;
+  for (const Findings& findings : {beams_, ranges_, times_}) {
+    if (std::string line = findings.line(); !line.empty()) out.push_back(std::move(line));
+  }
+  return out;
+}
+
+}  // namespace mapless

@@ -1,0 +1,45 @@
+#include "trust/moving_share.hpp"
+
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace mapless::app {
+namespace MAPLESS_FILE {
+
+using testing::HasSubstr;
+
+// Of 10,000 points a scan, these per cent move.
+MovingShare share_of(const std::vector<std::size_t>& per_cent) {
+  MovingShare share;
+  for (std::size_t k = 0; k < per_cent.size(); ++k) share.add(40 + k, 100 * per_cent[k], 10'000);
+  return share;
+}
+
+TEST(MovingShare, AcceptsTrafficThatComesAndGoes) {
+  EXPECT_EQ(share_of({1, 2, 3, 5, 8, 12, 20, 30, 40, 50, 40, 20, 5, 1, 1, 10, 12}).trouble(), "");
+}
+
+TEST(MovingShare, AcceptsAnyShareInTheFirstScans) {
+  EXPECT_EQ(share_of({0, 40, 0, 40, 0, 40}).trouble(), "");
+}
+
+// The static world moves at once where a scan is not in its place.
+TEST(MovingShare, NamesTheScanInWhichTheShareRises) {
+  EXPECT_THAT(share_of({1, 1, 1, 1, 1, 1, 1, 1, 1, 24, 3, 2, 2}).trouble(),
+              HasSubstr("from 1 to 24 % at once in scan 49:"));
+}
+
+TEST(MovingShare, FindsARunInWhichNearlyAllMoves) {
+  EXPECT_THAT(share_of(std::vector<std::size_t>(20, 60)).trouble(), HasSubstr("60 % of all points"));
+}
+
+TEST(MovingShare, DoesNotJudgeScansOfFewPoints) {
+  MovingShare share;
+  for (std::size_t k = 0; k < 20; ++k) share.add(k, k % 2 == 0 ? 0 : 400, 500);
+  EXPECT_EQ(share.trouble(), "");
+}
+
+}  // namespace MAPLESS_FILE
+}  // namespace mapless::app

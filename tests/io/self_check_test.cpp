@@ -1,0 +1,89 @@
+#include <functional>
+#include <memory>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "support/temporary_folder.hpp"
+#include "support/toy_sequence.hpp"
+#include <mapless/core/errors.hpp>
+#include <mapless/io/dataset.hpp>
+
+namespace mapless {
+namespace MAPLESS_FILE {
+
+using testing::HasSubstr;
+
+constexpr int kScans = 12;
+
+// A trajectory whose poses are changed.
+class SpoiltTrajectory final : public Trajectory {
+ public:
+  SpoiltTrajectory(std::shared_ptr<const Trajectory> right, std::function<SE3(Time, const SE3&)> spoil)
+      : right_(std::move(right)), spoil_(std::move(spoil)) {}
+  [[nodiscard]] Time begin() const override { return right_->begin(); }
+  [[nodiscard]] Time end() const override { return right_->end(); }
+  [[nodiscard]] TrajectoryState at(Time t) const override {
+    return {spoil_(t, right_->at(t).T_v0.inverse()).inverse(), Vector6d::Zero()};
+  }
+
+ private:
+  std::shared_ptr<const Trajectory> right_;
+  std::function<SE3(Time, const SE3&)> spoil_;
+};
+
+class SelfCheckTest : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    shared = new test::TemporaryFolder;  // NOLINT: lives as long as the suite
+    test::write_toy_sequence(test::toy_street("VLP-16"), kScans, *shared / "street");
+  }
+  static void TearDownTestSuite() { delete shared; }  // NOLINT
+
+  [[nodiscard]] std::vector<CheckResult> check(const std::shared_ptr<const Trajectory>& given) const {
+    return check_recording(*street, given, 0, street->size());
+  }
+  // Of poses T_0v changed by `spoil`.
+  [[nodiscard]] CheckResult check_poses_of(const std::function<SE3(Time, const SE3&)>& spoil) const {
+    return check(std::make_shared<SpoiltTrajectory>(street->trajectory(), spoil)).back();
+  }
+
+  static inline const test::TemporaryFolder* shared = nullptr;
+  std::unique_ptr<Dataset> street = open_dataset(*shared / "street");
+};
+
+TEST_F(SelfCheckTest, FindsNothingInARightRecording) {
+  for (const CheckResult& result : check(street->trajectory())) {
+    EXPECT_EQ(result.trust, Trust::right) << result.name << ": " << result.measured << result.problem;
+    EXPECT_EQ(result.problem, "");
+  }
+}
+
+TEST_F(SelfCheckTest, DoesNotCheckPosesThatAreNotGiven) {
+  EXPECT_EQ(check(nullptr).back().trust, Trust::unknown);
+}
+
+TEST_F(SelfCheckTest, FindsPosesThatAreInverted) {
+  const CheckResult poses = check_poses_of([](Time, const SE3& T) { return T.inverse(); });
+  EXPECT_EQ(poses.trust, Trust::wrong) << poses.measured;
+  EXPECT_THAT(poses.problem, HasSubstr("poses look inverted"));
+  EXPECT_THROW(require_trusted({poses}), InputError);
+}
+
+TEST_F(SelfCheckTest, FindsPositionsInMillimetres) {
+  const CheckResult poses =
+      check_poses_of([](Time, const SE3& T) { return SE3(T.rotation(), 1000 * T.translation()); });
+  EXPECT_EQ(poses.trust, Trust::wrong) << poses.measured;
+  EXPECT_THAT(poses.problem, HasSubstr("positions look like millimetres"));
+}
+
+TEST_F(SelfCheckTest, FindsAJump) {
+  const CheckResult poses = check_poses_of([](Time t, const SE3& T) {
+    return t.seconds() < 0.55 ? T : SE3(T.rotation(), T.translation() + Eigen::Vector3d(0, 3, 0));
+  });
+  EXPECT_EQ(poses.trust, Trust::doubtful) << poses.measured;
+  EXPECT_THAT(poses.problem, HasSubstr("jump"));
+}
+
+}  // namespace MAPLESS_FILE
+}  // namespace mapless
