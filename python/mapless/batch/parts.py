@@ -24,7 +24,7 @@ from mapless._result import MOVING, Result
 from mapless.batch.plan import Task
 
 # Four times the span of the reference scans (64), which themselves know what moved in their references. Measured from
-# nine starts: equal to the byte after 135 scans at most (docs/fleet.md).
+# five starts: equal to the byte after 118 scans at most (docs/fleet.md).
 WARM_UP = 256
 COMPARED = 128  # more than the 5 s after which an object at rest loses its id, at up to 25 scans a second
 LOOK_AHEAD = 100  # the largest forward_gap

@@ -62,6 +62,10 @@ bool confirms_velocity(const TrackMotion& last, const TrackedObject& object, con
   return static_cast<double>(evidence.displacement_m) >= kConfirmedShare * path_m;
 }
 
+// Part of the evidence needed to begin with which an object of badly known velocity goes on. Chosen: half of
+// it, so that evidence about the limit does not switch an object on and off.
+constexpr double kGoesOnShare = 0.5;
+
 }  // namespace
 
 // The worse its velocity is known, once there was time to know it, the more: a porous object is found
@@ -94,7 +98,7 @@ TrackMotion MotionClassifier::update(const TrackMotion& last, const TrackedObjec
   const bool may_be_zero = object.age > 1 && known && !differs;
   if (last.moves) {
     const bool stays_slow = (next.slow && (last.slow || (known && !displaced))) || (last.slow && may_be_zero);
-    const bool unsupported = required > parameters_.min_evidence && next.evidence < required / 2;
+    const bool unsupported = required > parameters_.min_evidence && next.evidence < kGoesOnShare * required;
     next.moves = plausible && !stays_slow && next.unconfirmed_m < kMaxUnconfirmed_m && !unsupported;
     next.reason = next.moves     ? TrackReason::goes_on
                   : !plausible   ? TrackReason::velocity_unknown

@@ -66,14 +66,18 @@ void expect_explains(const ResultFolder& result, std::size_t k, const LabelledSc
       ASSERT_EQ(label_number(e.objects[p.proposed - 1U].object.id), labels[record] >> 16U);
       ++moving;
     }
-    if (!p.own_vehicle) ASSERT_EQ(sums(e, i), std::pair(int{p.past}, int{p.future}));
+    if (!p.own_vehicle) {
+      ASSERT_EQ(sums(e, i), std::pair(int{p.past}, int{p.future}));
+    }
     ASSERT_EQ(p.past > 0, (stages[record] >> 1U & 1U) != 0);
     ASSERT_EQ(p.votes() > 0, (stages[record] >> 2U & 1U) != 0);
     const bool kept = (stages[record] >> 3U & 1U) != 0;
     ASSERT_EQ(p.votes() > 0 && p.support >= VotingParameters{}.seed_score, kept);
     const PointStep step = step_of(p, e.limits);
     ASSERT_EQ(p.proposed != 0, step >= PointStep::seed);
-    if (!p.completed) ASSERT_EQ(step == PointStep::seed || step == PointStep::few_seeds, kept);
+    if (!p.completed) {
+      ASSERT_EQ(step == PointStep::seed || step == PointStep::few_seeds, kept);
+    }
   }
 }
 
