@@ -1,4 +1,5 @@
 #include <cmath>
+#include <functional>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -10,7 +11,9 @@
 namespace mapless {
 namespace MAPLESS_FILE {
 
-std::string refusal(const LiveOptions& options) {
+std::string refusal(const std::function<void(LiveOptions&)>& change) {
+  LiveOptions options;
+  change(options);
   try {
     const LiveDetector detector(options);
   } catch (const ParameterError& error) {
@@ -21,20 +24,15 @@ std::string refusal(const LiveOptions& options) {
 
 // 1 to 1000 clouds, 0.1 to 60 s, 0 to 10 s, and at least one reference scan.
 TEST(LiveDetector, RefusesParametersOutOfBoundsByName) {
-  LiveOptions options;
-  EXPECT_EQ(refusal(options), "no error");
-  options.live.queue_clouds = 0;
-  EXPECT_THAT(refusal(options),
+  EXPECT_EQ(refusal([](LiveOptions&) {}), "no error");
+  EXPECT_THAT(refusal([](LiveOptions& options) { options.live.queue_clouds = 0; }),
               testing::AllOf(testing::HasSubstr("queue_clouds = 0"), testing::HasSubstr("1000")));
-  options = {};
-  options.live.max_gap_s = std::nan("");
-  EXPECT_THAT(refusal(options), testing::HasSubstr("max_gap_s"));
-  options = {};
-  options.live.pose_wait_s = -0.1;
-  EXPECT_THAT(refusal(options), testing::HasSubstr("pose_wait_s"));
-  options = {};
-  options.detector.detection.voting.references = 0;
-  EXPECT_THAT(refusal(options), testing::HasSubstr("references"));
+  EXPECT_THAT(refusal([](LiveOptions& options) { options.live.max_gap_s = std::nan(""); }),
+              testing::HasSubstr("max_gap_s"));
+  EXPECT_THAT(refusal([](LiveOptions& options) { options.live.pose_wait_s = -0.1; }),
+              testing::HasSubstr("pose_wait_s"));
+  EXPECT_THAT(refusal([](LiveOptions& options) { options.detector.detection.voting.references = 0; }),
+              testing::HasSubstr("references"));
 }
 
 }  // namespace MAPLESS_FILE

@@ -30,7 +30,7 @@ constexpr double kExcess_m = 0.10, kExcessShare = 1.5;
 // wrong in most places, and a vehicle that fills the view is sharp under its own motion. Measured: a right
 // recording of a tilted sensor, a car at 4 m, has 0.12.
 constexpr double kLoneExcess_m = 0.20;
-constexpr std::size_t kFewestPlaces = 3;
+constexpr std::size_t kPlacesOutvoteOne = 3;
 // A mistake explains where it takes away this share of the difference.
 constexpr double kExplained = 0.7;
 constexpr std::size_t kFewestPoints = 150;
@@ -216,7 +216,7 @@ CheckResult result_of(const std::vector<PlaceFinding>& findings, const Dataset& 
       "at worst of {} places, the static world is blurred by {:.3f} m under the poses, by {:.3f} m under a "
       "registration of the scans",
       findings.size(), worst->said_m, worst->own_m);
-  const bool lone = bad == 1 && at_jumps == 0 && findings.size() >= kFewestPlaces &&
+  const bool lone = bad == 1 && at_jumps == 0 && findings.size() >= kPlacesOutvoteOne &&
                     worst->said_m - worst->own_m < kLoneExcess_m;
   if (bad == 0 || lone) return out;
   out.trust = wrong > 0 && 2 * wrong >= checked ? Trust::wrong : Trust::doubtful;
