@@ -1,5 +1,7 @@
 #include "odometry/keypoints/edges.hpp"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "support/small_scan.hpp"
@@ -27,6 +29,21 @@ TEST(Edges, ThePoleIsOneAndTheWallBehindItIsNot) {
 TEST(Edges, AStepOfLessThanHalfAMetreIsNone) { EXPECT_TRUE(select_edges(with_pole(4.6F), {}).empty()); }
 
 TEST(Edges, ReturnsOfTheVehicleItselfAreNone) { EXPECT_TRUE(select_edges(with_pole(0.9F), {}).empty()); }
+
+// Along a wall 1 m aside, columns 2 degrees apart see it at 1 / sin(angle): 0.5 m and more from one to the
+// next.
+TEST(Edges, AWallSeenAslantHasNone) {
+  LidarScan scan = test::small_scan({0, 0, 0});
+  for (LidarReturn& r : scan.returns) {
+    const float range_m = 1 / std::sin(0.035F * static_cast<float>(r.column % 40 + 1));
+    r.position_v *= range_m / r.range_m;
+    r.range_m = range_m;
+  }
+  for (const ScanPoint& edge : select_edges(scan, {})) {
+    const int place = scan.returns[edge.return_index].column % 40;
+    EXPECT_TRUE(place == 0 || place == 39) << place;  // where the next wall begins
+  }
+}
 
 // A ray beside the return that reached nothing makes it an edge; one that failed says nothing.
 TEST(Edges, BesideARayThatReachedNothing) {
