@@ -101,7 +101,9 @@ void MovingObjects::stop_standing(const ObjectProposals& proposed, const Detecti
   tbb::parallel_for(std::size_t{0}, detection.tracked.size(), [&](std::size_t k) {
     const TrackedObject& object = detection.tracked[k];
     TrackMotion& state = states_.at(object.id);
-    if (!state.moves || !test.stands(members.of(object.number), object.velocity_0)) return;
+    if (!state.moves ||
+        !test.stands(members.of(object.number), object.velocity_0, object.velocity_std_0().maxCoeff()))
+      return;
     state.moves = false;
     state.reason = TrackReason::stopped_by_rays;
   });

@@ -18,6 +18,9 @@ constexpr double kStandsBetter = 0.05;
 // Standing explains at least this share of the rays. Not all: glass, edges, and poses that err by a
 // hundredth of the path leave a quarter of the rays past parked cars unexplained.
 constexpr double kStandingExplains = 0.7;
+// This share where the velocity is known worse than kKnown_mps: the long side of a car alongside slides along
+// itself, and a wrong velocity explains it no better than standing.
+constexpr double kExplainsAlone = 0.8, kKnown_mps = 1;
 // Of the points, the hypothesis has to be asked about at least this share per scan.
 constexpr double kObserved = 0.25;
 
@@ -59,7 +62,8 @@ StandingTest::StandingTest(const LidarScan& scan, const LocalPoints& points,
   }
 }
 
-bool StandingTest::stands(std::span<const std::int32_t> object, const Eigen::Vector3d& velocity_0) const {
+bool StandingTest::stands(std::span<const std::int32_t> object, const Eigen::Vector3d& velocity_0,
+                          double std_mps) const {
   if (recent_.empty() || object.empty()) return false;
   Sample sample;
   const std::size_t stride = (object.size() + kPointsAsked - 1) / kPointsAsked;
@@ -76,7 +80,7 @@ bool StandingTest::stands(std::span<const std::int32_t> object, const Eigen::Vec
   if (standing.all() == 0 || share(standing.all(), sample.points.size() * recent_.size()) < kObserved)
     return false;
   const double explained = share(standing.surface, static_cast<std::size_t>(standing.all()));
-  if (explained < kStandingExplains) return false;
+  if (explained < (std_mps > kKnown_mps ? kExplainsAlone : kStandingExplains)) return false;
   const Tally moving = recent_rays(sample, velocity_0);
   return explained >=
          kStandsBetter + share(moving.surface, static_cast<std::size_t>(std::max(moving.all(), 1)));

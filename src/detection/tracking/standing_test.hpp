@@ -31,9 +31,10 @@ class StandingTest {
   /// - in the nearest scan before that would show kShownSpeed_mps, most rays at its points that did not end
   ///   before them ended on them;
   /// - standing explains at least kStandingExplains of the rays of the next scan and those up to kRecentGap
-  ///   before;
+  ///   before, kExplainsAlone where the standard deviation of the velocity, `std_mps`, is large;
   /// - and at least kStandsBetter more of them than `velocity_0` does [m/s].
-  [[nodiscard]] bool stands(std::span<const std::int32_t> object, const Eigen::Vector3d& velocity_0) const;
+  [[nodiscard]] bool stands(std::span<const std::int32_t> object, const Eigen::Vector3d& velocity_0,
+                            double std_mps) const;
 
  private:
   struct Reference {

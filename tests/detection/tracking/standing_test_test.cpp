@@ -48,7 +48,7 @@ class TestOfBox {
   }
   [[nodiscard]] std::size_t returns() const { return box_.size(); }
   [[nodiscard]] bool stands(const Vector3d& velocity_0) const {
-    return StandingTest(*scan_, points_, references_, {}).stands(box_, velocity_0);
+    return StandingTest(*scan_, points_, references_, {}).stands(box_, velocity_0, 0.1);
   }
 
  private:
