@@ -9,4 +9,4 @@ cmake --preset release -B "$2" \
   -DMAPLESS_PRECOMPILE_HEADERS=OFF -DMAPLESS_BUILD_TESTS=OFF -DMAPLESS_BUILD_BENCHMARKS=OFF >/dev/null
 cmake --build "$2" --target mapless_generated >/dev/null
 "$1" -quiet -p "$2" -j "${JOBS:-$(nproc)}" -extra-arg=-Wno-unknown-warning-option \
-  -extra-arg=-Wno-shadow '/Unity/'
+  -extra-arg=-Wno-shadow -extra-arg=-Wno-unused-command-line-argument '/Unity/'
