@@ -14,7 +14,7 @@ constexpr double kRise = 0.17;
 constexpr std::size_t kStart = 8;
 // Share over a whole run. A motorway has 0.1, and most 0.2 in a scan.
 constexpr double kMost = 0.5;
-// Scans of fewer points are not judged: the share of a few objects is large.
+// Scans of fewer points are not checked: the share of a few objects is large.
 constexpr std::size_t kFewestPoints = 1000;
 
 }  // namespace

@@ -25,7 +25,7 @@ struct TrackedObject;
 ///                           (io/labels.hpp)
 ///     stages/NNNNNN.stages  one uint8 per input record: bit s is 1 if the point is dynamic after
 ///                           stage s (detection/detection.hpp); 0 for a record without a return
-///     probability/NNNNNN.f32  only if asked for: one float32 per input record, little endian, the
+///     probability/NNNNNN.f32  only with --probability: one float32 per input record, little endian, the
 ///                           probability that the point moves; NaN where it is not known: without a return,
 ///                           and in a scan whose motion odometry has lost
 ///     poses_kitti.txt       T_0v (world from sensor) at the start of each labelled scan, 12 numbers per row
