@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "support/paths.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/evaluation/trajectory_evaluation.hpp>
 #include <mapless/io/trajectory_file.hpp>
@@ -133,7 +134,7 @@ std::map<std::string, double> read_figures(const std::string& file) {
 // What evo 1.38.1 and KISS-ICP's port of KITTI's devkit say of these two files;
 // benchmarks/peers/make_trajectory_figures.py made them.
 TEST(TrajectoryError, AgreesWithEvoAndTheKittiDevkit) {
-  const std::string folder = MAPLESS_TESTS "/evaluation/trajectory_figures/";
+  const std::string folder = test::test_file("evaluation/trajectory_figures/").string();
   const auto truth = read_trajectory_file(folder + "true.txt", {}).poses();
   const auto estimated = read_trajectory_file(folder + "estimated.txt", {}).poses();
   auto figures = read_figures(folder + "figures.txt");

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "support/shared_data.hpp"
+#include "support/paths.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/lidar/lidar_model.hpp>
 

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "lidar/scan_builder/raw_points.hpp"
+#include "support/paths.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/live/point_cloud2.hpp>
 
@@ -39,7 +40,7 @@ std::vector<std::uint8_t> bytes_of(const std::string& hex) {
 
 // The clouds that python/tests/test_driver_clouds.py reads too.
 std::vector<DriverCloud> driver_clouds() {
-  std::ifstream file(std::filesystem::path(MAPLESS_TESTS) / "../python/tests/driver_clouds.json");
+  std::ifstream file(test::test_file("../python/tests/driver_clouds.json"));
   std::vector<DriverCloud> clouds;
   for (const json& one : json::parse(file)) {
     DriverCloud& cloud = clouds.emplace_back();

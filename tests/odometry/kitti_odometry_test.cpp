@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "support/shared_data.hpp"
+#include "support/paths.hpp"
 #include <mapless/io/dataset.hpp>
 #include <mapless/io/trajectory_file.hpp>
 #include <mapless/odometry/lidar_odometry.hpp>

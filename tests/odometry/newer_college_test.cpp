@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "support/shared_data.hpp"
+#include "support/paths.hpp"
 #include <mapless/evaluation/trajectory_evaluation.hpp>
 #include <mapless/geometry/compensated_scan.hpp>
 #include <mapless/odometry/lidar_odometry.hpp>

@@ -1,4 +1,5 @@
 #include "support/command.hpp"
+#include "support/paths.hpp"
 
 #include <array>
 #include <csignal>
@@ -44,7 +45,7 @@ std::string read_all(int descriptor) {
 }
 
 pid_t spawn(const std::vector<std::string>& arguments, int out, int err) {
-  std::vector<std::string> words = {MAPLESS_COMMAND};
+  std::vector<std::string> words = {built_command()};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "support/shared_data.hpp"
+#include "support/paths.hpp"
 #include <mapless/detection/detector.hpp>
 #include <mapless/evaluation/evaluator.hpp>
 #include <mapless/io/dataset.hpp>

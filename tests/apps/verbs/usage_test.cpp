@@ -8,6 +8,7 @@
 #include <sys/wait.h>
 
 #include "support/command.hpp"
+#include "support/paths.hpp"
 #include "support/temporary_folder.hpp"
 #include <mapless/detection/parameters.hpp>
 #include <mapless/io/files.hpp>
@@ -86,7 +87,7 @@ TEST(Usage, OutputThatCannotBePrintedIsAnError) {
   const test::TemporaryFolder folder;
   // Short enough to stay in the buffer until the end.
   const std::string command =
-      std::string(MAPLESS_COMMAND) + " --version > /dev/full 2> " + (folder / "err").string();
+      test::built_command() + " --version > /dev/full 2> " + (folder / "err").string();
   EXPECT_NE(std::system(command.c_str()), 0);  // NOLINT: a shell redirects
   EXPECT_THAT(read_whole_file(folder / "err"),
               AllOf(StartsWith("mapless: error: standard output"), HasSubstr("No space left")));
@@ -95,7 +96,7 @@ TEST(Usage, OutputThatCannotBePrintedIsAnError) {
 // Through a shell that redirects; its exit code.
 int run_in_shell(const std::string& arguments_and_redirections) {
   const int status =
-      std::system((std::string(MAPLESS_COMMAND) + " " + arguments_and_redirections).c_str());  // NOLINT
+      std::system((test::built_command() + " " + arguments_and_redirections).c_str());  // NOLINT
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 

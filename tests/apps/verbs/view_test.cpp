@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "support/command.hpp"
+#include "support/paths.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/toy_sequence.hpp"
 #include "view/drive_page.hpp"
@@ -20,7 +21,7 @@ using testing::Not;
 
 // The string in the command is the committed file, which the test viewer.page compares with its sources.
 TEST(View, HasTheCommittedPage) {
-  const std::filesystem::path page = std::filesystem::path(MAPLESS_TESTS) / "../apps/mapless/view/page.html";
+  const std::filesystem::path page = test::test_file("../apps/mapless/view/page.html");
   EXPECT_TRUE(app::page_template() == read_whole_file(page));
 }
 

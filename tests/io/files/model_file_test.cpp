@@ -7,7 +7,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include "io/files/sensor_metadata.hpp"
-#include "support/shared_data.hpp"
+#include "support/paths.hpp"
 #include "support/temporary_folder.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/io/files.hpp>

@@ -8,7 +8,7 @@
 
 #include "support/bare_cloud.hpp"
 #include "support/recording_error.hpp"
-#include "support/shared_data.hpp"
+#include "support/paths.hpp"
 #include "support/temporary_folder.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/io/dataset.hpp>
