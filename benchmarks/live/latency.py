@@ -59,13 +59,15 @@ def main():
         del options[at : at + 2]
     node = subprocess.Popen([mapless, "live", *options])
     try:
-        client = Client()
+        client = Client({"points_labelled": PointCloud2})  # the node makes nothing that nobody reads
         client.wait_for_node()
         start = time.monotonic()
         for k, file in enumerate(sorted((pathlib.Path(drive) / "scans").iterdir())):
             message = cloud(file, EPOCH_NS + round(k * NS_PER_S / rate))
             time.sleep(max(0.0, start + k / rate - time.monotonic()))
             client.points.write(message)
+            client.collect(1)
+            client.received["points_labelled"].clear()
         time.sleep(1)
         node.send_signal(signal.SIGINT)
         sys.exit(node.wait(timeout=60))
