@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Plays a simulated drive to `mapless live` at the pace of the sensor, over DDS on the loopback interface, and prints the
 latency that the node states: from the arrival of the newest cloud that the labels of a cloud need (the next one, with
---causal its own) to the labels. Needs numpy and cyclonedds from PyPI.
+--causal its own) to the labels; and the processor time and memory of the node. Needs numpy and cyclonedds from PyPI.
 
 usage: latency.py MAPLESS DRIVE [--rate HZ] [OPTION OF mapless live ...]
 
@@ -9,6 +9,7 @@ usage: latency.py MAPLESS DRIVE [--rate HZ] [OPTION OF mapless live ...]
     python3 benchmarks/live/latency.py mapless drive --sensor OS1-128
 """
 
+import os
 import pathlib
 import signal
 import subprocess
@@ -59,16 +60,23 @@ def main():
         del options[at : at + 2]
     node = subprocess.Popen([mapless, "live", *options])
     try:
-        client = Client()
+        client = Client({"points_labelled": PointCloud2})  # the node makes nothing that nobody reads
         client.wait_for_node()
         start = time.monotonic()
         for k, file in enumerate(sorted((pathlib.Path(drive) / "scans").iterdir())):
             message = cloud(file, EPOCH_NS + round(k * NS_PER_S / rate))
             time.sleep(max(0.0, start + k / rate - time.monotonic()))
             client.points.write(message)
+            client.collect(1)
+            client.received["points_labelled"].clear()
         time.sleep(1)
         node.send_signal(signal.SIGINT)
-        sys.exit(node.wait(timeout=60))
+        _, status, usage = os.wait4(node.pid, 0)
+        node.returncode = os.waitstatus_to_exitcode(status)
+        user_ms, system_ms = (1e3 * seconds / (k + 1) for seconds in (usage.ru_utime, usage.ru_stime))
+        print(f"processor time of the node {user_ms:.1f} ms a cloud, of the system for it {system_ms:.1f} ms")
+        print(f"largest memory of the node {usage.ru_maxrss / 1024:.0f} MB")
+        sys.exit(node.returncode)
     finally:
         node.kill()
 

@@ -48,11 +48,21 @@ void CloudQueue::end_start(Time now, Health& health) {
   std::deque<Arrival> kept;
   for (std::size_t i = 1; i <= keep; ++i) kept.push_back(std::move(waiting_[i * count / keep - 1]));
   waiting_ = std::move(kept);
-  for (std::size_t i = keep; i < count; ++i) report_dropped(now, health);
+  for (std::size_t i = keep; i < count; ++i) count_dropped(now);
+  report_overload(now, health);
 }
 
-bool CloudQueue::fits_normal_queue() const {
-  return waiting_.size() <= static_cast<std::size_t>(parameters_.queue_clouds);
+void CloudQueue::catch_up(Time now, Health& health) {
+  starting_ = waiting_.size() > static_cast<std::size_t>(parameters_.queue_clouds);
+  if (!starting_) return;
+  waiting_.pop_front();
+  count_dropped(now);
+  ++dropped_at_start_;
+  health.report(LiveLevel::warning, "start",
+                fmt::format("the start took long: {} of the clouds that came meanwhile were dropped, every "
+                            "other one",
+                            dropped_at_start_),
+                now);
 }
 
 std::optional<Duration> CloudQueue::period() const {
@@ -64,6 +74,27 @@ std::optional<Duration> CloudQueue::period() const {
   std::sort(distances.begin(), distances.end());
   const std::int64_t period_ns = distances[distances.size() / 8];
   return period_ns > 0 ? std::optional(Duration::from_nanoseconds(period_ns)) : std::nullopt;
+}
+
+std::optional<Time> CloudQueue::current_stamp(Time now) const {
+  return silence(now) ? std::nullopt : std::optional(stamps_.back());
+}
+
+std::optional<LiveEvent> CloudQueue::silence(Time now) const {
+  if (!last_arrival_) return LiveEvent{LiveLevel::warning, fmt::format("no cloud yet on topic {}", topic_)};
+  const double silent_s = (now - *last_arrival_).seconds();
+  if (silent_s <= parameters_.max_gap_s) return std::nullopt;
+  return LiveEvent{
+      LiveLevel::error,
+      fmt::format("no cloud on topic {} for {:.1f} s: see sensor, cable and driver", topic_, silent_s)};
+}
+
+std::string CloudQueue::jump(Duration step) const {
+  if (step.seconds() < -parameters_.max_gap_s)
+    return fmt::format("the stamps jumped back by {:.3f} s", -step.seconds());
+  if (step.seconds() > parameters_.max_gap_s)
+    return fmt::format("no cloud for {:.3f} s by the stamps", step.seconds());
+  return "";
 }
 
 bool CloudQueue::period_settled() const { return stamps_.size() >= kStampsOfPeriod; }
@@ -92,12 +123,16 @@ bool CloudQueue::is_of_own_publisher(std::uint64_t publisher, Time now, Health& 
 
 void CloudQueue::drop_oldest(Time now, Health& health) {
   waiting_.pop_front();
-  report_dropped(now, health);
+  count_dropped(now);
+  report_overload(now, health);
 }
 
-void CloudQueue::report_dropped(Time now, Health& health) {
+void CloudQueue::count_dropped(Time now) {
   ++dropped_;
   recently_dropped_.add(now);
+}
+
+void CloudQueue::report_overload(Time now, Health& health) const {
   health.report(
       LiveLevel::warning, "overload",
       fmt::format("overload: {} of the {} clouds of the last 10 s were dropped; give more cores, or "

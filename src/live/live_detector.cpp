@@ -10,7 +10,9 @@
 
 #include "core/time_check.hpp"
 #include "live/cloud_queue.hpp"
+#include "live/figures.hpp"
 #include "live/health.hpp"
+#include "live/measurement_queue.hpp"
 #include "live/scan_maker.hpp"
 #include "live/transform_buffer.hpp"
 #include <mapless/core/errors.hpp>
@@ -40,6 +42,7 @@ struct LiveDetector::State {
       : options(o),
         now(clock ? std::move(clock) : steady_now),
         queue(o.live, o.topic),
+        measurements(o.live),
         scans(o.sensor, o.topic),
         online(std::make_unique<OnlineDetector>(o.detector)) {}
 
@@ -47,7 +50,6 @@ struct LiveDetector::State {
   void report(LiveLevel level, const std::string& kind, const std::string& text);
   void count_output(const LiveOutput& output);
   [[nodiscard]] std::optional<Arrival> take();
-  [[nodiscard]] std::vector<std::pair<std::string, std::string>> values(Time time) const;
 
   // On the thread of process():
   std::vector<LiveOutput> process_cloud(Arrival arrival);
@@ -55,11 +57,11 @@ struct LiveDetector::State {
   std::vector<LiveOutput> push_with(const MadeScan& made, const std::shared_ptr<const Trajectory>& given);
   std::vector<LiveOutput> push_waiting();
   void find_base(const MadeScan& made);
+  void measure_motion(const MadeScan& made);
   std::vector<LiveOutput> begin_anew(bool forget_sensor);
   std::vector<LiveOutput> outputs(std::vector<LabelledScan> labelled);
   std::vector<LiveOutput> refused(const std::string& reason);
   [[nodiscard]] bool is_usable(Arrival& arrival);
-  [[nodiscard]] std::string jump_text(Duration step) const;
   std::vector<LiveOutput> begin_anew_if_other(const PointCloud2View& cloud, const std::string& jump);
   [[nodiscard]] std::optional<Duration> period(bool settled) const;
 
@@ -71,10 +73,9 @@ struct LiveDetector::State {
   CloudQueue queue;
   Health health;
   TransformBuffer transforms;
-  Latencies latencies;
-  RecentTimes labelled_times;
-  std::size_t labelled_count = 0, refused_count = 0;
-  std::string motion = "unknown", start_s = "none", sensor;
+  MeasurementQueue measurements;
+  Figures figures;
+  std::string sensor;
   bool transform_came = false, labels_came = false;
 
   ScanMaker scans;
@@ -84,7 +85,8 @@ struct LiveDetector::State {
   std::optional<Time> last_stamp, start_began;
   Time newest_arrival;  // of the clouds pushed
   int refused_in_a_row = 0;
-  SE3 T_vb;  // sensor from base_frame
+  bool flushing = false;  // labels that waited for no cloud are made
+  SE3 T_vb;               // sensor from base_frame
   bool base_known = false;
   SE3 T_w0, T_wv;  // world of the outputs from that of `online`; the last known pose
   std::uint32_t first_id = 0, last_id = 0;
@@ -99,19 +101,13 @@ std::optional<Arrival> LiveDetector::State::take() {
   if (queue.starting() && !queue.empty()) {
     const Time time = now();
     if (!start_began) start_began = time;
-    if ((labels_came && queue.fits_normal_queue()) || (time - *start_began).seconds() > kLongestStart_s)
+    if (labels_came) {
+      queue.catch_up(time, health);
+    } else if ((time - *start_began).seconds() > kLongestStart_s) {
       queue.end_start(time, health);
+    }
   }
   return queue.take();
-}
-
-// Why a cloud this long after the last cannot belong to the same drive; empty where it can.
-std::string LiveDetector::State::jump_text(Duration step) const {
-  if (step.seconds() < -options.live.max_gap_s)
-    return fmt::format("the stamps jumped back by {:.3f} s", -step.seconds());
-  if (step.seconds() > options.live.max_gap_s)
-    return fmt::format("no cloud for {:.3f} s by the stamps", step.seconds());
-  return "";
 }
 
 bool LiveDetector::State::is_usable(Arrival& arrival) {
@@ -155,7 +151,7 @@ std::vector<LiveOutput> LiveDetector::State::process_cloud(Arrival arrival) {
   if (!is_usable(arrival)) return {};
   const Time stamp = arrival.cloud.view.stamp;
   const Duration step = last_stamp ? stamp - *last_stamp : Duration::from_nanoseconds(1);
-  const std::string jump = jump_text(step);
+  const std::string jump = queue.jump(step);
   std::vector<LiveOutput> done = begin_anew_if_other(arrival.cloud.view, jump);
   if (jump.empty() && step.nanoseconds() <= 0) {
     append(done, refused(fmt::format("a cloud {:.3f} s older than the one before is ignored: see whether two "
@@ -176,7 +172,7 @@ std::vector<LiveOutput> LiveDetector::State::process_cloud(Arrival arrival) {
 std::vector<LiveOutput> LiveDetector::State::refused(const std::string& reason) {
   {
     const std::lock_guard lock(mutex);
-    ++refused_count;
+    ++figures.refused;
     report(LiveLevel::error, "unusable cloud", reason);
   }
   if (++refused_in_a_row < kMostRefused) return {};
@@ -194,6 +190,7 @@ std::vector<LiveOutput> LiveDetector::State::push(const MadeScan& made) {
   }
   if (!options.poses_given()) {
     if (!base_known) find_base(made);
+    measure_motion(made);
     return push_with(made, nullptr);
   }
   waiting_for_pose.push_back(made);
@@ -217,6 +214,15 @@ void LiveDetector::State::find_base(const MadeScan& made) {
   T_vb = found.trajectory->at(made.scan->start).T_v0;
   T_w0 = T_vb.inverse() * T_w0;
   T_wv = T_vb.inverse() * T_wv;
+}
+
+// Those of before the first scan have no effect on the odometry.
+void LiveDetector::State::measure_motion(const MadeScan& made) {
+  const std::lock_guard lock(mutex);
+  const std::vector<MotionMeasurement> taken = measurements.take(
+      made.arrival.cloud.view.frame_id, made.scan->start, made.scan->end(), transforms, now(), health);
+  for (const MotionMeasurement& measured : taken) online->add_measurement(measured);
+  figures.measurements = measurements.used();
 }
 
 // The clouds whose poses are known now, in order; those that have waited too long are given up.
@@ -256,7 +262,9 @@ std::vector<LiveOutput> LiveDetector::State::push_with(const MadeScan& made,
 }
 
 std::vector<LiveOutput> LiveDetector::State::begin_anew(bool forget_sensor) {
+  flushing = true;
   std::vector<LiveOutput> done = outputs(online->flush());
+  flushing = false;
   online = std::make_unique<OnlineDetector>(options.detector);
   pushed.clear();
   waiting_for_pose.clear();
@@ -269,6 +277,7 @@ std::vector<LiveOutput> LiveDetector::State::begin_anew(bool forget_sensor) {
   const std::lock_guard lock(mutex);
   if (forget_sensor) sensor.clear();
   labels_came = false;
+  measurements.clear();
   queue.begin_start();
   return done;
 }
@@ -294,33 +303,14 @@ std::vector<LiveOutput> LiveDetector::State::outputs(std::vector<LabelledScan> l
 
 void LiveDetector::State::count_output(const LiveOutput& output) {
   const std::lock_guard lock(mutex);
-  ++labelled_count;
-  if (!labels_came && start_began) start_s = fmt::format("{:.2f}", (now() - *start_began).seconds());
+  if (!labels_came && start_began) figures.start_s = fmt::format("{:.2f}", (now() - *start_began).seconds());
   labels_came = true;
-  labelled_times.add(now());
-  if (!queue.starting()) latencies.add(output.latency_s);
-  motion = name_of(output.labelled.motion_state());
+  figures.add(output, !queue.starting() && !flushing, now());
   if (!output.labelled.odometry) return;
   const std::string trouble = trouble_of(*output.labelled.odometry);
   if (trouble.empty()) return;
   report(output.labelled.motion_state() == MotionState::lost ? LiveLevel::error : LiveLevel::warning,
          "motion", trouble);
-}
-
-// The figures of the diagnostics.
-std::vector<std::pair<std::string, std::string>> LiveDetector::State::values(Time time) const {
-  return {{"motion", motion},
-          {"input_rate_hz", fmt::format("{:.2f}", queue.recent().rate_hz(time))},
-          {"output_rate_hz", fmt::format("{:.2f}", labelled_times.rate_hz(time))},
-          {"start_s", start_s},
-          {"latency_median_ms", latencies.percentile_ms(0.5)},
-          {"latency_p99_ms", latencies.percentile_ms(0.99)},
-          {"latency_max_ms", latencies.percentile_ms(1)},
-          {"clouds", std::to_string(queue.arrived())},
-          {"labelled", std::to_string(labelled_count)},
-          {"dropped", std::to_string(queue.dropped())},
-          {"unusable", std::to_string(refused_count)},
-          {"of_second_publisher", std::to_string(queue.ignored())}};
 }
 
 LiveDetector::LiveDetector(const LiveOptions& options, std::function<Time()> now) {
@@ -346,6 +336,21 @@ void LiveDetector::add_transform(const std::string& parent, const std::string& c
     state_->transform_came = state_->options.poses_given();
   }
   state_->changed.notify_one();
+}
+
+void LiveDetector::add_angular_velocity(const std::string& frame, Time time, const Eigen::Vector3d& angular) {
+  const std::lock_guard lock(state_->mutex);
+  const Time now = state_->now();
+  state_->measurements.add({frame, time, std::nullopt, angular}, state_->queue.current_stamp(now), now,
+                           state_->health);
+}
+
+void LiveDetector::add_twist(const std::string& frame, Time time, const Eigen::Vector3d& linear,
+                             const Eigen::Vector3d& angular) {
+  const std::lock_guard lock(state_->mutex);
+  const Time now = state_->now();
+  state_->measurements.add({frame, time, linear, angular}, state_->queue.current_stamp(now), now,
+                           state_->health);
 }
 
 void LiveDetector::wait(Duration at_most) {
@@ -379,15 +384,10 @@ LiveDiagnostics LiveDetector::diagnostics() const {
   const Time time = state_->now();
   const CloudQueue& queue = state_->queue;
   LiveDiagnostics d = {state_->health.level(time), state_->health.message(time),
-                       queue.last_arrival().has_value(), state_->sensor, state_->values(time)};
-  const double silent_s = queue.last_arrival() ? (time - *queue.last_arrival()).seconds() : 0;
-  if (!queue.last_arrival()) {
-    d.level = LiveLevel::warning;
-    d.message = fmt::format("no cloud yet on topic {}", state_->options.topic);
-  } else if (silent_s > state_->options.live.max_gap_s) {
-    d.level = LiveLevel::error;
-    d.message = fmt::format("no cloud on topic {} for {:.1f} s: see sensor, cable and driver",
-                            state_->options.topic, silent_s);
+                       queue.last_arrival().has_value(), state_->sensor, state_->figures.values(queue, time)};
+  if (const auto silence = queue.silence(time)) {
+    d.level = silence->level;
+    d.message = silence->text;
   } else if (d.message.empty()) {
     d.message = state_->labels_came ? "labels clouds" : "starting";
   }

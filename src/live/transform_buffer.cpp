@@ -61,6 +61,28 @@ std::vector<const TransformBuffer::Edge*> TransformBuffer::chain(const std::stri
   return at == world ? path : std::vector<const Edge*>();
 }
 
+// T_pf of `frame` f in itself and in each ancestor p that static transforms lead to.
+std::map<std::string, SE3> TransformBuffer::fixed_ancestors(const std::string& frame) const {
+  std::map<std::string, SE3> found;
+  SE3 T_pf;
+  std::string at = without_slash(frame);
+  while (found.emplace(at, T_pf).second) {
+    const auto edge = edges_.find(at);
+    if (edge == edges_.end() || !edge->second.is_static) break;
+    T_pf = edge->second.poses.front().T_v0.inverse() * T_pf;
+    at = edge->second.parent;
+  }
+  return found;
+}
+
+std::optional<SE3> TransformBuffer::fixed(const std::string& a, const std::string& b) const {
+  const std::map<std::string, SE3> of_b = fixed_ancestors(b);
+  for (const auto& [ancestor, T_pa] : fixed_ancestors(a)) {
+    if (const auto T_pb = of_b.find(ancestor); T_pb != of_b.end()) return T_pa.inverse() * T_pb->second;
+  }
+  return std::nullopt;
+}
+
 // The poses around [begin, end]: the last one before it, those within, the first one after.
 std::shared_ptr<const Trajectory> TransformBuffer::Edge::trajectory(Time begin, Time end) const {
   const auto later = [](Time t, const TimedPose& pose) { return t < pose.time; };

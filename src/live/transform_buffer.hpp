@@ -3,6 +3,7 @@
 #include <deque>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,8 @@ class TransformBuffer {
   };
   /// The trajectory of `frame` in the world `world`.
   [[nodiscard]] Lookup find(const std::string& frame, const std::string& world, Time begin, Time end) const;
+  /// T_ab of two frames that static transforms connect, by any common ancestor; none where they do not.
+  [[nodiscard]] std::optional<SE3> fixed(const std::string& a, const std::string& b) const;
 
  private:
   struct Edge {
@@ -38,6 +41,7 @@ class TransformBuffer {
     [[nodiscard]] std::shared_ptr<const Trajectory> trajectory(Time begin, Time end) const;
   };
 
+  [[nodiscard]] std::map<std::string, SE3> fixed_ancestors(const std::string& frame) const;
   [[nodiscard]] std::vector<const Edge*> chain(const std::string& frame, const std::string& world) const;
   [[nodiscard]] std::string known_edges() const;
 

@@ -31,14 +31,20 @@ from ros2_types import (  # noqa: E402
     Detection3DArray,
     DiagnosticArray,
     Header,
+    Imu,
     Odometry,
     PointCloud2,
+    Point,
     PointField,
+    Pose,
+    PoseWithCovariance,
     Quaternion,
     TFMessage,
     Time,
     Transform,
     TransformStamped,
+    Twist,
+    TwistWithCovariance,
     Vector3,
 )
 
@@ -51,6 +57,9 @@ DRIVER = Qos(RELIABLE, Policy.Durability.Volatile, Policy.History.KeepLast(5))
 USER = Qos(RELIABLE, Policy.Durability.Volatile, Policy.History.KeepLast(50))
 STATIC = Qos(RELIABLE, Policy.Durability.TransientLocal, Policy.History.KeepLast(1))
 FIELDS = [("x", 0, 7), ("y", 4, 7), ("z", 8, 7), ("intensity", 12, 7), ("ring", 16, 4), ("time", 18, 7)]
+
+OUTPUTS = {"points_labelled": PointCloud2, "points_static": PointCloud2, "points_moving": PointCloud2}
+OUTPUTS |= {"objects": Detection3DArray, "odometry": Odometry, "diagnostics": DiagnosticArray}
 
 
 def stamp(ns):
@@ -102,23 +111,46 @@ def transform(parent, child, ns, numbers):
     return TransformStamped(Header(stamp(ns), parent), child, motion)
 
 
+def measurements_of(drive):
+    """What an inertial sensor and wheels in the place of the lidar measure: stamp, Imu, Odometry."""
+    poses = list(poses_of(drive))
+    for (ns, a), (later, b) in zip(poses, poses[1:], strict=False):
+        dt = (later - ns) / NS_PER_S
+        speed = sum((q - p) ** 2 for p, q in zip(a[:3], b[:3], strict=True)) ** 0.5 / dt
+        (ax, ay, az, aw), (bx, by, bz, bw) = a[3:], b[3:]
+        # The vector of conj(a) b, which is half of a small angle.
+        turn = (
+            aw * bx - ax * bw - ay * bz + az * by,
+            aw * by - ay * bw - az * bx + ax * bz,
+            aw * bz - az * bw - ax * by + ay * bx,
+        )
+        sign = 2 if aw * bw + ax * bx + ay * by + az * bz > 0 else -2
+        angular = Vector3(*(sign * part / dt for part in turn))
+        zero, upright = Vector3(0.0, 0.0, 0.0), Quaternion(0.0, 0.0, 0.0, 1.0)
+        header, nine, many = Header(stamp((ns + later) // 2), "lidar"), [0.0] * 9, [0.0] * 36
+        imu = Imu(header, upright, nine, angular, nine, zero, nine)
+        pose = PoseWithCovariance(Pose(Point(0.0, 0.0, 0.0), upright), many)
+        twist = TwistWithCovariance(Twist(Vector3(speed, 0.0, 0.0), angular), many)
+        yield ns, imu, Odometry(header, "lidar", pose, twist)
+
+
 def stamp_of(message):
     return message.header.stamp.sec * NS_PER_S + message.header.stamp.nanosec
 
 
 class Client:
-    def __init__(self):
+    def __init__(self, read=OUTPUTS):
         self.participant = DomainParticipant(DOMAIN)
         self.points = self.writer("points", PointCloud2, DRIVER)
         self.tf = self.writer("tf", TFMessage, DRIVER)
+        self.imu = self.writer("imu", Imu, DRIVER)
+        self.wheels = self.writer("wheel_odometry", Odometry, DRIVER)
         self.tf_static = self.writer("tf_static", TFMessage, STATIC)
-        names = {"points_labelled": PointCloud2, "points_static": PointCloud2, "points_moving": PointCloud2}
-        names |= {"objects": Detection3DArray, "odometry": Odometry, "diagnostics": DiagnosticArray}
         self.readers = {
             name: DataReader(self.participant, Topic(self.participant, f"rt/{name}", kind), qos=USER)
-            for name, kind in names.items()
+            for name, kind in read.items()
         }
-        self.received = {name: [] for name in names}
+        self.received = {name: [] for name in read}
 
     def writer(self, name, kind, qos):
         return DataWriter(self.participant, Topic(self.participant, f"rt/{name}", kind), qos=qos)
@@ -166,7 +198,12 @@ def run(client, drive, own_odometry):
         for ns, numbers in poses_of(drive):
             client.tf.write(TFMessage([transform("odom", "base_link", ns, numbers)]))
             client.collect(1)
+    measured = list(measurements_of(drive)) if own_odometry else []
     for k in range(count):
+        while measured and measured[0][0] < EPOCH_NS + (k + 1) * NS_PER_S // 10:
+            _, imu, wheels = measured.pop(0)
+            client.imu.write(imu)
+            client.wheels.write(wheels)
         points, moving = read_scan(drive, k)
         ns = EPOCH_NS + k * NS_PER_S // 10
         truth[ns] = points, moving
@@ -188,13 +225,16 @@ def run(client, drive, own_odometry):
     values = {value.key: value.value for value in status.values}
     print(f"diagnostics: {status.message}: {values}")
     assert values["dropped"] == "0", values
+    assert (int(values["measurements"]) > 10 * count) == own_odometry, values
+    assert values["motion"] == "good", values
 
 
 def main():
     command, drive = sys.argv[1], pathlib.Path(sys.argv[2])
     for own_odometry in (False, True):
         motion = "own" if own_odometry else "tf"
-        node = subprocess.Popen([command, "live", "--sensor", "VLP-16", "--motion", motion])
+        options = ["--use-imu", "--use-wheel-odometry"] if own_odometry else []
+        node = subprocess.Popen([command, "live", "--sensor", "VLP-16", "--motion", motion, *options])
         try:
             client = Client()
             client.wait_for_node()

@@ -78,6 +78,11 @@ struct PointField {
   std::uint8_t datatype;
   std::uint32_t count;
 };
+struct Imu {
+  STUB_MESSAGE(Imu);
+  std_msgs::msg::Header header;
+  geometry_msgs::msg::Vector3 angular_velocity;
+};
 struct PointCloud2 {
   STUB_MESSAGE(PointCloud2);
   std_msgs::msg::Header header;

@@ -29,6 +29,8 @@ MAPLESS_DDS_TYPE(sensor_msgs_msg_dds__PointCloud2_,
                  "9198cabf7da3796ae6fe19c4cb3bdd3525492988c70522628af5daa124bae2b5");
 MAPLESS_DDS_TYPE(nav_msgs_msg_dds__Odometry_,
                  "3cc97dc7fb7502f8714462c526d369e35b603cfc34d946e3f2eda2766dfec6e0");
+MAPLESS_DDS_TYPE(sensor_msgs_msg_dds__Imu_,
+                 "7d9a00ff131080897a5ec7e26e315954b8eae3353c3f995c55faf71574000b5b");
 MAPLESS_DDS_TYPE(tf2_msgs_msg_dds__TFMessage_,
                  "e369d0f05a23ae52508854b66f6aa0437f3449d652e8cbf22d5abe85d020f087");
 MAPLESS_DDS_TYPE(diagnostic_msgs_msg_dds__DiagnosticArray_,

@@ -110,6 +110,11 @@ void add_live(CLI::App& app, int& exit_code) {
   }
   verb->add_option("--odometry-topic", node.odometry_topic, "topic of nav_msgs/Odometry that is read")
       ->capture_default_str();
+  verb->add_option("--imu-topic", node.imu_topic, "topic of sensor_msgs/Imu, for --use-imu")
+      ->capture_default_str();
+  verb->add_option("--wheel-odometry-topic", node.wheel_odometry_topic,
+                   "topic of nav_msgs/Odometry whose twist is read, for --use-wheel-odometry")
+      ->capture_default_str();
   verb->add_option("--prefix", node.prefix, "before the names of the topics written, such as mapless/");
   add_live_parameters(*verb, *options);
   add_parameter_options(*verb, options->parameters);

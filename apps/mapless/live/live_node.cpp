@@ -39,11 +39,13 @@ LiveNode::LiveNode(const LiveNodeOptions& options)
       markers_(participant_, options.prefix + "object_markers", DdsQuality::reliable),
       odometry_(participant_, options.prefix + "odometry", DdsQuality::reliable),
       diagnostics_(participant_, "diagnostics", DdsQuality::reliable) {
-  if (options.live.live.motion != LiveMotion::own || !options.live.base_frame.empty())
-    tf_static_.emplace(participant_, "tf_static", DdsQuality::transient_local);
+  if (options.live.needs_frames()) tf_static_.emplace(participant_, "tf_static", DdsQuality::transient_local);
   if (options.live.live.motion == LiveMotion::tf) tf_.emplace(participant_, "tf", DdsQuality::sensor_data);
   if (options.live.live.motion == LiveMotion::odometry)
     odometry_in_.emplace(participant_, options.odometry_topic, DdsQuality::sensor_data);
+  if (options.live.live.use_imu) imu_.emplace(participant_, options.imu_topic, DdsQuality::sensor_data);
+  if (options.live.live.use_wheel_odometry)
+    wheels_.emplace(participant_, options.wheel_odometry_topic, DdsQuality::sensor_data);
   if (options.live.live.publish_tf) tf_out_.emplace(participant_, "tf", DdsQuality::reliable);
 }
 
@@ -80,6 +82,8 @@ void LiveNode::read_all(const std::atomic<bool>& stop) {
   if (tf_) attach(tf_->entity());
   if (tf_static_) attach(tf_static_->entity());
   if (odometry_in_) attach(odometry_in_->entity());
+  if (imu_) attach(imu_->entity());
+  if (wheels_) attach(wheels_->entity());
   while (!stop) {
     require_dds(dds_waitset_wait(waitset, nullptr, 0, kLongestWait), "waitset");
     read_once();
@@ -100,7 +104,26 @@ void LiveNode::read_once() {
                           transform_of(message.pose.pose), false);
     }
   }
+  read_measurements();
   while (const auto sample = points_.take()) live_.add_cloud(cloud_of(sample->message), sample->publisher);
+}
+
+// Before the clouds that they are measured during.
+void LiveNode::read_measurements() {
+  if (imu_) {
+    while (const auto sample = imu_->take()) {
+      const auto& message = *sample->message;
+      live_.add_angular_velocity(message.header.frame_id, time_of(message.header.stamp),
+                                 vector_of(message.angular_velocity));
+    }
+  }
+  if (wheels_) {
+    while (const auto sample = wheels_->take()) {
+      const auto& message = *sample->message;
+      live_.add_twist(message.child_frame_id, time_of(message.header.stamp),
+                      vector_of(message.twist.twist.linear), vector_of(message.twist.twist.angular));
+    }
+  }
 }
 
 void LiveNode::add_transforms(const tf2_msgs_msg_dds__TFMessage_& message, bool is_static) {

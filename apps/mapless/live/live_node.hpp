@@ -15,6 +15,8 @@ namespace mapless::app {
 struct LiveNodeOptions {
   LiveOptions live;
   std::string odometry_topic = "odometry_in";
+  std::string imu_topic = "imu";
+  std::string wheel_odometry_topic = "wheel_odometry";
   std::string prefix;  ///< of the topics written: "mapless/"
   std::uint32_t domain = 0;
 };
@@ -31,6 +33,7 @@ class LiveNode {
  private:
   void read_all(const std::atomic<bool>& stop);
   void read_once();
+  void read_measurements();
   void add_transforms(const tf2_msgs_msg_dds__TFMessage_& message, bool is_static);
   void publish(const LiveOutput& output);
   void publish_diagnostics();
@@ -49,7 +52,8 @@ class LiveNode {
   DdsParticipant participant_;
   Reader<Cloud> points_;
   std::optional<Reader<Transforms>> tf_, tf_static_;
-  std::optional<Reader<nav_msgs_msg_dds__Odometry_>> odometry_in_;
+  std::optional<Reader<nav_msgs_msg_dds__Odometry_>> odometry_in_, wheels_;
+  std::optional<Reader<sensor_msgs_msg_dds__Imu_>> imu_;
   Writer<Cloud> labelled_, static_, moving_;
   Writer<vision_msgs_msg_dds__Detection3DArray_> objects_;
   Writer<visualization_msgs_msg_dds__MarkerArray_> markers_;

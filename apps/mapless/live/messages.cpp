@@ -94,6 +94,8 @@ void add_markers(MarkersMessage& owner, const LiveOutput& output, const LiveObje
 
 }  // namespace
 
+Eigen::Vector3d vector_of(const geometry_msgs_msg_dds__Vector3_& v) { return {v.x, v.y, v.z}; }
+
 Time time_of(const builtin_interfaces_msg_dds__Time_& stamp) {
   return Time::from_nanoseconds(stamp.sec * kNanosecondsPerSecond + stamp.nanosec);
 }

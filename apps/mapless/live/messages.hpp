@@ -44,6 +44,7 @@ using MarkersMessage = OwnedMessage<visualization_msgs_msg_dds__MarkerArray_>;
 using ObjectsMessage = OwnedMessage<vision_msgs_msg_dds__Detection3DArray_>;
 
 [[nodiscard]] Time time_of(const builtin_interfaces_msg_dds__Time_& stamp);
+[[nodiscard]] Eigen::Vector3d vector_of(const geometry_msgs_msg_dds__Vector3_& v);
 /// Parent from child.
 [[nodiscard]] SE3 transform_of(const geometry_msgs_msg_dds__Transform_& transform);
 [[nodiscard]] SE3 transform_of(const geometry_msgs_msg_dds__Pose_& pose);

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include <mapless/core/se3.hpp>
 #include <mapless/core/time.hpp>
 #include <mapless/live/live_options.hpp>
@@ -26,12 +28,12 @@ namespace mapless::inline v1 {
 ///
 /// What can happen on a robot is a line of the diagnostics and of the log, and never an exception: no cloud
 /// for longer than max_gap_s, stamps that jump or run backwards, empty clouds, clouds of another layout or of
-/// another rate, a second publisher, poses that are late or missing, more clouds than can be processed.
+/// another rate, a second publisher, poses that are late or missing, more clouds than can be processed, and
+/// measurements of the motion that are missing, on another clock or of a frame without a place.
 /// Where the clouds before and after cannot belong together, detection begins anew; ids of objects are not
 /// reused, and the own odometry goes on from its last pose.
 ///
-/// add_cloud, add_transform, wait, diagnostics and take_events may be called from any thread; process and
-/// reset from one.
+/// process and reset are called from one thread, all others from any.
 class LiveDetector {
  public:
   /// `now`: a clock that does not jump; empty: the steady clock of the computer. Throws ParameterError for a
@@ -47,6 +49,13 @@ class LiveDetector {
   /// Takes T_parent_child at `time`, which does not matter where it is static.
   void add_transform(const std::string& parent, const std::string& child, Time time,
                      const SE3& T_parent_child, bool is_static);
+  /// Takes the angular velocity of `frame` about its axes [rad/s], of an inertial sensor, for the own
+  /// odometry. Static transforms place the frame on the lidar.
+  void add_angular_velocity(const std::string& frame, Time time, const Eigen::Vector3d& angular);
+  /// Takes velocity [m/s] and angular velocity [rad/s] of `frame` in its axes, of wheels, for the own
+  /// odometry. The speed of the lidar on this rigid body is used.
+  void add_twist(const std::string& frame, Time time, const Eigen::Vector3d& linear,
+                 const Eigen::Vector3d& angular);
   /// Waits until a cloud or, with given poses, a transform comes, at most `at_most`. process() is called
   /// either way: it gives up clouds that have waited too long.
   void wait(Duration at_most);

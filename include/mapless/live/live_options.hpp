@@ -29,6 +29,8 @@ enum class LiveMotion : std::uint8_t {
 /// Parameters of a LiveDetector beside those of detection and odometry.
 struct LiveParameters {
   LiveMotion motion = LiveMotion::own;
+  bool use_imu = false;
+  bool use_wheel_odometry = false;
   bool publish_tf = false;
   int queue_clouds = 5;
   int start_queue_clouds = 40;
@@ -42,6 +44,14 @@ struct LiveParameters {
                 "where the motion of the lidar comes from: own (lidar odometry), tf (tf and tf_static), or "
                 "odometry (topic odometry_in and tf_static)",
                 "docs/ros2.md"),
+        declare(&P::use_imu, "use_imu",
+                "own odometry uses the angular velocities of topic imu, whose frame tf_static places on the "
+                "lidar",
+                "docs/ros2.md"),
+        declare(&P::use_wheel_odometry, "use_wheel_odometry",
+                "own odometry uses the speed by the twist of topic wheel_odometry, whose child frame "
+                "tf_static places on the lidar",
+                "docs/ros2.md"),
         declare(&P::publish_tf, "publish_tf", "write the own odometry to tf, too", "docs/ros2.md"),
         declare(&P::queue_clouds, "queue_clouds", "clouds", 1, 1000,
                 "clouds that wait for detection; where more arrive, the oldest is dropped",
@@ -49,7 +59,7 @@ struct LiveParameters {
         declare(
             &P::start_queue_clouds, "start_queue_clouds", "clouds", 1, 1000,
             "the same until the first labels, for at most 5 s: own odometry needs the first scans without "
-            "a gap, and takes longer for them",
+            "a gap, and takes longer for them; then every other cloud is dropped until queue_clouds wait",
             "docs/ros2.md"),
         declare(&P::max_gap_s, "max_gap_s", "s", 0.1, 60,
                 "detection begins anew after a longer time without clouds, and where stamps jump farther",
@@ -74,6 +84,10 @@ struct LiveOptions {
 
   /// Whether LiveDetector::add_transform gives the poses.
   [[nodiscard]] bool poses_given() const { return live.motion != LiveMotion::own; }
+  /// Whether static transforms are needed.
+  [[nodiscard]] bool needs_frames() const {
+    return poses_given() || !base_frame.empty() || live.use_imu || live.use_wheel_odometry;
+  }
 };
 
 /// A setting that is a text.

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include <rclcpp_components/register_node_macro.hpp>
+#include <sensor_msgs/msg/imu.hpp>
 
 #include "parameters.hpp"
 #include <mapless/core/errors.hpp>
@@ -59,7 +60,8 @@ void Labeller::subscribe(mapless::LiveMotion motion) {
         live_->add_cloud(cloud_of(message), publisher_of(info));
       },
       options);
-  if (motion == mapless::LiveMotion::own && options_.base_frame.empty()) return;
+  subscribe_measurements();
+  if (!options_.needs_frames()) return;
   tf_static_ = create_subscription<Transforms>(
       "/tf_static", rclcpp::QoS(rclcpp::KeepLast(100)).reliable().transient_local(),
       [this](Transforms::ConstSharedPtr message) { add_transforms(*message, true); });
@@ -75,6 +77,23 @@ void Labeller::subscribe(mapless::LiveMotion motion) {
         live_->add_transform(options_.world_frame, message->child_frame_id, time_of(message->header.stamp),
                              transform_of(message->pose.pose), false);
       });
+}
+
+void Labeller::subscribe_measurements() {
+  if (options_.live.use_imu) {
+    imu_ = create_subscription<sensor_msgs::msg::Imu>(
+        "imu", rclcpp::SensorDataQoS(), [this](sensor_msgs::msg::Imu::ConstSharedPtr message) {
+          live_->add_angular_velocity(message->header.frame_id, time_of(message->header.stamp),
+                                      vector_of(message->angular_velocity));
+        });
+  }
+  if (options_.live.use_wheel_odometry) {
+    wheels_ = create_subscription<nav_msgs::msg::Odometry>(
+        "wheel_odometry", rclcpp::SensorDataQoS(), [this](nav_msgs::msg::Odometry::ConstSharedPtr message) {
+          live_->add_twist(message->child_frame_id, time_of(message->header.stamp),
+                           vector_of(message->twist.twist.linear), vector_of(message->twist.twist.angular));
+        });
+  }
 }
 
 void Labeller::add_transforms(const Transforms& message, bool is_static) {

@@ -23,6 +23,7 @@ class Labeller : public rclcpp::Node {
   using Transforms = tf2_msgs::msg::TFMessage;
 
   void subscribe(mapless::LiveMotion motion);
+  void subscribe_measurements();
   void add_transforms(const Transforms& message, bool is_static);
   void label();
   void publish(const mapless::LiveOutput& output);
@@ -30,7 +31,7 @@ class Labeller : public rclcpp::Node {
 
   mapless::LiveOptions options_;
   std::unique_ptr<mapless::LiveDetector> live_;
-  rclcpp::SubscriptionBase::SharedPtr points_, tf_, tf_static_, odometry_in_;
+  rclcpp::SubscriptionBase::SharedPtr points_, tf_, tf_static_, odometry_in_, imu_, wheels_;
   rclcpp::Publisher<Cloud>::SharedPtr labelled_, static_, moving_;
   rclcpp::Publisher<vision_msgs::msg::Detection3DArray>::SharedPtr objects_;
   rclcpp::Publisher<visualization_msgs::msg::MarkerArray>::SharedPtr markers_;

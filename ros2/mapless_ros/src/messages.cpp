@@ -61,6 +61,8 @@ visualization_msgs::msg::Marker marker_of(const mapless::LiveOutput& output,
 
 }  // namespace
 
+Eigen::Vector3d vector_of(const geometry_msgs::msg::Vector3& v) { return {v.x, v.y, v.z}; }
+
 mapless::Time time_of(const builtin_interfaces::msg::Time& stamp) {
   return mapless::Time::from_nanoseconds(stamp.sec * kNanosecondsPerSecond + stamp.nanosec);
 }

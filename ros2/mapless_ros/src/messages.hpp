@@ -16,6 +16,7 @@
 namespace mapless_ros {
 
 mapless::Time time_of(const builtin_interfaces::msg::Time& stamp);
+Eigen::Vector3d vector_of(const geometry_msgs::msg::Vector3& v);
 mapless::SE3 transform_of(const geometry_msgs::msg::Transform& transform);
 mapless::SE3 transform_of(const geometry_msgs::msg::Pose& pose);
 /// Without a copy of the points.
