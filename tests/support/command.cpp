@@ -1,5 +1,4 @@
 #include "support/command.hpp"
-#include "support/paths.hpp"
 
 #include <array>
 #include <csignal>
@@ -10,6 +9,8 @@
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
+
+#include "support/paths.hpp"
 
 namespace mapless::test {
 namespace {

@@ -5,8 +5,8 @@
 
 namespace mapless::test {
 
-// Where the tests find what is not compiled into them. These functions alone know the folders of this checkout, so
-// that a compiler cache serves all other sources of the tests in every checkout.
+// Where the tests find what is not compiled into them. These functions alone know the folders of this
+// checkout, so that a compiler cache serves all other sources of the tests in every checkout.
 
 /// A path under the shared recordings, which are beside the project and not part of it.
 [[nodiscard]] std::filesystem::path shared_data(const std::string& relative);

@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "support/bare_cloud.hpp"
-#include "support/recording_error.hpp"
 #include "support/paths.hpp"
+#include "support/recording_error.hpp"
 #include "support/temporary_folder.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/io/dataset.hpp>
