@@ -43,10 +43,11 @@ export interface DriveHeader {
   truth: boolean;
   poses: boolean;
   stages: string[];
+  probability: boolean;
   scans: ScanHeader[];
 }
 
-export const UNKNOWN = 0, STATIC = 1, DYNAMIC = 2, NO_TRUTH = 3;
+export const UNKNOWN = 0, STATIC = 1, DYNAMIC = 2, NO_TRUTH = 3, UNKNOWN_PROBABILITY = 255;
 
 export interface Scan {
   header: ScanHeader;
@@ -59,9 +60,10 @@ export interface Scan {
   truth: Uint8Array;
   object: Uint16Array;
   stages: Uint8Array | null;
+  probability: Uint8Array | null; // that the point moves, times 254; UNKNOWN_PROBABILITY
 }
 
-const VERSION = 1;
+const VERSION = 2;
 
 export class DriveError extends Error {}
 
@@ -134,11 +136,12 @@ function decode(bytes: Uint8Array, header: ScanHeader, index: number, drive: Dri
   const column = Uint16Array.from(planes.integers(n, 2)), record = planes.integers(n, 4);
   const classes = planes.plain(n), object = Uint16Array.from(planes.integers(n, 2));
   const stages = drive.stages.length > 0 ? planes.plain(n) : null;
+  const probability = drive.probability ? planes.plain(n) : null;
   if (planes.read !== bytes.length) throw new DriveError("its size is not that of its points");
   const laser = new Uint16Array(n);
   let filled = 0;
   of_laser.forEach((count, l) => laser.fill(l, filled, (filled += count)));
-  return { header, index, xyz, laser, column, record, label: classes.map((c) => c & 3), truth: classes.map((c) => (c >> 2) & 3), object, stages };
+  return { header, index, xyz, laser, column, record, label: classes.map((c) => c & 3), truth: classes.map((c) => (c >> 2) & 3), object, stages, probability };
 }
 
 // Decoded scans kept: those shown together, and some before and after for stepping.

@@ -41,7 +41,7 @@ class Viewer {
     const { header } = this;
     at("title").querySelector("h1")!.textContent = header.recording.replace(/\/+$/, "").split("/").slice(-1)[0];
     document.title = `${header.recording} \u2013 mapless view`;
-    select("colour").innerHTML = MODES.filter(([m]) => m !== "truth" || header.truth).map(([m, name]) => `<option value="${m}">${name}</option>`).join("");
+    select("colour").innerHTML = MODES.filter(([m]) => (m !== "truth" || header.truth) && (m !== "probability" || header.probability)).map(([m, name]) => `<option value="${m}">${name}</option>`).join("");
     if (header.truth) select("colour").value = "truth";
     select("together").innerHTML = TOGETHER.filter((n) => n === 1 || n <= header.scans.length).map((n) => `<option>${n}</option>`).join("");
     input("scrub").max = String(this.drive.size - 1);
@@ -201,6 +201,7 @@ class Viewer {
       motion: () => entry(css(MOVING), "dynamic", h.dynamic) + entry("#8b95a3", "static", h.points - h.dynamic),
       object: () => entry(`linear-gradient(90deg,${[1, 2, 3].map((k) => css(objectColour(k))).join(",")})`, "dynamic, by object", h.dynamic) + entry("#8b95a3", "static", h.points - h.dynamic),
       height: () => bar("-2.5 m", "6 m"), laser: () => bar("0", String(header.lasers - 1)), range: () => bar("0 m", "80 m"),
+      probability: () => bar("0", "1") + entry("#8b95a3", "not known"),
     };
     at("legend").innerHTML = rows[mode]();
   }

@@ -1,6 +1,6 @@
 // What the page says of a chosen point.
 import { css, FALSE, HIT, MISSED, objectColour, type Colour } from "./colours";
-import { DYNAMIC, STATIC, type DriveHeader, type Scan } from "./drive";
+import { DYNAMIC, STATIC, UNKNOWN_PROBABILITY, type DriveHeader, type Scan } from "./drive";
 import type { Observation, PointExplanation } from "./explanations";
 
 const escape = (text: string): string => text.replace(/[&<>"]/g, (c) => `&#${c.charCodeAt(0)};`);
@@ -17,7 +17,8 @@ function verdict(scan: Scan, i: number): string {
     const mark = right ? (truth === DYNAMIC ? HIT : null) : truth === DYNAMIC ? MISSED : FALSE;
     text += `; the truth is ${truth === DYNAMIC ? "dynamic" : "static"} ${mark ? dot(mark) : ""}`;
   }
-  return text;
+  const p = scan.probability?.[i] ?? UNKNOWN_PROBABILITY;
+  return p === UNKNOWN_PROBABILITY ? text : `${text}<br>It moves with probability ${(p / 254).toFixed(2)}.`;
 }
 
 // The step that decided, and what led there.

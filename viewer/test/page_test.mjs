@@ -17,7 +17,7 @@ let browser;
 
 before(async () => {
   mapless("simulate", "town1", "--sensor", "VLP-16", "--duration-s", "2.5", "--seed", "3", "--world", "level", "-o", file("town"));
-  mapless("detect", file("town"), "-o", file("out"));
+  mapless("detect", file("town"), "-o", file("out"), "--probability");
   mapless("view", file("town"), file("out"), "-o", file("drive.html"));
   browser = await chromium.launch({ executablePath: process.env.CHROMIUM, args: FLAGS });
 });
@@ -73,6 +73,27 @@ test("draws static and dynamic points in the colours of the chosen mode", async 
   assert.ok(found > 10 && none === 0 && moving > 10, `${found} pixels found, ${none} moving before, ${moving} after`);
   assert.deepEqual(noted, []);
   await page.close();
+});
+
+test("colours by probability", async () => {
+  const { page, noted } = await open("drive.html", "#scan=20");
+  await shown(page, 20);
+  for (const id of ["boxes", "trail", "image"]) await page.locator(`#${id}`).uncheck();
+  await page.selectOption("#colour", "probability");
+  const p = readFileSync(file("out/probability/000020.f32")), of = (i) => Math.round(254 * p.readFloatLE(4 * i)) / 254;
+  const record = Array.from({ length: p.length / 4 }, (_, i) => i).reduce((best, i) => (of(i) > of(best) || Number.isNaN(of(best)) ? i : best), 0);
+  assert.ok(of(record) > 8 / 9, "the scene has no point that surely moves");
+  // The last two colours of the ramp, of probability 8/9 and 1.
+  const part = 9 * of(record) - 8, colour = [225, 201, 87].map((c, k) => c + part * ([254, 232, 56][k] - c));
+  const [sure] = await pixels(page, [colour]);
+  assert.ok(sure > 10, `${sure} pixels of probability ${of(record)}`);
+  assert.match(await page.locator("#legend").innerText(), /not known/);
+  const again = await open("drive.html", `#scan=20&point=${record}`);
+  const text = `It moves with probability ${of(record).toFixed(2)}.`;
+  await again.page.waitForFunction((t) => document.getElementById("point").innerText.includes(t), text);
+  assert.deepEqual([...noted, ...again.noted], []);
+  await page.close();
+  await again.page.close();
 });
 
 test("steps, jumps, scrubs and plays", async () => {
@@ -174,7 +195,7 @@ test("damaged files give a message", async () => {
   const whole = readFileSync(file("drive.html"), "utf8");
   const damaged = {
     "no_drive.html": [whole.replace('id="drive"', 'id="other"'), /no drive in this page/],
-    "version.html": [whole.replace('"version":1', '"version":9'), /layout 9/],
+    "version.html": [whole.replace('"version":2', '"version":9'), /layout 9/],
     "data.html": [whole.replace(/(id="scan-0">.{4000}).{80}/, (_, start) => start + "A".repeat(80)), /Scan 0 cannot be shown: its data are damaged/],
     "cut.html": [whole.slice(0, whole.indexOf('id="scan-9"')), /Scan 9 cannot be shown: .*cut off/, "#scan=9"],
   };

@@ -18,7 +18,7 @@ namespace mapless::app {
 namespace {
 
 // viewer/src/drive.ts refuses another version.
-constexpr int kPageVersion = 1;
+constexpr int kPageVersion = 2;
 constexpr std::string_view kDriveMark = "<!--mapless:drive-->", kScansMark = "<!--mapless:scans-->";
 
 double rounded(double value, double unit) { return std::round(value / unit) * unit; }
@@ -49,9 +49,10 @@ std::string data_element(std::string_view what, std::size_t k, const std::string
   return fmt::format("<script type=\"text/plain\" id=\"{}-{}\">{}</script>\n", what, k, base64(bytes));
 }
 
-EncodedScan encode(const LabelledDrive& drive, std::size_t k, const SE3& T_page_world, bool with_stages) {
+EncodedScan encode(const LabelledDrive& drive, std::size_t k, const SE3& T_page_world,
+                   const OptionalPlanes& planes) {
   const LabelledCloud cloud = drive.read(k);
-  const ScanBlock block = encode_scan(cloud, T_page_world.rotation(), with_stages);
+  const ScanBlock block = encode_scan(cloud, T_page_world.rotation(), planes);
   Json objects = Json::array();
   for (const ObjectRow& row : drive.objects(k)) objects.push_back(object_json(row, T_page_world));
   const SE3 T_page_v = T_page_world * cloud.T_0v;
@@ -79,13 +80,13 @@ EncodedScan encode(const LabelledDrive& drive, std::size_t k, const SE3& T_page_
 
 // Scans are read and compressed by all threads, and stay in their order.
 std::vector<EncodedScan> encode_all(const LabelledDrive& drive, const std::vector<std::size_t>& scans,
-                                    const SE3& T_page_world, bool with_stages,
+                                    const SE3& T_page_world, const OptionalPlanes& planes,
                                     const std::function<void(std::size_t, std::size_t)>& progress) {
   std::vector<EncodedScan> out(scans.size());
   std::mutex printing;
   std::size_t done = 0;
   tbb::parallel_for(std::size_t{0}, scans.size(), [&](std::size_t i) {
-    out[i] = encode(drive, scans[i], T_page_world, with_stages);
+    out[i] = encode(drive, scans[i], T_page_world, planes);
     const std::lock_guard<std::mutex> lock(printing);
     if (progress) progress(++done, scans.size());
   });
@@ -101,10 +102,11 @@ std::string json_for_script(const Json& json) {
   return out;
 }
 
-Json header_of(const LabelledDrive& drive, const PageTitle& title, bool with_stages, bool with_truth) {
+Json header_of(const LabelledDrive& drive, const PageTitle& title, const OptionalPlanes& planes,
+               bool with_truth) {
   const LidarModel& model = *drive.dataset().model();
   Json stages = Json::array();
-  if (with_stages && drive.result()) {
+  if (planes.stages && drive.result()) {
     for (const std::string_view name : stage_names_of(*drive.result())) stages.push_back(std::string(name));
   }
   return {{"version", kPageVersion},
@@ -117,6 +119,7 @@ Json header_of(const LabelledDrive& drive, const PageTitle& title, bool with_sta
           {"columns", model.columns},
           {"truth", with_truth},
           {"poses", drive.has_poses()},
+          {"probability", planes.probability},
           {"stages", std::move(stages)}};
 }
 
@@ -127,10 +130,11 @@ std::string drive_page(const LabelledDrive& drive, const std::vector<std::size_t
                        const std::function<void(std::size_t, std::size_t)>& progress) {
   const LabelledCloud first = drive.read(scans.front());
   const SE3 T_page_world = first.T_0v.inverse();
-  const bool with_stages = first.stages.has_value(), with_truth = first.truth.has_value();
-  const std::vector<EncodedScan> encoded = encode_all(drive, scans, T_page_world, with_stages, progress);
+  const OptionalPlanes planes{first.stages.has_value(), first.probability.has_value()};
+  const bool with_truth = first.truth.has_value();
+  const std::vector<EncodedScan> encoded = encode_all(drive, scans, T_page_world, planes, progress);
 
-  Json header = header_of(drive, title, with_stages, with_truth);
+  Json header = header_of(drive, title, planes, with_truth);
   header["scans"] = Json::array();
   for (const EncodedScan& scan : encoded) header["scans"].push_back(scan.header);
   if (!explained.blocks.empty()) header["explanations"] = explained.header;

@@ -1,5 +1,6 @@
 #include "view/scan_block.hpp"
 
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -32,6 +33,7 @@ LabelledCloud three_points() {
   cloud.labels = {kLabelStatic, kLabelDynamic | 7U << 16U, 0, kLabelDynamic | 7U << 16U};
   cloud.truth = {kLabelDynamic, kLabelDynamic, 0, kLabelStatic};
   cloud.stages = {0, 31, 0, 7};
+  cloud.probability = {0.0F, 1.0F, 0.5F, std::numeric_limits<float>::quiet_NaN()};
   return cloud;
 }
 
@@ -48,7 +50,7 @@ std::vector<int> inflated(const std::string& bytes) {
 
 // One metre is 200 steps of 5 mm; a difference d is coded 2 d where it is not negative, else -2 d - 1.
 TEST(ScanBlock, CodesDifferencesLowBytesFirst) {
-  const ScanBlock block = encode_scan(three_points(), Eigen::Matrix3d::Identity(), true);
+  const ScanBlock block = encode_scan(three_points(), Eigen::Matrix3d::Identity(), {true, true});
   EXPECT_DOUBLE_EQ(block.step_m, 0.005);
   EXPECT_THAT(inflated(block.bytes),
               ElementsAre(4, 1, 0, 0, 0, 0, 0, 0,                    // returns of laser 0: 2; laser 1: -1
@@ -59,11 +61,12 @@ TEST(ScanBlock, CodesDifferencesLowBytesFirst) {
                           6, 3, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0,        // record: 3, -2, -1
                           2 + 4, 2 + 8, 1 + 8,                       // label and truth
                           14, 0, 13, 0, 0, 0,                        // object: 7, 0, -7
-                          7, 31, 0));                                // stages
+                          7, 31, 0,                                  // stages
+                          255, 254, 0));  // probability of records 3, 1, 0: not known, 1, 0
 }
 
 TEST(ScanBlock, CountsPointsAgainstTheTruth) {
-  const ScanBlock block = encode_scan(three_points(), Eigen::Matrix3d::Identity(), true);
+  const ScanBlock block = encode_scan(three_points(), Eigen::Matrix3d::Identity(), {true, true});
   EXPECT_EQ(block.points, 3U);
   EXPECT_EQ(block.dynamic, 2U);
   EXPECT_EQ(block.hits, 1U);
@@ -75,7 +78,7 @@ TEST(ScanBlock, CountsPointsAgainstTheTruth) {
 TEST(ScanBlock, TakesACoarserStepForFarPoints) {
   LabelledCloud cloud = three_points();
   cloud.points.points[0] = {0, 0, 1000};
-  const ScanBlock block = encode_scan(cloud, Eigen::Matrix3d::Identity(), false);
+  const ScanBlock block = encode_scan(cloud, Eigen::Matrix3d::Identity(), {});
   EXPECT_GT(block.step_m * 32767, 1000);
   EXPECT_LT(block.step_m, 0.032);
 }
