@@ -32,6 +32,7 @@ export interface ScanHeader {
 
 export interface DriveHeader {
   explanations?: ExplanationTexts; // undefined: the page explains no point
+  served?: boolean; // by mapless view --serve: scans are loaded from there, and their headers are whole only then
   version: number;
   program: string;
   recording: string;
@@ -170,7 +171,10 @@ export class Drive {
   scan(index: number): Promise<Scan> {
     let found = this.decoded.get(index);
     this.decoded.delete(index);
-    found ??= this.load(index);
+    found ??= this.load(index).catch((error: unknown) => {
+      this.decoded.delete(index); // the next call tries again
+      throw error;
+    });
     this.decoded.set(index, found);
     for (const oldest of this.decoded.keys()) {
       if (this.decoded.size <= this.capacity) break;
@@ -211,8 +215,23 @@ export class Drive {
     }
   }
 
+  // apps/mapless/view/drive_page.hpp has the other end.
+  private async fetched(header: ScanHeader): Promise<Uint8Array> {
+    let answer: Response;
+    try {
+      answer = await fetch(`scan/${header.number}`);
+    } catch {
+      throw new DriveError(`Scan ${header.number} cannot be loaded: mapless view --serve has ended. Start it again and load this page anew.`);
+    }
+    if (!answer.ok) throw new DriveError(`Scan ${header.number} cannot be loaded: ${await answer.text()}`);
+    const bytes = await answer.arrayBuffer(), size = new DataView(bytes).getUint32(0, true);
+    Object.assign(header, JSON.parse(new TextDecoder().decode(new Uint8Array(bytes, 4, size))));
+    return new Uint8Array(bytes, 4 + size);
+  }
+
   private async load(index: number): Promise<Scan> {
     const header = this.header.scans[index];
+    if (this.header.served) return decode(await this.fetched(header), header, index, this.header);
     try {
       const text = await this.text(header.number);
       return decode(await inflate(bytesOfBase64(text)), header, index, this.header);

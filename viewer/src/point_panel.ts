@@ -83,5 +83,5 @@ export function pointPanel(header: DriveHeader, scan: Scan, i: number, explanati
   return `<button class="close" aria-label="Close" title="Close (Esc)">&times;</button><h2>Point ${scan.record[i]} of scan ${scan.header.number}</h2>
 <p>${verdict(scan, i)}</p><p class="faint">laser ${scan.laser[i]}, column ${scan.column[i]}, ${range.toFixed(2)} m from the sensor</p>
 ${why}${objectPart(header, scan, i)}${stepsTable(scan, i, header.stages)}
-${explanation ? `<h3>As text</h3><code>${escape(command)}</code>` : ""}`;
+${explanation || (header.served && header.result) ? `<h3>${explanation ? "As text" : "Why it has its label"}</h3><code>${escape(command)}</code>` : ""}`;
 }

@@ -92,6 +92,10 @@ LabelledCloud LabelledDrive::read(std::size_t k) const {
   return out;
 }
 
+SE3 LabelledDrive::start_pose(std::size_t scan) const {
+  return trajectory_->at(dataset_.scan_start(scan)).T_v0.inverse();
+}
+
 const std::vector<ObjectRow>& LabelledDrive::objects(std::size_t scan) const {
   static const std::vector<ObjectRow> none;
   const auto found = objects_.find(scan);

@@ -46,6 +46,8 @@ class LabelledDrive {
   [[nodiscard]] const std::vector<std::size_t>& scans() const { return scans_; }
   /// Throws InputError for files that do not fit the recording. Thread-safe.
   [[nodiscard]] LabelledCloud read(std::size_t scan) const;
+  /// World from sensor at the start of a scan, without reading it.
+  [[nodiscard]] SE3 start_pose(std::size_t scan) const;
   /// The objects of the result in one scan, by id; none without a result.
   [[nodiscard]] const std::vector<ObjectRow>& objects(std::size_t scan) const;
   [[nodiscard]] const Dataset& dataset() const { return dataset_; }

@@ -89,22 +89,20 @@ ScanBlock encode_scan(const LabelledCloud& cloud, const Eigen::Matrix3d& R_page_
     columns.push_back(static_cast<std::uint16_t>(r.column));
     records.push_back(r.input_index);
   }
-  std::string raw;
-  append_planes(raw, of_laser);
-  append_coordinates(raw, cloud.points, R_page_world, block.step_m);
-  append_planes(raw, columns);
-  append_planes(raw, records);
-  append_labels(raw, block, cloud);
+  append_planes(block.bytes, of_laser);
+  append_coordinates(block.bytes, cloud.points, R_page_world, block.step_m);
+  append_planes(block.bytes, columns);
+  append_planes(block.bytes, records);
+  append_labels(block.bytes, block, cloud);
   if (planes.stages) {
     for (const LidarReturn& r : scan.returns)
-      raw.push_back(cloud.stages ? static_cast<char>((*cloud.stages)[r.input_index]) : '\0');
+      block.bytes.push_back(cloud.stages ? static_cast<char>((*cloud.stages)[r.input_index]) : '\0');
   }
   if (planes.probability) {
     for (const LidarReturn& r : scan.returns)
-      raw.push_back(cloud.probability ? probability_byte((*cloud.probability)[r.input_index])
-                                      : static_cast<char>(kUnknownProbability));
+      block.bytes.push_back(cloud.probability ? probability_byte((*cloud.probability)[r.input_index])
+                                              : static_cast<char>(kUnknownProbability));
   }
-  block.bytes = compress_zlib(raw);
   return block;
 }
 

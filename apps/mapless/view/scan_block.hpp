@@ -11,7 +11,7 @@ namespace mapless::app {
 
 /// What the page's header says of one scan beside its block.
 struct ScanBlock {
-  std::string bytes;                                      ///< compressed (zlib)
+  std::string bytes;                                      ///< as encode_scan says
   std::size_t points = 0;                                 ///< number of returns
   double step_m = 0;                                      ///< of the coordinates [m]
   std::size_t dynamic = 0;                                ///< points labelled dynamic
@@ -42,7 +42,7 @@ inline constexpr double kCoordinateStep_m = 0.005;
 [[nodiscard]] ScanBlock encode_scan(const LabelledCloud& cloud, const Eigen::Matrix3d& R_page_world,
                                     const OptionalPlanes& planes);
 
-/// Throws Error if zlib runs out of memory.
+/// As the page in a file has blocks. Throws Error if zlib runs out of memory.
 [[nodiscard]] std::string compress_zlib(const std::string& bytes);
 
 }  // namespace mapless::app
