@@ -1,7 +1,8 @@
 """A labelled drive as one MCAP file: clouds, poses and boxes, for Foxglove, Lichtblick and Rerun.
 
 /points   sensor_msgs/msg/PointCloud2 in the frame of the sensor at the start of each scan, motion-compensated:
-          x, y, z, label (0 unknown, 9 static, 251 dynamic), object (its number), record (number in the input)
+          x, y, z, label (0 unknown, 9 static, 251 dynamic), object (its number), record (number in the input), and probability
+          where the result has it
 /tf       tf2_msgs/msg/TFMessage: world from sensor at these instants
 /objects  foxglove.SceneUpdate: of each moving object its box and velocity, in the world, as objects.csv has them
 """

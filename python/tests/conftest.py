@@ -27,8 +27,8 @@ def poses(drive) -> mapless.Trajectory:
 
 @pytest.fixture(scope="session")
 def native_result(drive, tmp_path_factory) -> mapless.Result:
-    """Labels of the native recording by the command, with own odometry."""
-    return mapless.detect(drive, tmp_path_factory.mktemp("result") / "out", odometry=True)
+    """Labels and probabilities of the native recording by the command, with own odometry."""
+    return mapless.detect(drive, tmp_path_factory.mktemp("result") / "out", odometry=True, probability=True)
 
 
 @pytest.fixture(scope="session")

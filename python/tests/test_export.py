@@ -23,6 +23,7 @@ def labelled_pcd(drive, result, folder, k, *more):
     run_verb("export", str(drive), str(result.path), "--what", "labelled", "--scans", f"{k}:{k}", "-o", str(folder), *more)
     content = (folder / f"{k:06}.pcd").read_bytes()
     fields = [(name, "<f4") for name in "xyz"] + [(name, "<u4") for name in ("label", "object", "record")]
+    fields += [("probability", "<f4")]
     return np.frombuffer(content, np.dtype(fields), offset=content.index(b"DATA binary\n") + 12)
 
 
@@ -37,7 +38,7 @@ def test_las_has_the_points_and_columns_of_pcd(drive, native_result, tmp_path):
     assert (las.header.version.major, las.header.version.minor, las.header.point_format.id) == (1, 4, 6)
     for axis in "xyz":
         np.testing.assert_allclose(las[axis], pcd[axis], atol=1.01e-4)
-    for column in ("label", "object", "record"):
+    for column in ("label", "object", "record", "probability"):
         np.testing.assert_array_equal(las[column], pcd[column])
     assert las.header.maxs == pytest.approx([pcd[a].max() for a in "xyz"], abs=2e-4)
 
@@ -73,6 +74,7 @@ def test_mcap_clouds_are_those_of_the_result(drive, native_result, mcap_file, tm
     assert cloud.header.stamp.sec * 10**9 + cloud.header.stamp.nanosec == time_ns
     assert abs(time_ns - mapless.open(drive)[4].stamp_ns) < 1000
     assert np.count_nonzero(pcd["label"] == 251) == native_result.moving(4).sum()
+    np.testing.assert_array_equal(pcd["probability"], native_result.probability(4)[pcd["record"]])
 
 
 def test_mcap_poses_take_points_into_the_world(drive, native_result, mcap_file, tmp_path):

@@ -14,7 +14,7 @@ void main() {
   gl_Position = projectionMatrix * p;
   float near = clamp(38.0 / max(1.0, -p.z), 0.75, 1.9);
   gl_PointSize = (dynamic ? dynamic_px : static_px) * near * pixel_ratio;
-  // A scan behind the current one shows its static points, and its dynamic ones only where they are asked for.
+  // Another scan than the current one shows its static points; its dynamic points too if ghost is 2.
   if ((dynamic && (ghost > 0.5 && ghost < 1.5 || dynamic_px == 0.0)) || (!dynamic && static_px == 0.0)) gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
   if (dynamic) gl_Position.z -= 0.0004 * gl_Position.w;
   colour = paint.rgb * (ghost > 0.5 && dynamic ? 0.62 : 1.0);

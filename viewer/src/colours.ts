@@ -1,12 +1,13 @@
 // Colours that colour-blind people tell apart (Okabe and Ito 2008), on dark and on light ground.
-import { DYNAMIC, STATIC, UNKNOWN, type Scan } from "./drive";
+import { DYNAMIC, STATIC, UNKNOWN, UNKNOWN_PROBABILITY, type Scan } from "./drive";
 
 export type Colour = [number, number, number]; // 0 to 255
-export type ColourMode = "motion" | "object" | "truth" | "height" | "laser" | "range";
+export type ColourMode = "motion" | "object" | "truth" | "height" | "laser" | "range" | "probability";
 
 export const MODES: [ColourMode, string][] = [
   ["object", "by object"], ["motion", "by motion"], ["truth", "against truth"],
   ["height", "by height"], ["laser", "by laser"], ["range", "by range"],
+  ["probability", "by probability"],
 ];
 
 export const HIT: Colour = [0, 178, 130], FALSE: Colour = [235, 100, 20], MISSED: Colour = [86, 180, 233];
@@ -50,7 +51,7 @@ function truthColour(label: number, truth: number): Colour | null {
 
 // Four bytes per point: colour, and HIDDEN, AS_STATIC or AS_DYNAMIC.
 export function colourPoints(scan: Scan, mode: ColourMode, light: boolean, lasers: number, out: Uint8Array): void {
-  const { header, xyz, label, truth, object, laser } = scan;
+  const { header, xyz, label, truth, object, laser, probability } = scan;
   for (let i = 0; i < header.points; ++i) {
     const x = xyz[3 * i] * header.step_m, y = xyz[3 * i + 1] * header.step_m, z = xyz[3 * i + 2] * header.step_m;
     const dynamic = label[i] === DYNAMIC;
@@ -60,6 +61,7 @@ export function colourPoints(scan: Scan, mode: ColourMode, light: boolean, laser
     else if (mode === "object" && dynamic) colour = objectColour(object[i]);
     else if (mode === "height") colour = ramp((z - HEIGHT_FROM_M) / (HEIGHT_TO_M - HEIGHT_FROM_M));
     else if (mode === "laser") colour = ramp(laser[i] / Math.max(1, lasers - 1));
+    else if (mode === "probability" && probability && probability[i] !== UNKNOWN_PROBABILITY) colour = ramp(probability[i] / 254);
     else if (mode === "range") colour = ramp(Math.log(1 + Math.hypot(x, y, z)) / Math.log(1 + FAR_M));
     const large = mode === "truth" ? colour !== null : dynamic;
     colour ??= label[i] === UNKNOWN ? grey(z - 2, light) : grey(z, light);

@@ -32,6 +32,7 @@ export interface ScanHeader {
 
 export interface DriveHeader {
   explanations?: ExplanationTexts; // undefined: the page explains no point
+  served?: boolean; // by mapless view --serve: scans are loaded from there, and their headers are whole only then
   version: number;
   program: string;
   recording: string;
@@ -43,10 +44,11 @@ export interface DriveHeader {
   truth: boolean;
   poses: boolean;
   stages: string[];
+  probability: boolean;
   scans: ScanHeader[];
 }
 
-export const UNKNOWN = 0, STATIC = 1, DYNAMIC = 2, NO_TRUTH = 3;
+export const UNKNOWN = 0, STATIC = 1, DYNAMIC = 2, NO_TRUTH = 3, UNKNOWN_PROBABILITY = 255;
 
 export interface Scan {
   header: ScanHeader;
@@ -59,9 +61,10 @@ export interface Scan {
   truth: Uint8Array;
   object: Uint16Array;
   stages: Uint8Array | null;
+  probability: Uint8Array | null; // that the point moves, times 254; UNKNOWN_PROBABILITY
 }
 
-const VERSION = 1;
+const VERSION = 2;
 
 export class DriveError extends Error {}
 
@@ -134,11 +137,12 @@ function decode(bytes: Uint8Array, header: ScanHeader, index: number, drive: Dri
   const column = Uint16Array.from(planes.integers(n, 2)), record = planes.integers(n, 4);
   const classes = planes.plain(n), object = Uint16Array.from(planes.integers(n, 2));
   const stages = drive.stages.length > 0 ? planes.plain(n) : null;
+  const probability = drive.probability ? planes.plain(n) : null;
   if (planes.read !== bytes.length) throw new DriveError("its size is not that of its points");
   const laser = new Uint16Array(n);
   let filled = 0;
   of_laser.forEach((count, l) => laser.fill(l, filled, (filled += count)));
-  return { header, index, xyz, laser, column, record, label: classes.map((c) => c & 3), truth: classes.map((c) => (c >> 2) & 3), object, stages };
+  return { header, index, xyz, laser, column, record, label: classes.map((c) => c & 3), truth: classes.map((c) => (c >> 2) & 3), object, stages, probability };
 }
 
 // Decoded scans kept: those shown together, and some before and after for stepping.
@@ -167,7 +171,10 @@ export class Drive {
   scan(index: number): Promise<Scan> {
     let found = this.decoded.get(index);
     this.decoded.delete(index);
-    found ??= this.load(index);
+    found ??= this.load(index).catch((error: unknown) => {
+      this.decoded.delete(index); // the next call tries again
+      throw error;
+    });
     this.decoded.set(index, found);
     for (const oldest of this.decoded.keys()) {
       if (this.decoded.size <= this.capacity) break;
@@ -208,8 +215,23 @@ export class Drive {
     }
   }
 
+  // apps/mapless/view/drive_page.hpp has the other end.
+  private async fetched(header: ScanHeader): Promise<Uint8Array> {
+    let answer: Response;
+    try {
+      answer = await fetch(`scan/${header.number}`);
+    } catch {
+      throw new DriveError(`Scan ${header.number} cannot be loaded: mapless view --serve has ended. Start it again and load this page anew.`);
+    }
+    if (!answer.ok) throw new DriveError(`Scan ${header.number} cannot be loaded: ${await answer.text()}`);
+    const bytes = await answer.arrayBuffer(), size = new DataView(bytes).getUint32(0, true);
+    Object.assign(header, JSON.parse(new TextDecoder().decode(new Uint8Array(bytes, 4, size))));
+    return new Uint8Array(bytes, 4 + size);
+  }
+
   private async load(index: number): Promise<Scan> {
     const header = this.header.scans[index];
+    if (this.header.served) return decode(await this.fetched(header), header, index, this.header);
     try {
       const text = await this.text(header.number);
       return decode(await inflate(bytesOfBase64(text)), header, index, this.header);

@@ -41,12 +41,12 @@ class Viewer {
     const { header } = this;
     at("title").querySelector("h1")!.textContent = header.recording.replace(/\/+$/, "").split("/").slice(-1)[0];
     document.title = `${header.recording} \u2013 mapless view`;
-    select("colour").innerHTML = MODES.filter(([m]) => m !== "truth" || header.truth).map(([m, name]) => `<option value="${m}">${name}</option>`).join("");
+    select("colour").innerHTML = MODES.filter(([m]) => (m !== "truth" || header.truth) && (m !== "probability" || header.probability)).map(([m, name]) => `<option value="${m}">${name}</option>`).join("");
     if (header.truth) select("colour").value = "truth";
     select("together").innerHTML = TOGETHER.filter((n) => n === 1 || n <= header.scans.length).map((n) => `<option>${n}</option>`).join("");
     input("scrub").max = String(this.drive.size - 1);
     at("help").querySelector("table")!.innerHTML = KEYS.map(([key, what]) => `<tr><td>${key === " " ? "space" : key.toUpperCase()}</td><td>${what}</td></tr>`).join("") +
-      "<tr><td>&larr; &rarr;</td><td>ten scans back, on</td></tr><tr><td>Home End</td><td>first, last scan</td></tr><tr><td>Esc</td><td>forget the chosen point</td></tr>";
+      "<tr><td>&larr; &rarr;</td><td>ten scans back, on</td></tr><tr><td>Home End</td><td>first, last scan</td></tr><tr><td>+ &minus; [ ]</td><td>nearer, farther, turn</td></tr><tr><td>arrows in the range image</td><td>the next point</td></tr><tr><td>Esc</td><td>forget the chosen point</td></tr>";
     this.listen();
     this.applyTheme();
     this.readLink();
@@ -88,6 +88,13 @@ class Viewer {
       this.choose(this.stage.pick(this.current, e.clientX, e.clientY));
     });
     at("range").addEventListener("click", (e) => this.choose(this.range.pointAt(e.offsetX, e.offsetY)));
+    at("range").addEventListener("keydown", (e) => {
+      const way = ({ ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] } as Record<string, [number, number]>)[e.key];
+      if (!way) return;
+      this.choose(this.range.next(this.chosen, ...way));
+      e.preventDefault();
+      e.stopPropagation();
+    });
     at("point").addEventListener("click", (e) => { if ((e.target as HTMLElement).className === "close") this.choose(-1); });
   }
 
@@ -97,7 +104,11 @@ class Viewer {
     if (target instanceof HTMLSelectElement || (target instanceof HTMLInputElement && event.key.startsWith("Arrow"))) return;
     if (event.key === " " && (target instanceof HTMLButtonElement || (target instanceof HTMLInputElement && target.type === "checkbox"))) return;
     const jump: Record<string, number> = { ArrowLeft: this.wanted - 10, ArrowRight: this.wanted + 10, Home: 0, End: this.drive.size - 1 };
+    const camera: Record<string, () => void> = {
+      "+": () => this.stage.zoom(0.8), "-": () => this.stage.zoom(1.25), "[": () => this.stage.turn(0.1), "]": () => this.stage.turn(-0.1),
+    };
     if (event.key in jump) this.go(jump[event.key]);
+    else if (event.key in camera) camera[event.key]();
     else if (event.key === "Escape") this.choose(-1);
     else {
       const found = KEYS.find(([key]) => key === event.key.toLowerCase());
@@ -201,6 +212,7 @@ class Viewer {
       motion: () => entry(css(MOVING), "dynamic", h.dynamic) + entry("#8b95a3", "static", h.points - h.dynamic),
       object: () => entry(`linear-gradient(90deg,${[1, 2, 3].map((k) => css(objectColour(k))).join(",")})`, "dynamic, by object", h.dynamic) + entry("#8b95a3", "static", h.points - h.dynamic),
       height: () => bar("-2.5 m", "6 m"), laser: () => bar("0", String(header.lasers - 1)), range: () => bar("0 m", "80 m"),
+      probability: () => bar("0", "1") + entry("#8b95a3", "not known"),
     };
     at("legend").innerHTML = rows[mode]();
   }
@@ -208,7 +220,7 @@ class Viewer {
   // Dynamic points of every scan, over the slider.
   private chart(): void {
     const canvas = at<HTMLCanvasElement>("chart"), w = (canvas.width = canvas.clientWidth), h = (canvas.height = canvas.clientHeight);
-    const context = canvas.getContext("2d")!, most = Math.max(1, ...this.header.scans.map((s) => s.dynamic + s.missed)), size = this.drive.size;
+    const context = canvas.getContext("2d")!, most = Math.max(1, ...this.header.scans.map((s) => (s.dynamic ?? 0) + (s.missed ?? 0))), size = this.drive.size;
     const inner = w - 16, wide = Math.max(1, inner / size - 1); // the slider's thumb is 16 px wide
     this.header.scans.forEach((s, k) => {
       const x = 8 + (size > 1 ? (inner * k) / (size - 1) : 0) - wide / 2, bar = (count: number): number => (h * count) / most;
@@ -218,7 +230,7 @@ class Viewer {
         ? [[s.hits, css(HIT)], [s.missed, css(MISSED)], [s.false, css(FALSE)]] : [[s.dynamic, css(MOVING)]];
       for (const [count, colour] of parts) {
         context.fillStyle = colour;
-        context.fillRect(x, (y -= bar(count)), wide, bar(count));
+        if (count) context.fillRect(x, (y -= bar(count)), wide, bar(count)); // of a served scan unknown until it is loaded
       }
     });
   }

@@ -1,6 +1,6 @@
 // What the page says of a chosen point.
 import { css, FALSE, HIT, MISSED, objectColour, type Colour } from "./colours";
-import { DYNAMIC, STATIC, type DriveHeader, type Scan } from "./drive";
+import { DYNAMIC, STATIC, UNKNOWN_PROBABILITY, type DriveHeader, type Scan } from "./drive";
 import type { Observation, PointExplanation } from "./explanations";
 
 const escape = (text: string): string => text.replace(/[&<>"]/g, (c) => `&#${c.charCodeAt(0)};`);
@@ -17,7 +17,8 @@ function verdict(scan: Scan, i: number): string {
     const mark = right ? (truth === DYNAMIC ? HIT : null) : truth === DYNAMIC ? MISSED : FALSE;
     text += `; the truth is ${truth === DYNAMIC ? "dynamic" : "static"} ${mark ? dot(mark) : ""}`;
   }
-  return text;
+  const p = scan.probability?.[i] ?? UNKNOWN_PROBABILITY;
+  return p === UNKNOWN_PROBABILITY ? text : `${text}<br>It moves with probability ${(p / 254).toFixed(2)}.`;
 }
 
 // The step that decided, and what led there.
@@ -82,5 +83,5 @@ export function pointPanel(header: DriveHeader, scan: Scan, i: number, explanati
   return `<button class="close" aria-label="Close" title="Close (Esc)">&times;</button><h2>Point ${scan.record[i]} of scan ${scan.header.number}</h2>
 <p>${verdict(scan, i)}</p><p class="faint">laser ${scan.laser[i]}, column ${scan.column[i]}, ${range.toFixed(2)} m from the sensor</p>
 ${why}${objectPart(header, scan, i)}${stepsTable(scan, i, header.stages)}
-${explanation ? `<h3>As text</h3><code>${escape(command)}</code>` : ""}`;
+${explanation || (header.served && header.result) ? `<h3>${explanation ? "As text" : "Why it has its label"}</h3><code>${escape(command)}</code>` : ""}`;
 }

@@ -77,6 +77,20 @@ export class RangeImage {
     return -1;
   }
 
+  // The next point in a direction from point i, or the one in the middle if i is -1.
+  next(i: number, right: number, down: number): number {
+    if (i < 0) return this.pointAt(this.canvas.clientWidth / 2, this.canvas.clientHeight / 2);
+    let column = this.cellOfPoint[i] % this.columns, row = Math.floor(this.cellOfPoint[i] / this.columns);
+    for (let step = 0; step < this.columns; ++step) {
+      column = (column + right + this.columns) % this.columns;
+      row += down;
+      if (row < 0 || row >= this.rows) return i;
+      const found = this.cells[row * this.columns + column];
+      if (found >= 0 && found !== i) return found;
+    }
+    return i;
+  }
+
   mark(i: number): void {
     if (!this.scan || !this.image) return;
     const context = this.canvas.getContext("2d")!;

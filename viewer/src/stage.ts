@@ -151,6 +151,19 @@ export class Stage {
     this.dirty = true;
   }
 
+  zoom(factor: number): void {
+    this.camera.position.sub(this.orbit.target).multiplyScalar(factor).add(this.orbit.target);
+    this.orbit.update();
+    this.dirty = true;
+  }
+
+  // About the vertical through the target [rad].
+  turn(angle: number): void {
+    this.camera.position.sub(this.orbit.target).applyAxisAngle(this.camera.up, angle).add(this.orbit.target);
+    this.orbit.update();
+    this.dirty = true;
+  }
+
   placeOf(scan: Scan, i: number): [number, number, number] {
     return [0, 1, 2].map((a) => scan.header.origin[a] + scan.xyz[3 * i + a] * scan.header.step_m) as [number, number, number];
   }

@@ -1,8 +1,9 @@
 // The page of `mapless view` in a real browser without a screen.
 // usage: CHROMIUM=/usr/bin/chromium MAPLESS=build/mapless node --test test/page_test.mjs
 import assert from "node:assert/strict";
-import { execFileSync } from "node:child_process";
+import { execFileSync, spawn } from "node:child_process";
 import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { get } from "node:http";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
@@ -17,7 +18,7 @@ let browser;
 
 before(async () => {
   mapless("simulate", "town1", "--sensor", "VLP-16", "--duration-s", "2.5", "--seed", "3", "--world", "level", "-o", file("town"));
-  mapless("detect", file("town"), "-o", file("out"));
+  mapless("detect", file("town"), "-o", file("out"), "--probability");
   mapless("view", file("town"), file("out"), "-o", file("drive.html"));
   browser = await chromium.launch({ executablePath: process.env.CHROMIUM, args: FLAGS });
 });
@@ -73,6 +74,27 @@ test("draws static and dynamic points in the colours of the chosen mode", async 
   assert.ok(found > 10 && none === 0 && moving > 10, `${found} pixels found, ${none} moving before, ${moving} after`);
   assert.deepEqual(noted, []);
   await page.close();
+});
+
+test("colours by probability", async () => {
+  const { page, noted } = await open("drive.html", "#scan=20");
+  await shown(page, 20);
+  for (const id of ["boxes", "trail", "image"]) await page.locator(`#${id}`).uncheck();
+  await page.selectOption("#colour", "probability");
+  const p = readFileSync(file("out/probability/000020.f32")), of = (i) => Math.round(254 * p.readFloatLE(4 * i)) / 254;
+  const record = Array.from({ length: p.length / 4 }, (_, i) => i).reduce((best, i) => (of(i) > of(best) || Number.isNaN(of(best)) ? i : best), 0);
+  assert.ok(of(record) > 8 / 9, "the scene has no point that surely moves");
+  // The last two colours of the ramp, of probability 8/9 and 1.
+  const part = 9 * of(record) - 8, colour = [225, 201, 87].map((c, k) => c + part * ([254, 232, 56][k] - c));
+  const [sure] = await pixels(page, [colour]);
+  assert.ok(sure > 10, `${sure} pixels of probability ${of(record)}`);
+  assert.match(await page.locator("#legend").innerText(), /not known/);
+  const again = await open("drive.html", `#scan=20&point=${record}`);
+  const text = `It moves with probability ${of(record).toFixed(2)}.`;
+  await again.page.waitForFunction((t) => document.getElementById("point").innerText.includes(t), text);
+  assert.deepEqual([...noted, ...again.noted], []);
+  await page.close();
+  await again.page.close();
 });
 
 test("steps, jumps, scrubs and plays", async () => {
@@ -151,22 +173,108 @@ test("a link brings scan, camera and colour back", async () => {
   await again.page.close();
 });
 
-test("what is kept does not grow over steps", async () => {
+// STEPS=500 takes a minute with software that draws in place of a graphics card.
+const STEPS = Number(process.env.STEPS ?? 60);
+
+test(`memory is flat over ${STEPS} steps`, async (t) => {
   const { page } = await open("drive.html");
   await shown(page, 0);
-  const round = async () => {
-    for (const k of [5, 10, 15, 20, 24, 0]) {
-      await page.locator("#scrub").fill(String(k));
-      await shown(page, k);
-    }
-    return state(page);
+  await page.setViewportSize({ width: 300, height: 300 })
+  const devtools = await page.context().newCDPSession(page);
+  await devtools.send("Performance.enable");
+  // Shows `count` scans in an order that never finds one decoded, and returns what is in use then.
+  const after = async (count) => {
+    await page.evaluate(async (steps) => {
+      const scrub = document.getElementById("scrub");
+      for (let k = 1; k <= steps; ++k) {
+        const scan = (k * 13) % 25;
+        scrub.value = scan;
+        scrub.dispatchEvent(new Event("input"));
+        while (window.maplessState.scan !== scan) await new Promise((done) => setTimeout(done, 0));
+      }
+    }, count);
+    for (let k = 0; k < 2; ++k) await devtools.send("HeapProfiler.collectGarbage");
+    const { metrics } = await devtools.send("Performance.getMetrics"), of = (name) => metrics.find((m) => m.name === name).value;
+    return { bytes: of("JSHeapUsedSize"), nodes: of("Nodes"), ...(await state(page)) };
   };
-  await round();
-  const before = await round();
-  for (let k = 0; k < 3; ++k) await round();
-  const { kept, clouds, geometries } = await state(page);
-  assert.ok(kept <= 13 && clouds === 1, `${kept} scans decoded, ${clouds} clouds`);
-  assert.equal(geometries, before.geometries);
+  const before = await after(30), end = await after(STEPS), bytes = `${before.bytes} bytes, ${STEPS} steps later ${end.bytes}`;
+  t.diagnostic(bytes);
+  assert.ok(end.bytes < before.bytes + 1e6, bytes);
+  assert.ok(end.nodes < before.nodes + 100, `${before.nodes} nodes, then ${end.nodes}`);
+  assert.ok(end.kept <= 13 && end.clouds === 1 && end.geometries === before.geometries, JSON.stringify(end));
+  await page.close();
+});
+
+test("the keyboard reaches points, camera and both themes", async () => {
+  const { page, noted } = await open("drive.html", "#scan=20");
+  await shown(page, 20);
+  await page.locator("#range").focus();
+  await page.keyboard.press("ArrowRight");
+  const first = (await state(page)).chosen;
+  assert.ok(first >= 0);
+  const place = async () => (await page.locator("#point .faint").first().innerText()).match(/laser (\d+), column (\d+)/).slice(1).map(Number);
+  const [laser, column] = await place();
+  await page.keyboard.press("ArrowRight");
+  const [same, next] = await place();
+  assert.ok(same === laser && next !== column && (await state(page)).scan === 20, `laser ${laser} to ${same}, column ${column} to ${next}`);
+  await page.keyboard.press("ArrowDown"); // where the ground is
+  assert.ok((await place())[0] < laser);
+  await page.keyboard.press("Escape");
+  await page.locator("#view").focus();
+  const far = async () => {
+    await page.locator("#link").click();
+    const [eye, target] = ["eye", "target"].map((k) => new URLSearchParams(new URL(page.url()).hash.slice(1)).get(k).split(",").map(Number));
+    return Math.hypot(...eye.map((e, k) => e - target[k]));
+  };
+  const before = await far();
+  await page.locator("#view").focus();
+  await page.keyboard.press("+");
+  assert.ok(Math.abs((await far()) - 0.8 * before) < 0.1);
+  for (const id of ["boxes", "trail", "image"]) await page.locator(`#${id}`).uncheck();
+  const grounds = [[11, 14, 19], [246, 247, 249]];
+  const dark = await pixels(page, grounds);
+  await page.locator("#view").focus();
+  await page.keyboard.press("d");
+  const light = await pixels(page, grounds);
+  assert.ok(dark[0] > 1000 && dark[1] === 0 && light[0] === 0 && light[1] > 1000, `${dark} pixels of either ground, then ${light}`);
+  assert.deepEqual(noted, []);
+  await page.close();
+});
+
+// Only the browser's own choice of a host differs from a foreign page's request.
+const status = (url, path, headers = {}) => new Promise((done) => get(`${url}${path}`, { headers }, (r) => done(r.resume().statusCode)));
+
+test("a served page reads scans as they are shown, from its own address alone", async () => {
+  const server = spawn(process.env.MAPLESS, ["view", file("town"), file("out"), "--serve"], { stdio: ["ignore", "pipe", "ignore"] });
+  const ended = new Promise((done) => server.on("exit", done));
+  const line = await new Promise((done) => server.stdout.once("data", (data) => done(String(data))));
+  const url = line.match(/http:\/\/127\.0\.0\.1:\d+\//)[0];
+  const page = await browser.newPage({ viewport: { width: 900, height: 600 }, colorScheme: "dark" });
+  const asked = [], noted = [];
+  page.on("request", (r) => asked.push(r.url()));
+  page.on("pageerror", (e) => noted.push(e.message));
+  page.on("console", (m) => { if (m.type() === "error") noted.push(m.text()); });
+  await page.goto(`${url}#scan=20`);
+  await shown(page, 20);
+  for (const id of ["boxes", "trail", "image"]) await page.locator(`#${id}`).uncheck();
+  assert.ok((await pixels(page, [HIT]))[0] > 10);
+  await page.keyboard.press("b");
+  await shown(page, 19);
+  await page.locator("#range").evaluate((e) => e.classList.remove("off"));
+  await page.locator("#image").check();
+  await page.locator("#range").click({ position: { x: 430, y: 60 } });
+  assert.match(await page.locator("#point").innerText(), /mapless explain \S+ \S+ --scan 19 --point \d+/);
+  assert.deepEqual(noted, []);
+  assert.ok(asked.every((a) => a.startsWith(url)) && asked.filter((a) => a.includes("/scan/")).length < 10, asked.join(" "));
+  const { host } = new URL(url);
+  for (const [path, code] of [["scan/20", 200], ["scan/25", 404], ["scan/", 404], ["scan/2x", 404], ["labels/000020.label", 404], ["..%2f..%2fetc/passwd", 404]])
+    assert.equal(await status(url, path), code, path);
+  assert.equal(await status(url, "", { host: "mapless.example" }), 403);
+  assert.equal(await status(url, "", { host: host.replace("127.0.0.1", "localhost") }), 200);
+  server.kill("SIGINT");
+  assert.equal(await ended, 0);
+  await page.keyboard.press("Home");
+  await page.waitForFunction(() => /mapless view --serve has ended/.test(document.getElementById("message").innerText));
   await page.close();
 });
 
@@ -174,7 +282,7 @@ test("damaged files give a message", async () => {
   const whole = readFileSync(file("drive.html"), "utf8");
   const damaged = {
     "no_drive.html": [whole.replace('id="drive"', 'id="other"'), /no drive in this page/],
-    "version.html": [whole.replace('"version":1', '"version":9'), /layout 9/],
+    "version.html": [whole.replace('"version":2', '"version":9'), /layout 9/],
     "data.html": [whole.replace(/(id="scan-0">.{4000}).{80}/, (_, start) => start + "A".repeat(80)), /Scan 0 cannot be shown: its data are damaged/],
     "cut.html": [whole.slice(0, whole.indexOf('id="scan-9"')), /Scan 9 cannot be shown: .*cut off/, "#scan=9"],
   };

@@ -12,10 +12,11 @@
 
 namespace mapless::app {
 
-/// One whole number per point.
+/// One whole number per point, or one float32, whose bits the values are.
 struct CloudColumn {
   std::string_view name;
   std::vector<std::uint32_t> values;
+  bool is_float = false;
 };
 
 /// Points with further columns of the same length.

@@ -23,7 +23,7 @@ std::string pcd_header(const Cloud& cloud, bool doubles) {
   for (const CloudColumn& column : cloud.columns) {
     fields += fmt::format(" {}", column.name);
     sizes += " 4";
-    types += " U";
+    types += column.is_float ? " F" : " U";
     counts += " 1";
   }
   return fmt::format(
@@ -37,7 +37,8 @@ std::string ply_header(const Cloud& cloud, bool doubles) {
       fmt::format("ply\nformat binary_little_endian 1.0\nelement vertex {}\n", cloud.points.size());
   for (const char axis : {'x', 'y', 'z'})
     out += fmt::format("property {} {}\n", doubles ? "double" : "float", axis);
-  for (const CloudColumn& column : cloud.columns) out += fmt::format("property uint {}\n", column.name);
+  for (const CloudColumn& column : cloud.columns)
+    out += fmt::format("property {} {}\n", column.is_float ? "float" : "uint", column.name);
   return out + "end_header\n";
 }
 

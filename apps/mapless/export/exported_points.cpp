@@ -1,5 +1,6 @@
 #include "export/exported_points.hpp"
 
+#include <bit>
 #include <cstdint>
 #include <utility>
 
@@ -32,7 +33,8 @@ bool is_wanted(std::uint32_t plain_label, ExportedClass wanted) {
 ExportedPoints exported_points(const LabelledCloud& scan, ExportedClass wanted, bool in_sensor_frame) {
   ExportedPoints out;
   const SE3 T_v0 = scan.T_0v.inverse();
-  CloudColumn labels{"label", {}}, objects{"object", {}}, records{"record", {}};
+  CloudColumn labels{"label", {}}, objects{"object", {}}, records{"record", {}},
+      probabilities{"probability", {}, true};
   for (std::size_t i = 0; i < scan.scan->returns.size(); ++i) {
     const std::uint32_t record = scan.scan->returns[i].input_index, label = scan.labels[record];
     const std::uint32_t plain = count_class(label, out);
@@ -43,9 +45,12 @@ ExportedPoints exported_points(const LabelledCloud& scan, ExportedClass wanted, 
     labels.values.push_back(plain);
     objects.values.push_back(label >> 16U);
     records.values.push_back(record);
+    if (scan.probability)
+      probabilities.values.push_back(std::bit_cast<std::uint32_t>((*scan.probability)[record]));
   }
   if (wanted == ExportedClass::all)
     out.cloud.columns = {std::move(labels), std::move(objects), std::move(records)};
+  if (wanted == ExportedClass::all && scan.probability) out.cloud.columns.push_back(std::move(probabilities));
   return out;
 }
 

@@ -17,7 +17,8 @@ struct ExportedPoints {
 
 /// Points of a class, motion-compensated, in the order of LidarScan::returns; `all` has the columns `label`
 /// (0 unknown, 9 static, 251 dynamic), `object` (its number, 0 none) and `record` (of the point in the
-/// input). In the world's axes, or in those of the sensor at the start of the scan.
+/// input), and where the result has it `probability` (float32; NaN: not known). In the world's axes, or in
+/// those of the sensor at the start of the scan.
 [[nodiscard]] ExportedPoints exported_points(const LabelledCloud& scan, ExportedClass wanted,
                                              bool in_sensor_frame);
 

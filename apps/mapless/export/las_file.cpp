@@ -17,9 +17,9 @@ namespace {
 // point of format 6.
 constexpr std::size_t kHeaderSize = 375, kRecordHeaderSize = 54, kExtraBytesSize = 192, kPointSize = 30;
 constexpr std::uint8_t kPointFormat = 6;
-constexpr std::uint16_t kWellKnownText = 1U << 4U;  // coordinate system as WKT, as point format 6 demands
-constexpr std::uint8_t kUnsignedLong = 5;           // type of extra bytes: uint32
-constexpr std::uint8_t kOnlyReturn = 0x11;          // return 1 of 1
+constexpr std::uint16_t kWellKnownText = 1U << 4U;     // coordinate system as WKT, as point format 6 demands
+constexpr std::uint8_t kUnsignedLong = 5, kFloat = 9;  // types of extra bytes: uint32, float32
+constexpr std::uint8_t kOnlyReturn = 0x11;             // return 1 of 1
 constexpr double kFinestStep_m = 1e-4;
 
 void append_text(std::string& out, std::string_view text, std::size_t size) {
@@ -57,7 +57,7 @@ std::string extra_bytes_record(const Cloud& cloud) {
   append_text(out, "Extra bytes", 32);
   for (const CloudColumn& column : cloud.columns) {
     append<std::uint16_t>(out, 0);
-    append(out, kUnsignedLong);
+    append(out, column.is_float ? kFloat : kUnsignedLong);
     append<std::uint8_t>(out, 0);
     append_text(out, column.name, 32);
     append_text(out, "", kExtraBytesSize - 36);

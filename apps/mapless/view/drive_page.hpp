@@ -5,18 +5,11 @@
 #include <map>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "reports/json.hpp"
-#include "view/labelled_drive.hpp"
+#include "view/drive_encoder.hpp"
 
 namespace mapless::app {
-
-/// What the page says above the scans.
-struct PageTitle {
-  std::string recording;  ///< path of IN, as given
-  std::string result;     ///< path of OUT, as given; empty: none
-};
 
 /// The explanations of points (explanation_block.hpp); without blocks the page has none.
 struct ExplainedDrive {
@@ -25,12 +18,19 @@ struct ExplainedDrive {
 };
 
 /// The page that shows the scans of a drive: one HTML file with viewer, points, poses and objects in it,
-/// which loads nothing. Axes of the page: those of the sensor at the start of the first scan, x forward, z
-/// up. `scans`: at least one, increasing. `progress` (scans done, scans) may be empty. Uses all threads; the
-/// bytes do not depend on how many. Throws what LabelledDrive::read throws.
-[[nodiscard]] std::string drive_page(const LabelledDrive& drive, const std::vector<std::size_t>& scans,
-                                     const PageTitle& title, const ExplainedDrive& explained,
+/// which loads nothing. `progress` (scans done, scans) may be empty. Uses all threads; the bytes do not
+/// depend on how many. Throws what DriveEncoder throws.
+[[nodiscard]] std::string drive_page(const DriveEncoder& encoder, const PageTitle& title,
+                                     const ExplainedDrive& explained,
                                      const std::function<void(std::size_t, std::size_t)>& progress);
+
+/// The same page without the points, which it loads scan by scan from `scan/NUMBER` beside it. It explains
+/// no point.
+[[nodiscard]] std::string served_page(const DriveEncoder& encoder, const PageTitle& title);
+
+/// What the served page loads: the size of a JSON text (uint32, little endian), the text, which is the scan's
+/// header, and its points (encode_scan).
+[[nodiscard]] std::string served_scan(const DriveEncoder& encoder, std::size_t scan);
 
 /// The page without a drive: page.html, built from viewer/.
 [[nodiscard]] std::string_view page_template();

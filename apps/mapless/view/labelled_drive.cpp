@@ -78,6 +78,8 @@ LabelledCloud LabelledDrive::read(std::size_t k) const {
     out.labels = read_label_file(result_->label_file(k), out.scan->input_size);
     if (fs::exists(result_->stage_file(k)))
       out.stages = read_stage_file(result_->stage_file(k), out.scan->input_size);
+    if (fs::exists(result_->probability_file(k)))
+      out.probability = read_probability_file(result_->probability_file(k), out.scan->input_size);
   } else if (out.truth) {
     out.labels = *std::exchange(out.truth, std::nullopt);
   } else {
@@ -88,6 +90,10 @@ LabelledCloud LabelledDrive::read(std::size_t k) const {
   out.points = out.scan->compensated_to ? place_compensated(*out.scan, *trajectory_)
                                         : compensate_locally(out.scan, *trajectory_).second;
   return out;
+}
+
+SE3 LabelledDrive::start_pose(std::size_t scan) const {
+  return trajectory_->at(dataset_.scan_start(scan)).T_v0.inverse();
 }
 
 const std::vector<ObjectRow>& LabelledDrive::objects(std::size_t scan) const {

@@ -22,7 +22,7 @@
 
 namespace mapless::app {
 
-/// One scan with its labels. `labels`, `truth` and `stages` have one element per input record.
+/// One scan with its labels. All but `points` have one element per input record.
 struct LabelledCloud {
   std::size_t number = 0;  ///< of the scan in the recording, from 0
   std::shared_ptr<const LidarScan> scan;
@@ -31,6 +31,7 @@ struct LabelledCloud {
   std::vector<std::uint32_t> labels;
   std::optional<std::vector<std::uint32_t>> truth;
   std::optional<std::vector<std::uint8_t>> stages;  ///< bit s: dynamic after stage s (detection.hpp)
+  std::optional<std::vector<float>> probability;    ///< that the point moves; NaN: not known
 };
 
 /// The labelled scans of a recording. Without a result, the true labels of the recording are the labels.
@@ -45,6 +46,8 @@ class LabelledDrive {
   [[nodiscard]] const std::vector<std::size_t>& scans() const { return scans_; }
   /// Throws InputError for files that do not fit the recording. Thread-safe.
   [[nodiscard]] LabelledCloud read(std::size_t scan) const;
+  /// World from sensor at the start of a scan, without reading it.
+  [[nodiscard]] SE3 start_pose(std::size_t scan) const;
   /// The objects of the result in one scan, by id; none without a result.
   [[nodiscard]] const std::vector<ObjectRow>& objects(std::size_t scan) const;
   [[nodiscard]] const Dataset& dataset() const { return dataset_; }

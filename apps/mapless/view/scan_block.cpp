@@ -15,7 +15,7 @@
 namespace mapless::app {
 namespace {
 
-constexpr unsigned kNoTruth = 3;
+constexpr unsigned kNoTruth = 3, kUnknownProbability = 255;
 
 unsigned class_bits(std::uint32_t label) {
   switch (motion_of_label(label)) {
@@ -69,9 +69,15 @@ void append_labels(std::string& out, ScanBlock& block, const LabelledCloud& clou
   append_planes(out, objects);
 }
 
+char probability_byte(float probability) {
+  if (std::isnan(probability)) return static_cast<char>(kUnknownProbability);
+  return static_cast<char>(std::lround(254 * std::clamp(probability, 0.0F, 1.0F)));
+}
+
 }  // namespace
 
-ScanBlock encode_scan(const LabelledCloud& cloud, const Eigen::Matrix3d& R_page_world, bool with_stages) {
+ScanBlock encode_scan(const LabelledCloud& cloud, const Eigen::Matrix3d& R_page_world,
+                      const OptionalPlanes& planes) {
   const LidarScan& scan = *cloud.scan;
   ScanBlock block;
   block.points = scan.returns.size();
@@ -83,17 +89,20 @@ ScanBlock encode_scan(const LabelledCloud& cloud, const Eigen::Matrix3d& R_page_
     columns.push_back(static_cast<std::uint16_t>(r.column));
     records.push_back(r.input_index);
   }
-  std::string raw;
-  append_planes(raw, of_laser);
-  append_coordinates(raw, cloud.points, R_page_world, block.step_m);
-  append_planes(raw, columns);
-  append_planes(raw, records);
-  append_labels(raw, block, cloud);
-  if (with_stages) {
+  append_planes(block.bytes, of_laser);
+  append_coordinates(block.bytes, cloud.points, R_page_world, block.step_m);
+  append_planes(block.bytes, columns);
+  append_planes(block.bytes, records);
+  append_labels(block.bytes, block, cloud);
+  if (planes.stages) {
     for (const LidarReturn& r : scan.returns)
-      raw.push_back(cloud.stages ? static_cast<char>((*cloud.stages)[r.input_index]) : '\0');
+      block.bytes.push_back(cloud.stages ? static_cast<char>((*cloud.stages)[r.input_index]) : '\0');
   }
-  block.bytes = compress_zlib(raw);
+  if (planes.probability) {
+    for (const LidarReturn& r : scan.returns)
+      block.bytes.push_back(cloud.probability ? probability_byte((*cloud.probability)[r.input_index])
+                                              : static_cast<char>(kUnknownProbability));
+  }
   return block;
 }
 

@@ -1,5 +1,6 @@
 #include "export/cloud_file.hpp"
 
+#include <bit>
 #include <cstring>
 
 #include <gmock/gmock.h>
@@ -34,6 +35,18 @@ TEST(CloudFile, PcdHasFloatsAndColumns) {
   EXPECT_EQ(number_at<float>(bytes, data + 16), -4);
   EXPECT_EQ(number_at<float>(bytes, data + 20), 5.5F);
   EXPECT_EQ(number_at<std::uint32_t>(bytes, data + 28), 251U);
+}
+
+// Type 9 of extra bytes is float (LAS 1.4-R15, table 24).
+TEST(CloudFile, EveryFormatHasColumnsOfFloats) {
+  const Cloud cloud{{{1, 2, 3}}, {{"probability", {std::bit_cast<std::uint32_t>(0.25F)}, true}}};
+  const std::string pcd = cloud_file(cloud, CloudFormat::pcd), ply = cloud_file(cloud, CloudFormat::ply);
+  const std::string las = cloud_file(cloud, CloudFormat::las);
+  EXPECT_THAT(pcd, HasSubstr("FIELDS x y z probability\nSIZE 4 4 4 4\nTYPE F F F F\n"));
+  EXPECT_THAT(ply, HasSubstr("property float probability\nend_header\n"));
+  EXPECT_EQ(number_at<std::uint8_t>(las, 375 + 54 + 2), 9);
+  for (const std::string& bytes : {pcd, ply, las})
+    EXPECT_EQ(number_at<float>(bytes, bytes.size() - 4), 0.25F);
 }
 
 TEST(CloudFile, FarCoordinatesAreDoublesInPlyAsInPcd) {

@@ -7,6 +7,7 @@
 #include "support/command.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/toy_sequence.hpp"
+#include <mapless/io/files.hpp>
 #include <mapless/io/labels.hpp>
 #include <mapless/io/result_folder.hpp>
 
@@ -39,6 +40,12 @@ TEST(DetectProbability, IsWrittenForEveryRecordIfAskedFor) {
     }
   }
   EXPECT_GT(moving, 0u);
+  const std::string clouds = folder / "clouds";
+  ASSERT_EQ(run_command({"export", folder / "street", folder / "out", "--what", "labelled", "-o", clouds})
+                .exit_code,
+            0);
+  EXPECT_THAT(read_whole_file(clouds + "/000009.pcd"),
+              HasSubstr("FIELDS x y z label object record probability\n"));
   EXPECT_GT(expected, 0.8 * static_cast<double>(moving));
 }
 
