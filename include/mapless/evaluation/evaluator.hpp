@@ -102,7 +102,7 @@ struct ClassReport {
 inline constexpr std::string_view kNoObject = "(no object)";
 inline constexpr std::string_view kUnlisted = "(unlisted)";
 
-/// Points of one class and kind ("mover", "parked") of objects.csv. FP: static points labelled dynamic; FN:
+/// Points of one class and kind ("mover", "parked", "carrier") of objects.csv. FP: static points labelled dynamic; FN:
 /// dynamic points labelled static.
 struct KindReport {
   std::string object_class;  ///< as ClassReport::object_class
