@@ -1,9 +1,10 @@
+#include "simulation/scenes/flyer_scene.hpp"
+
 #include <algorithm>
 #include <cmath>
 
 #include <Eigen/Geometry>
 
-#include "simulation/scenes/hill.hpp"
 #include "simulation/scenes/named_scenes.hpp"
 #include "simulation/scenes/rings.hpp"
 #include "simulation/scenes/scenery.hpp"

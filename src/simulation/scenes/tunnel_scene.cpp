@@ -1,3 +1,5 @@
+#include "simulation/scenes/tunnel_scene.hpp"
+
 #include <cmath>
 #include <numbers>
 
@@ -7,7 +9,6 @@
 #include "simulation/scenes/rings.hpp"
 #include "simulation/scenes/scenery.hpp"
 #include "simulation/scenes/sensor_poses.hpp"
-#include "simulation/scenes/tunnel.hpp"
 #include "simulation/traffic/bodies.hpp"
 #include "simulation/traffic/living.hpp"
 #include "simulation/traffic/traffic.hpp"

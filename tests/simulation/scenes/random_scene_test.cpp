@@ -7,7 +7,7 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-#include "simulation/scenes/random/places.hpp"
+#include "simulation/scenes/random/draws.hpp"
 #include <mapless/io/labels.hpp>
 #include <mapless/simulation/scene.hpp>
 

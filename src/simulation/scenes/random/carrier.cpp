@@ -1,8 +1,10 @@
 #include "simulation/scenes/random/carrier.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
-#include "simulation/scenes/random/places.hpp"
+#include "simulation/scenes/random/draws.hpp"
 #include "simulation/scenes/rings.hpp"
 #include "simulation/scenes/sensor_poses.hpp"
 #include "simulation/traffic/vehicles.hpp"

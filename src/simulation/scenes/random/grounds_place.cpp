@@ -1,9 +1,13 @@
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "simulation/scenes/clearings.hpp"
+#include "simulation/scenes/random/draws.hpp"
 #include "simulation/scenes/random/places.hpp"
 #include "simulation/scenes/rings.hpp"
 #include "simulation/scenes/scenery.hpp"

@@ -5,8 +5,7 @@
 /// random numbers and the carrier of the sensor; out come the scenery of one kind of place, its road users
 /// and their junctions. All draws are independent of the duration.
 
-#include <initializer_list>
-#include <utility>
+#include <cstdint>
 #include <vector>
 
 #include "simulation/random.hpp"
@@ -22,24 +21,6 @@ struct Place {
   std::vector<Junction> junctions;
   std::vector<RoadUser> users;  ///< the first carries the sensor
 };
-
-/// One of the values, each with the probability weight / sum of the weights.
-template <typename T>
-[[nodiscard]] T draw_one(RandomSequence& random, std::initializer_list<std::pair<T, double>> weighted) {
-  double left = 0;
-  for (const auto& [value, weight] : weighted) left += weight;
-  left *= random.uniform(0, 1);
-  for (const auto& [value, weight] : weighted) {
-    left -= weight;
-    if (left <= 0) return value;
-  }
-  return weighted.begin()->first;
-}
-
-/// A whole number from `low` to `high`.
-[[nodiscard]] inline int draw_count(RandomSequence& random, int low, int high) {
-  return low + random.index(high - low + 1);
-}
 
 /// A town on a grid of streets.
 [[nodiscard]] Place draw_town(SceneBuilder& scene, RandomSequence& random, const Carrier& carrier,

@@ -1,4 +1,5 @@
 #include "simulation/scenes/named_scenes.hpp"
+#include "simulation/scenes/random/draws.hpp"
 #include "simulation/scenes/random/places.hpp"
 #include "simulation/scenes/sensor_poses.hpp"
 #include "simulation/traffic/agents.hpp"

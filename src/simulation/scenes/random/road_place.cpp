@@ -1,6 +1,8 @@
 #include <cmath>
+#include <memory>
 #include <numbers>
 
+#include "simulation/scenes/random/draws.hpp"
 #include "simulation/scenes/random/places.hpp"
 #include "simulation/scenes/rings.hpp"
 #include "simulation/scenes/scenery.hpp"

@@ -1,8 +1,9 @@
 #include <algorithm>
 
-#include "simulation/scenes/hill.hpp"
+#include "simulation/scenes/flyer_scene.hpp"
+#include "simulation/scenes/random/draws.hpp"
 #include "simulation/scenes/random/places.hpp"
-#include "simulation/scenes/tunnel.hpp"
+#include "simulation/scenes/tunnel_scene.hpp"
 
 namespace mapless::inline v1 {
 

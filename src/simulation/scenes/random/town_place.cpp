@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
+#include "simulation/scenes/random/draws.hpp"
 #include "simulation/scenes/random/places.hpp"
 #include "simulation/scenes/sensor_poses.hpp"
 #include "simulation/scenes/town.hpp"
