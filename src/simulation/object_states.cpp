@@ -50,7 +50,7 @@ std::map<std::uint32_t, ObjectState> ObjectStates::of_visible(const SimulatedSca
   std::map<std::uint32_t, ObjectState> out;
   for (const Mover& mover : movers_) {
     const auto id = static_cast<std::uint32_t>(mover.object_id);
-    if (seen[id]) out.emplace(id, state(mover, t));
+    if (seen[id] && !mover.carries_sensor) out.emplace(id, state(mover, t));
   }
   return out;
 }

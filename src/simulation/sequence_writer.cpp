@@ -36,7 +36,8 @@ std::string object_table(const WorldDescription& world) {
     if (s.object_id > 0)
       objects.emplace_back(s.object_id, fmt::format("{},parked", to_string(s.object_class)));
   for (const Mover& m : world.movers)
-    objects.emplace_back(m.object_id, fmt::format("{},mover", to_string(m.object_class)));
+    objects.emplace_back(
+        m.object_id, fmt::format("{},{}", to_string(m.object_class), m.carries_sensor ? "carrier" : "mover"));
   std::sort(objects.begin(), objects.end());
   for (const auto& [id, text] : objects) rows += fmt::format("{},{}\n", id, text);
   return rows;

@@ -111,7 +111,7 @@ void SimulatedSensor::finish_record(int number, int laser, int column, const Eig
   const auto l = static_cast<std::size_t>(laser);
   const Vector3d p_h = model_->lasers[l].origin_h_m + (hit->range_m + noise) * directions_h_[l];
   record.position_v = (C_vh * p_h).cast<float>();
-  const bool moves = hit->velocity_0.norm() > kDynamicSpeed_mps;
+  const bool moves = !hit->carries_sensor && hit->velocity_0.norm() > kDynamicSpeed_mps;
   out.labels[i] = (moves ? kLabelDynamic : kLabelStatic) | static_cast<std::uint32_t>(hit->object_id) << 16;
   out.intensities[i] = intensity_of(*hit);
 }

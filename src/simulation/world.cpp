@@ -253,6 +253,7 @@ RayHit SimulatedWorld::exact_hit(const TimedRay& ray, double range_m, unsigned i
     shape = mover->parts[part].shape;
     T_0s = mover->T_0s(part, ray.time);
     hit.object_class = mover->object_class;
+    hit.carries_sensor = mover->carries_sensor;
     hit.object_id = mover->object_id;
   }
   const Mesh& mesh = description_.shapes[shape];

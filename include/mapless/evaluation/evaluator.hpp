@@ -102,8 +102,8 @@ struct ClassReport {
 inline constexpr std::string_view kNoObject = "(no object)";
 inline constexpr std::string_view kUnlisted = "(unlisted)";
 
-/// Points of one class and kind ("mover", "parked") of objects.csv. FP: static points labelled dynamic; FN:
-/// dynamic points labelled static.
+/// Points of one class and kind ("mover", "parked", "carrier") of objects.csv. FP: static points labelled
+/// dynamic; FN: dynamic points labelled static.
 struct KindReport {
   std::string object_class;  ///< as ClassReport::object_class
   std::string kind;          ///< empty for kNoObject and kUnlisted

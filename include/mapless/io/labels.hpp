@@ -45,7 +45,7 @@ void write_label_file(const std::filesystem::path& file, const std::vector<std::
 /// A row of the objects.csv of a recording.
 struct ObjectDescription {
   std::string object_class;
-  std::string kind;  ///< "mover" or "parked" in a simulated recording
+  std::string kind;  ///< "mover", "parked" or "carrier" (of the sensor) in a simulated recording
 };
 
 /// A row of object_states.csv: the true state of a mover in the middle of a scan in which it has a return, in

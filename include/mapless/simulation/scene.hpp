@@ -112,6 +112,8 @@ struct Mover {
   ObjectClass object_class = ObjectClass::car;
   Motion T_0b;
   double radius_m = 3;  ///< of a sphere about the body's origin that contains all parts at all times
+  /// The body that the sensor is mounted on: static in the true labels, and no mover in the tables.
+  bool carries_sensor = false;
   std::vector<Part> parts;
 
   [[nodiscard]] SE3 T_0s(std::size_t part, Time t) const {
@@ -140,6 +142,7 @@ struct RayHit {
       Eigen::Vector3d::Zero();  ///< of the surface at the hit point and instant [m/s]
   double cos_incidence = 1;     ///< cosine of the angle between ray and surface normal, 0 to 1
   int object_id = 0;
+  bool carries_sensor = false;  ///< on the body that the sensor is mounted on
   ObjectClass object_class = ObjectClass::ground;
   Material material = Material::asphalt;
 };

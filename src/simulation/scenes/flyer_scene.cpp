@@ -1,3 +1,5 @@
+#include "simulation/scenes/flyer_scene.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -17,14 +19,9 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-// On the top of a hill, so that the ground falls away and the sky begins below the horizon.
-Terrain hill_top() {
-  return
-      [](double x, double y) { return -0.0022 * (x * x + y * y) + 0.1 * std::sin(x / 3) * std::sin(y / 4); };
-}
-
-void add_flyers(SceneBuilder& scene, std::uint64_t seed) {
-  for (std::uint64_t k = 0; k < 10; ++k) {
+// Six in ten are birds, two drones, two balls.
+void add_flyers(SceneBuilder& scene, std::uint64_t seed, int count) {
+  for (std::uint64_t k = 0; k < static_cast<std::uint64_t>(count); ++k) {
     RandomSequence random(seed, 3300 + k);
     const double radius = random.uniform(9, 38);
     const double height = random.uniform(1.8, 2.6 + 0.06 * radius);
@@ -36,9 +33,9 @@ void add_flyers(SceneBuilder& scene, std::uint64_t seed) {
       const double z = height + 0.5 * std::sin(0.7 * t.seconds() + phase);
       return SE3(rotation_z(a + (speed > 0 ? kTurn / 4 : -kTurn / 4)), {p.x(), p.y(), z});
     };
-    if (k < 6) {
+    if (k % 10 < 6) {
       add_bird(scene, T_0b, random.uniform(2, 4));
-    } else if (k < 8) {
+    } else if (k % 10 < 8) {
       add_drone(scene, T_0b);
     } else {
       // A ball thrown up again and again: a parabola of period T.
@@ -52,27 +49,47 @@ void add_flyers(SceneBuilder& scene, std::uint64_t seed) {
                              1 + 9.81 / 2 * (period * period / 4 - u * u));
             return SE3(pose.rotation(), p);
           },
-          k == 8 ? 0.12 : 0.35);
+          k % 10 == 8 ? 0.12 : 0.35);
     }
   }
 }
 
 }  // namespace
 
-Scene flyer(const SceneOptions& options) {
-  SceneBuilder builder;
-  const auto ground = builder.shape("ground", [] {
-    return ground_patch({-150, -150}, {150, 150}, 0, 1.5, hill_top(), Material::earth);
+// The ground falls away, and the sky begins below the horizon.
+Terrain HillPlan::terrain() const {
+  return [fall = fall_per_m](double x, double y) {
+    return -fall * (x * x + y * y) + 0.1 * std::sin(x / 3) * std::sin(y / 4);
+  };
+}
+
+void build_hill(const HillPlan& plan, SceneBuilder& scene, std::uint64_t seed) {
+  const auto ground = scene.shape("ground", [&] {
+    return ground_patch({-150, -150}, {150, 150}, 0, 1.5, plan.terrain(), Material::earth);
   });
-  builder.place(ground, SE3(), ObjectClass::ground);
-  const Scenery scenery(builder, hill_top(), options.seed);
-  RandomSequence random(options.seed, 2300);
-  for (int k = 0; k < 14; ++k)
+  scene.place(ground, SE3(), ObjectClass::ground);
+  const Scenery scenery(scene, plan.terrain(), seed);
+  RandomSequence random(seed, 2300);
+  for (int k = 0; k < plan.bushes; ++k)
     scenery.put_bush(polar(random.uniform(8, 45), random.uniform(0, kTurn)), k, random.uniform(0, kTurn));
-  add_flyers(builder, options.seed);
-  const auto path = wavy_ring({0, 0}, 6, 0.5, 0, 2 * kMaxSceneDuration_s, false);
-  RoadUser walker{ObjectClass::person, path, 0, 1.1, 0.8, 0};
-  const auto tracks = drive_all({walker}, {}, hill_top(), options.duration_s + kMargin_s, options.seed);
+  add_flyers(scene, seed, plan.flyers);
+}
+
+RoadUser hill_walker(const HillPlan& plan) {
+  return {ObjectClass::person,
+          wavy_ring({0, 0}, plan.way_m, 0.5, 0, 2 * kMaxSceneDuration_s, false),
+          0,
+          1.1,
+          0.8,
+          0};
+}
+
+Scene flyer(const SceneOptions& options) {
+  const HillPlan plan;
+  SceneBuilder builder;
+  build_hill(plan, builder, options.seed);
+  const auto tracks =
+      drive_all({hill_walker(plan)}, {}, plan.terrain(), options.duration_s + kMargin_s, options.seed);
   Scene scene;
   scene.poses = sample_poses([&](double t) { return carried(*tracks.front(), 1.9, t); }, options.duration_s);
   scene.world = builder.take();

@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 
+#include "simulation/scenes/clearings.hpp"
 #include "simulation/scenes/named_scenes.hpp"
 #include "simulation/scenes/rings.hpp"
 #include "simulation/scenes/scenery.hpp"
@@ -26,30 +27,8 @@ Terrain forest_ground() {
   };
 }
 
-// Where nothing grows: about the paths, for walkers must not run through trunks, and about other trunks.
-class Clearings {
- public:
-  [[nodiscard]] bool is_free(const Vector2d& p) const { return !taken_[cell(p)]; }
-  void take(const Vector2d& p, double radius) {
-    for (double x = -radius; x <= radius; x += kCell) {
-      for (double y = -radius; y <= radius; y += kCell) taken_[cell(p + Vector2d(x, y))] = true;
-    }
-  }
-
- private:
-  static constexpr double kCell = 0.5;
-  static constexpr int kSide = static_cast<int>(2 * kForest / kCell);
-  [[nodiscard]] static std::size_t cell(const Vector2d& p) {
-    const auto index = [](double x) {
-      return static_cast<std::size_t>(std::clamp(static_cast<int>((x + kForest) / kCell), 0, kSide - 1));
-    };
-    return index(p.x()) * kSide + index(p.y());
-  }
-  std::vector<bool> taken_ = std::vector<bool>(static_cast<std::size_t>(kSide) * kSide);
-};
-
 Clearings about_paths(const std::vector<RoadUser>& users) {
-  Clearings clearings;
+  Clearings clearings(kForest);
   for (const RoadUser& user : users) {
     const double once_round = std::min(user.path->length_m(), 700.0);
     for (double s = 0; s < once_round; s += 1) clearings.take(user.path->at(s), 1.2);

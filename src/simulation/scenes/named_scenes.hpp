@@ -16,5 +16,7 @@ namespace mapless::inline v1 {
 [[nodiscard]] Scene forest(const SceneOptions& options);
 [[nodiscard]] Scene tunnel(const SceneOptions& options);
 [[nodiscard]] Scene flyer(const SceneOptions& options);
+/// A place drawn from the seed (random/places.hpp).
+[[nodiscard]] Scene random_scene(const SceneOptions& options);
 
 }  // namespace mapless

@@ -17,14 +17,15 @@ struct NamedScene {
   Scene (*make)(const SceneOptions&);
 };
 
-constexpr std::array<NamedScene, 8> kScenes = {{{"town1", town1},
+constexpr std::array<NamedScene, 9> kScenes = {{{"town1", town1},
                                                 {"town2", town2},
                                                 {"highway", highway},
                                                 {"forest", forest},
                                                 {"tunnel", tunnel},
                                                 {"flyer", flyer},
                                                 {"tilted", tilted},
-                                                {"crossing", crossing}}};
+                                                {"crossing", crossing},
+                                                {"random", random_scene}}};
 
 SE3 arbitrary_rotation(std::uint64_t seed) {
   RandomSequence random(seed, 99);

@@ -37,7 +37,9 @@ TEST(BenchmarkPlan, TheDeclaredTableHasAllScenesThreeNoisesAndFourSensors) {
     if (job.recording.range_noise_m == 0.02) scenes.insert(job.recording.scene);
     if (job.recording.scene == "town2") town_noises.insert(job.recording.range_noise_m);
   }
-  EXPECT_EQ(scenes, std::set<std::string>(scene_names().begin(), scene_names().end()));
+  std::set<std::string> fixed(scene_names().begin(), scene_names().end());
+  EXPECT_EQ(fixed.erase("random"), 1u) << "another place with every seed";
+  EXPECT_EQ(scenes, fixed);
   EXPECT_EQ(town_noises, (std::set<double>{0, 0.02, 0.05}));
   EXPECT_EQ(sensors, (std::set<std::string>{"HDL-64E-S2", "VLP-16", "Pandar64", "OS1-128"}));
   EXPECT_EQ(recordings(table).size(), table.size()) << "each once";
