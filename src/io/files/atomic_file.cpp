@@ -160,15 +160,20 @@ void GrowingFile::verify(std::string_view bytes) {
 }
 
 bool GrowingFile::holds_at(std::size_t offset, std::string_view bytes) const {
+  const auto refuse = [this](const std::error_code& reason) {
+    throw_read_error({file_.string(), "", "", "cannot be read: " + reason.message(), "check the disk"},
+                     reason);
+  };
   const FileDescriptor in(file_, O_RDONLY);
-  if (!in.valid()) return false;
+  if (!in.valid()) refuse(system_reason());
   std::string found(bytes.size(), '\0');
   std::size_t size = 0;
   while (size < found.size()) {
     const ssize_t got =
         pread(in.get(), found.data() + size, found.size() - size, static_cast<off_t>(offset + size));
     if (got < 0 && errno == EINTR) continue;
-    if (got <= 0) return false;
+    if (got < 0) refuse(system_reason());
+    if (got == 0) return false;
     size += static_cast<std::size_t>(got);
   }
   return found == bytes;
