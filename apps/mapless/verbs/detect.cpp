@@ -227,10 +227,9 @@ int detect(const DetectOptions& options) {
   for (const MotionMeasurement& one : measured) run.add_measurement(one);
   if (options.probability) run.write_probabilities();
   const bool complete = run_to_the_end(run, summary);
-  if (const std::string trouble = run.odometry_report().trouble(); !trouble.empty())
-    say("mapless: {}\n", trouble);
-  if (const std::string trouble = summary.input_output_trouble(); !trouble.empty())
-    say("mapless: {}\n", trouble);
+  for (const std::string& trouble : {run.odometry_report().trouble(), summary.input_output_trouble()}) {
+    if (!trouble.empty()) say("mapless: {}\n", trouble);
+  }
   const int code = report(options, summary, complete, finished_before);
   if (code != kSuccess) return code;
   if (!options.semantic_kitti.empty())
