@@ -4,7 +4,8 @@ FROM debian:12 AS build
 COPY . /src
 WORKDIR /src
 RUN apt-get update && apt-get install -y --no-install-recommends make python3 && scripts/install_dependencies.sh
-RUN make build && cd build/release && cpack -G DEB && mv mapless_*.deb /mapless.deb
+RUN cmake --preset package && cmake --build --preset package && scripts/check_hardening.sh \
+    build/package/apps/mapless/mapless compiled && cd build/package && cpack -G DEB && mv mapless_*.deb /mapless.deb
 
 FROM debian:12-slim
 COPY --from=build /mapless.deb /tmp/mapless.deb

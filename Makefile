@@ -4,7 +4,7 @@ PREFIX ?= /usr/local
 OUT ?= out/demo
 export JOBS RECORDING ARGS OUT
 
-.PHONY: help build demo test lint docs peers install clean
+.PHONY: help build demo test lint docs peers fuzz soak install clean
 .NOTPARALLEL:
 
 help:
@@ -16,6 +16,8 @@ help:
 	@echo 'make docs      the reference of the public headers: build/reference/index.html'
 	@echo 'make peers     KISS-ICP beside our odometry and DUFOMap beside our detection, their tables into docs/odometry.md,'
 	@echo '               docs/accuracy.md and docs/export.md; ARGS="--kitti DRIVE" for that drive too, in the odometry'
+	@echo 'make fuzz      fuzz every reader of files for 60 s (Clang, libFuzzer); ARGS="SECONDS READER...": others'
+	@echo 'make soak      one hour of detection at 10 Hz: memory, time per scan, open files; ARGS: see scripts/soak.py'
 	@echo 'make install   library, headers and command to PREFIX ($(PREFIX))'
 	@echo 'make clean     remove build and out'
 	@echo 'JOBS=$(JOBS) is how many processes build and test at once. Missing Debian packages are installed.'
@@ -54,6 +56,13 @@ peers: build
 	@build/peers/python/bin/python benchmarks/peers/compare_odometry.py $(ARGS) --write docs/odometry.md
 	@build/peers/python/bin/python benchmarks/peers/compare_detection.py --write docs/accuracy.md
 	@build/peers/python/bin/python benchmarks/peers/compare_maps.py --duration-s 8 --write docs/export.md
+
+fuzz:
+	@scripts/install_dependencies.sh fuzz
+	@scripts/fuzz.sh $(ARGS)
+
+soak: build
+	@scripts/soak.py build/mapless $(ARGS)
 
 install: build
 	@cmake --install build/release --prefix $(PREFIX)

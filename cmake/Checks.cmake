@@ -39,6 +39,7 @@ if(MAPLESS_SIMULATOR)
   mapless_parallel_check(regression.digests ${Python3_EXECUTABLE} ${scripts}/check_digests.py $<TARGET_FILE:mapless_command>)
 endif()
 
+mapless_check(package.hardening ${scripts}/check_hardening.sh $<TARGET_FILE:mapless_command>)
 mapless_check(package.example ${scripts}/check_package.sh ${PROJECT_BINARY_DIR}
               $<$<TARGET_EXISTS:mapless_make_scene>:$<TARGET_FILE:mapless_make_scene>>)
 

@@ -18,10 +18,17 @@ add_custom_command(
   COMMAND ${MAPLESS_GZIP} -9nc ${manual}/changelog > ${manual}/changelog.gz
   DEPENDS mapless_command scripts/make_manual.py ${manual}/changelog
   WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
-add_custom_target(mapless_manual ALL DEPENDS ${manual}/mapless.1.gz)
+# What it is made of and needs: the software bill of materials.
+add_custom_command(
+  OUTPUT ${manual}/sbom.cdx.json
+  COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/scripts/make_sbom.py $<TARGET_FILE:mapless_command>
+          ${PROJECT_VERSION} > ${manual}/sbom.cdx.json
+  DEPENDS mapless_command scripts/make_sbom.py
+  WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
+add_custom_target(mapless_manual ALL DEPENDS ${manual}/mapless.1.gz ${manual}/sbom.cdx.json)
 install(FILES ${manual}/mapless.1.gz DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
 install(FILES ${manual}/mapless.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME mapless)
-install(FILES ${manual}/changelog.gz packaging/copyright CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/mapless)
+install(FILES ${manual}/changelog.gz ${manual}/sbom.cdx.json packaging/copyright CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/mapless)
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME mapless)

@@ -7,6 +7,15 @@ if(MAPLESS_WARNINGS_AS_ERRORS)
   target_compile_options(mapless_options INTERFACE -Werror)
 endif()
 
+# Against malicious input (docs/reliability.md): all symbols are bound at the start, in memory that is read-only then.
+# What it needs of the compiler is left to released binaries.
+if(CMAKE_SYSTEM_NAME STREQUAL "Linux" AND NOT MAPLESS_SANITIZE)
+  target_link_options(mapless_options INTERFACE LINKER:-z,relro,-z,now)
+endif()
+if(MAPLESS_HARDEN)
+  target_compile_options(mapless_options INTERFACE -fstack-protector-strong -U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=2)
+endif()
+
 if(CMAKE_UNITY_BUILD)
   # Wrong there: a source of ours counts as a header, because another file includes it.
   target_compile_options(mapless_options INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)

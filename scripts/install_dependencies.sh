@@ -1,8 +1,8 @@
 #!/bin/sh
 # Installs the packages that building needs, on Debian 12 and 13 and on Ubuntu 22.04 and 24.04; with "test" also those
-# that testing needs, with "docs" those of the reference. Only what is missing is installed: it needs neither root nor
-# a network where all is there. On other systems it says what to install.
-# usage: scripts/install_dependencies.sh [test] [docs]
+# that testing needs, with "docs" those of the reference, with "fuzz" those of make fuzz. Only what is missing is
+# installed: it needs neither root nor a network where all is there. On other systems it says what to install.
+# usage: scripts/install_dependencies.sh [test] [docs] [fuzz]
 set -eu
 
 packages="cmake g++ ninja-build pkg-config
@@ -24,13 +24,21 @@ case $system in
 "ubuntu 24.04") clang_tools="clang-format-14 clang-tidy-14" ;;
 *) clang_tools="clang-format clang-tidy" ;; # another version: the check of the formatting is left out
 esac
+# The runtime of the sanitizers and libFuzzer, where it is a package of its own.
+case $system in
+"debian 12") fuzzer=libclang-rt-14-dev ;;
+"debian 13") fuzzer=libclang-rt-19-dev ;;
+"ubuntu 24.04") fuzzer=libclang-rt-18-dev ;;
+*) fuzzer= ;;
+esac
 
 for purpose in "$@"; do
   case $purpose in
   test) packages="$packages libgtest-dev libgmock-dev libbenchmark-dev libceres-dev $clang_tools python3 python3-venv
     python3-dev binutils" ;;
   docs) packages="$packages doxygen" ;;
-  *) fail "$purpose: no such purpose; use test, docs, both or none" ;;
+  fuzz) packages="$packages clang $fuzzer" ;;
+  *) fail "$purpose: no such purpose; use test, docs, fuzz, several or none" ;;
   esac
 done
 

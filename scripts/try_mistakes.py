@@ -297,7 +297,7 @@ def cases(other):
 
 def run(mapless, folder, output, arguments):
     done = subprocess.run([mapless, "detect", folder, "-o", output, *arguments], capture_output=True, text=True)
-    told = [line for line in done.stderr.splitlines() if re.search("doubtful|lost|without motion|error|wrong", line)]
+    told = [line for line in done.stderr.splitlines() if re.search("doubtful|lost|without motion|certain|error|wrong", line)]
     if done.returncode not in (0, 4):
         told = done.stderr.strip().splitlines()[-1:]
     return done.returncode, " | ".join(told)

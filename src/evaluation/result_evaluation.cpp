@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "core/argument_checks.hpp"
+#include "evaluation/label_alignment.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/evaluation/result_evaluation.hpp>
 #include <mapless/io/labels.hpp>
@@ -85,12 +86,14 @@ struct Evaluators {
   SightEvaluator sight;
   DelayEvaluator delays;
   VelocityEvaluation velocity;
+  LabelAlignment alignment;
 
   void add(const ScanLabels& labels_of_scan, const LidarScan& scan) {
     labels.add(labels_of_scan);
     sight.add(scan, labels_of_scan);
     delays.add(labels_of_scan);
     velocity.add(labels_of_scan, scan.start);
+    alignment.add(labels_of_scan);
   }
   void report(ResultEvaluation& out) const {
     out.report = labels.report();
@@ -129,7 +132,7 @@ ResultEvaluation evaluate_result(const Dataset& dataset, const ResultFolder& res
   require_states_of(dataset, objects, options.objects);
   const auto& limit = options.max_range_m;
   Evaluators evaluators{Evaluator(objects, limit), SightEvaluator(limit), DelayEvaluator(objects, limit),
-                        VelocityEvaluation(dataset, result, objects, limit)};
+                        VelocityEvaluation(dataset, result, objects, limit), LabelAlignment()};
   for (std::size_t i = 0; i < scans.size(); ++i) {
     if (scans[i] >= dataset.size()) {
       throw InputError({result.label_file(scans[i]).string(), "scan", std::to_string(scans[i]),
@@ -149,6 +152,7 @@ ResultEvaluation evaluate_result(const Dataset& dataset, const ResultFolder& res
                       "none has both a label file and true labels in the recording",
                       "give the folder of true labels with --labels"});
   }
+  evaluators.alignment.require(result);
   evaluators.report(out);
   return out;
 }

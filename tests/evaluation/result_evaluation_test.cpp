@@ -180,5 +180,55 @@ TEST_F(ResultEvaluationTest, RefusesAResultWithoutAnyTrueLabels) {
   EXPECT_THROW((void)evaluate_result(dataset, ResultFolder(folder / "nowhere"), options), InputError);
 }
 
+// 1000 records, the last 200 of them without a return.
+class LabelAlignmentTest : public testing::Test {
+ protected:
+  LabelAlignmentTest() : dataset(regular_starts(1), 1000), result(folder / "out") {
+    dataset.missing[0] = 200;
+    dataset.labels[0] = labels(0, 800, 100, 300);
+    std::filesystem::create_directories(result.labels());
+    write_file_atomically(result.summary(), "{}");
+  }
+  // Labels of records with a return from `begin` to `end`, those from `moving` to `still` moving.
+  static std::vector<std::uint32_t> labels(std::size_t begin, std::size_t end, std::size_t moving,
+                                           std::size_t still) {
+    std::vector<std::uint32_t> out(1000, kLabelUnknown);
+    for (std::size_t i = begin; i < end; ++i)
+      out[i] = i >= moving && i < still ? kLabelDynamic : kLabelStatic;
+    return out;
+  }
+  [[nodiscard]] std::string refusal(const std::vector<std::uint32_t>& of_result) const {
+    write_label_file(result.label_file(0), of_result);
+    try {
+      (void)evaluate_result(dataset, result, {});
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  }
+
+  test::TemporaryFolder folder;
+  MemoryDataset dataset;
+  ResultFolder result;
+};
+
+TEST_F(LabelAlignmentTest, AResultOfTheseScansIsEvaluated) {
+  EXPECT_EQ(refusal(labels(0, 800, 0, 50)), "");
+  EXPECT_EQ(refusal(labels(0, 0, 0, 0)), "");  // the motion was lost
+}
+
+TEST_F(LabelAlignmentTest, AResultOfOtherScansIsRefused) {
+  EXPECT_NE(refusal(labels(50, 850, 0, 50)).find("labels = 100 of 1000"), std::string::npos);
+  std::filesystem::remove(result.summary());  // of another program, which may label what it likes
+  EXPECT_EQ(refusal(labels(50, 850, 0, 50)), "");
+}
+
+TEST_F(LabelAlignmentTest, TrueLabelsOfOtherScansAreRefused) {
+  dataset.labels[0] = labels(100, 900, 700, 900);
+  EXPECT_NE(refusal(labels(0, 800, 0, 50)).find("moving points = 100 of 200"), std::string::npos);
+  dataset.labels[0] = labels(100, 900, 610, 810);  // 10 of 200: another account of what is faulty
+  EXPECT_EQ(refusal(labels(0, 800, 0, 50)), "");
+}
+
 }  // namespace MAPLESS_FILE
 }  // namespace mapless

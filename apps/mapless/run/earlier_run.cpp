@@ -78,7 +78,9 @@ std::optional<EarlierRun> earlier_run(const ResultFolder& result, const RunSumma
   if (out.finished == 0) return std::nullopt;
   require_same_configuration(result.config(), configuration);
   out.complete = before.value("complete", false) && out.finished == wanted["selected_scans"];
-  if (before.contains("odometry")) out.lost_scans = before["odometry"].value("lost", std::size_t{0});
+  for (const Json& line : before.value("doubts", Json::array())) {
+    if (line.is_string()) out.doubts.push_back(line);
+  }
   return out;
 }
 

@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "run/run_summary.hpp"
 #include <mapless/io/dataset.hpp>
@@ -13,9 +14,9 @@ namespace mapless::app {
 
 /// A result in the output folder that a run goes on with (--resume).
 struct EarlierRun {
-  std::size_t finished = 0;    ///< scans with labels and stages, counted from the first without a gap
-  bool complete = false;       ///< all scans, and the summary
-  std::size_t lost_scans = 0;  ///< of a complete run: scans whose motion was lost
+  std::size_t finished = 0;         ///< scans with labels and stages, counted from the first without a gap
+  bool complete = false;            ///< all scans, and the summary
+  std::vector<std::string> doubts;  ///< RunSummary::doubts
 };
 
 /// The earlier run; nothing where the folder is empty or no scan was finished. `now` and `configuration`: the

@@ -5,6 +5,7 @@
 
 #include <mapless/io/trajectory_file.hpp>
 #include <mapless/odometry/odometry_update.hpp>
+#include <mapless/pipeline/online_detector.hpp>
 
 namespace mapless::app {
 
@@ -12,8 +13,8 @@ namespace mapless::app {
 [[nodiscard]] MotionRow motion_row(std::size_t scan, const TimedPose& pose, double duration_s,
                                    const OdometryUpdate& update);
 
-/// "finished; 3 of 60 scans are without motion: ..." with the remedy. The run
-/// then ends with kNotTrusted.
-[[nodiscard]] std::string motion_lost_line(std::size_t lost, std::size_t scans);
+/// One line with the remedy where the motion of some scans is lost, or where that of none is good; else
+/// empty. The run then ends with kNotTrusted.
+[[nodiscard]] std::string motion_doubt(const OdometryReport& report);
 
 }  // namespace mapless::app

@@ -8,6 +8,7 @@
 #include <sys/resource.h>
 
 #include "reports/json.hpp"
+#include "run/lost_motion.hpp"
 #include <mapless/evaluation/trajectory_evaluation.hpp>
 #include <mapless/io/result_folder.hpp>
 
@@ -137,6 +138,14 @@ Json odometry_json(const OdometryReport& r) {
 
 }  // namespace
 
+std::vector<std::string> RunSummary::doubts() const {
+  std::vector<std::string> out = input_doubts_;
+  if (std::string line = moving_share_.trouble(); !line.empty()) out.push_back(std::move(line));
+  if (std::string line = odometry_ ? motion_doubt(*odometry_) : ""; !line.empty())
+    out.push_back(std::move(line));
+  return out;
+}
+
 Json RunSummary::json() const {
   Json trajectory = Json::object();
   for (const auto& [name, value] : trajectory_) trajectory[name] = value;
@@ -146,6 +155,7 @@ Json RunSummary::json() const {
   Json out = {{"program", kProgramName},
               {"version", MAPLESS_VERSION},
               {"complete", complete_},
+              {"doubts", doubts()},
               {"recording", recording_},
               {"recording_digest", recording_digest_},
               {"format", format_},

@@ -43,6 +43,8 @@ class RunSummary {
   void set_odometry(const OdometryReport& report) { odometry_ = report; }
   void set_input_output(const InputOutputReport& report) { input_output_ = report; }
   void set_real_time(const RealTimeReport& report) { real_time_ = report; }
+  /// Lines of the self-check of the input.
+  void set_input_doubts(std::vector<std::string> lines) { input_doubts_ = std::move(lines); }
   void set_complete() { complete_ = true; }
   void set_stopped(std::string reason) { stopped_ = std::move(reason); }
 
@@ -50,8 +52,8 @@ class RunSummary {
   [[nodiscard]] std::string input_output_trouble() const {
     return input_output_ ? trouble(*input_output_) : "";
   }
-  /// One line; empty where the share of moving points is plausible.
-  [[nodiscard]] std::string moving_trouble() const { return moving_share_.trouble(); }
+  /// Why the result is not trustworthy, one line each: input, moving points, motion. None where it is.
+  [[nodiscard]] std::vector<std::string> doubts() const;
   [[nodiscard]] std::size_t scans() const { return scans_; }
   [[nodiscard]] Json json() const;
   /// Text of summary.json.
@@ -76,6 +78,7 @@ class RunSummary {
   std::size_t ids_ = 0;
   std::array<DurationHistogram, kTimings> durations_;
   MovingShare moving_share_;
+  std::vector<std::string> input_doubts_;
   std::optional<OdometryReport> odometry_;
   std::optional<InputOutputReport> input_output_;
   std::optional<RealTimeReport> real_time_;

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "run/detection_run.hpp"
 #include <mapless/io/dataset.hpp>
@@ -9,8 +11,9 @@
 namespace mapless::app {
 
 /// Holds the scans against what is said about them, along the poses where there are any (check_recording).
-/// Throws InputError where they contradict; says doubts on stderr, and returns whether there are any.
-[[nodiscard]] bool says_doubts(const Dataset& dataset, const std::shared_ptr<const Trajectory>& given,
-                               ScanSelection selection);
+/// Throws InputError where they contradict; says doubts on stderr, and returns their lines.
+[[nodiscard]] std::vector<std::string> said_doubts(const Dataset& dataset,
+                                                   const std::shared_ptr<const Trajectory>& given,
+                                                   ScanSelection selection);
 
 }  // namespace mapless::app

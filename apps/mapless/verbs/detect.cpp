@@ -147,11 +147,12 @@ bool run_to_the_end(DetectionRun& run, RunSummary& summary) {
   }
 }
 
-int trust(std::size_t lost, std::size_t scans, bool doubtful, const std::string& moving = "") {
-  if (!moving.empty()) say("mapless: {}\n", moving);
-  if (lost > 0) say("mapless: {}\n", motion_lost_line(lost, scans));
-  if (doubtful || !moving.empty()) say("mapless: finished; the result is doubtful, see above\n");
-  return lost > 0 || doubtful || !moving.empty() ? kNotTrusted : kSuccess;
+// Says the doubts from line number `said` on: those before have been said.
+int trust(const std::vector<std::string>& doubts, std::size_t said) {
+  for (std::size_t i = said; i < doubts.size(); ++i) say("mapless: {}\n", doubts[i]);
+  if (doubts.empty()) return kSuccess;
+  say("mapless: finished; the result is doubtful, see above\n");
+  return kNotTrusted;
 }
 
 // Says what --resume will do.
@@ -194,7 +195,7 @@ int detect(const DetectOptions& options) {
   announce(*dataset, motion);
   const std::vector<MotionMeasurement> measured = measurements_of(options, *dataset, motion, count);
   if (motion.trajectory) require_coverage(*dataset, *motion.trajectory, options.first, count);
-  const bool doubtful = says_doubts(*dataset, motion.trajectory, {options.first, count});
+  const auto doubts = said_doubts(*dataset, motion.trajectory, {options.first, count});
 
   const InterruptGuard interrupt;
   RunSummary summary(*dataset, options.recording.path, motion, options.parameters.profile, options.first,
@@ -202,11 +203,12 @@ int detect(const DetectOptions& options) {
   summary.set_recording_digest(
       recording_digest(*dataset, motion.trajectory.get(), measured, options.first, count));
   summary.set_probability(options.probability);
+  summary.set_input_doubts(doubts);
   std::size_t finished_before = 0;
   if (options.resume) {
     const auto earlier = earlier_run(result, summary, configuration_text(options.parameters));
     announce(earlier, options.output);
-    if (earlier && earlier->complete) return trust(earlier->lost_scans, count, doubtful);
+    if (earlier && earlier->complete) return trust(earlier->doubts, doubts.size());
     if (earlier) summary.set_resumed_after(finished_before = earlier->finished);
     result.remove_partial_files();
   }
@@ -225,16 +227,15 @@ int detect(const DetectOptions& options) {
   for (const MotionMeasurement& one : measured) run.add_measurement(one);
   if (options.probability) run.write_probabilities();
   const bool complete = run_to_the_end(run, summary);
-  const OdometryReport& odometry = run.odometry_report();
-  if (const std::string trouble = odometry.trouble(); !trouble.empty()) say("mapless: {}\n", trouble);
-  if (const std::string trouble = summary.input_output_trouble(); !trouble.empty())
-    say("mapless: {}\n", trouble);
+  for (const std::string& trouble : {run.odometry_report().trouble(), summary.input_output_trouble()}) {
+    if (!trouble.empty()) say("mapless: {}\n", trouble);
+  }
   const int code = report(options, summary, complete, finished_before);
   if (code != kSuccess) return code;
   if (!options.semantic_kitti.empty())
     write_semantic_kitti(*dataset, result, result.labelled_scans(), options.semantic_kitti,
                          semantic_kitti_sequence(options.recording.path));
-  return trust(odometry.count(MotionState::lost), odometry.scans(), doubtful, summary.moving_trouble());
+  return trust(summary.doubts(), doubts.size());
 }
 
 // What is written beside the result.

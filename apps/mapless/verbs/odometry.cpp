@@ -187,7 +187,7 @@ int odometry(const OdometryOptions& options) {
   files.require_free(options.overwrite);
   const auto dataset = options.recording.open();
   (void)motion_by_odometry(*dataset, 0);  // refuses a compensated recording
-  const bool doubtful = says_doubts(*dataset, nullptr, {0, dataset->size()});
+  const bool doubtful = !said_doubts(*dataset, nullptr, {0, dataset->size()}).empty();
   const InterruptGuard interrupt;
   const std::optional<Estimate> done = estimate(*dataset, options);
   if (!done) {
@@ -198,9 +198,9 @@ int odometry(const OdometryOptions& options) {
   const std::string trouble = found.report.trouble();
   if (!trouble.empty()) say("mapless: {}\n", trouble);
   files.write(found.at_instants, found.rows, found.motions);
-  const std::size_t lost = found.report.count(MotionState::lost);
-  if (lost > 0) say("mapless: {}\n", motion_lost_line(lost, found.report.scans()));
-  const int code = lost > 0 || doubtful ? kNotTrusted : kSuccess;
+  const std::string doubt = motion_doubt(found.report);
+  if (!doubt.empty()) say("mapless: finished; {}\n", doubt);
+  const int code = !doubt.empty() || doubtful ? kNotTrusted : kSuccess;
   if (options.json) {
     fmt::print("{}", summary_json(options, found, trouble));
     return code;

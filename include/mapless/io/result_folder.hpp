@@ -60,7 +60,7 @@ class ResultFolder {
 
   /// Throws OutputError if a new result cannot be written here: the path is a file, or the folder is not
   /// empty and `overwrite` is false or it is no earlier result (which has a summary.json). A folder with
-  /// nothing but the lock of a run is empty. Changes nothing.
+  /// nothing but the lock of a run and a part of its first summary is empty. Changes nothing.
   void require_free(bool overwrite) const;
 
   /// Creates the folder and writes `summary`. With `overwrite`, removes the files of an earlier result listed

@@ -105,13 +105,18 @@ void write_file_atomically(const fs::path& file, std::string_view bytes) {
     throw OutputError(
         {file.string(), "", "", "cannot be written: " + problem, "check the folder and the disk"});
   }
+  std::error_code ignored;
+  const bool replaces = fs::exists(target, ignored);
   const fs::path partial = beside(target);
   FileDescriptor out(partial, O_WRONLY | O_CREAT | O_EXCL);
   if (!out.valid()) refuse_write(file, system_reason());
   if (write_all(out.get(), bytes) && synchronise(out.get()) && out.close_checked() &&
       std::rename(partial.c_str(), target.c_str()) == 0) {
-    if (!synchronise_folder_of(target)) refuse_write(file, system_reason());
-    return;
+    if (synchronise_folder_of(target)) return;
+    const std::error_code reason = system_reason();
+    // A new file whose name is not on the disk is none: the caller takes back what belongs to it.
+    if (!replaces) unlink(target.c_str());
+    refuse_write(file, reason);
   }
   const std::error_code reason = system_reason();
   unlink(partial.c_str());
@@ -160,15 +165,20 @@ void GrowingFile::verify(std::string_view bytes) {
 }
 
 bool GrowingFile::holds_at(std::size_t offset, std::string_view bytes) const {
+  const auto refuse = [this](const std::error_code& reason) {
+    throw_read_error({file_.string(), "", "", "cannot be read: " + reason.message(), "check the disk"},
+                     reason);
+  };
   const FileDescriptor in(file_, O_RDONLY);
-  if (!in.valid()) return false;
+  if (!in.valid()) refuse(system_reason());
   std::string found(bytes.size(), '\0');
   std::size_t size = 0;
   while (size < found.size()) {
     const ssize_t got =
         pread(in.get(), found.data() + size, found.size() - size, static_cast<off_t>(offset + size));
     if (got < 0 && errno == EINTR) continue;
-    if (got <= 0) return false;
+    if (got < 0) refuse(system_reason());
+    if (got == 0) return false;
     size += static_cast<std::size_t>(got);
   }
   return found == bytes;

@@ -50,11 +50,15 @@ bool begins_with(const fs::path& file, std::string_view text) {
   return stream && begin == text;
 }
 
+// A run that was killed before its first file may have left its lock and a part of its summary.
 bool is_empty_folder(const fs::path& path) {
+  const std::string partial_summary = fmt::format(".summary.json{}", kPartialMark);
   std::error_code error;
   bool empty = true;
-  for (fs::directory_iterator it(path, error), end; !error && it != end; it.increment(error))
-    empty = empty && it->path().filename() == kLockFile;
+  for (fs::directory_iterator it(path, error), end; !error && it != end; it.increment(error)) {
+    const std::string name = it->path().filename().string();
+    empty = empty && (name == kLockFile || name.starts_with(partial_summary));
+  }
   check(path, error, "look into it");
   return empty;
 }

@@ -46,27 +46,27 @@ TEST(Odometry, WritesThePosesOfTheInstantAskedFor) {
 
 TEST(Odometry, WritesSeveralPosesAScanWhereAsked) {
   const test::TemporaryFolder folder;
-  test::write_toy_sequence(test::toy_street("VLP-16"), 4, folder / "street");
+  test::write_toy_sequence(test::toy_street("VLP-16"), 6, folder / "street");
   const std::string out = folder / "out";
   const auto r = run_command({"odometry", folder / "street", "-o", out, "--poses-per-scan", "10", "--json"});
   ASSERT_EQ(r.exit_code, 0) << r.err;
   const auto rows = read_trajectory_file(out + "/trajectory.txt", {}).poses();
-  ASSERT_EQ(rows.size(), 41u) << "ten a scan and the end of the last";
+  ASSERT_EQ(rows.size(), 61u) << "ten a scan and the end of the last";
   EXPECT_NEAR(rows[10].time.seconds(), 0.1, 1e-4);
   EXPECT_NEAR(rows[15].time.seconds(), 0.15, 1e-4);
-  EXPECT_NEAR(rows.back().time.seconds(), 0.4, 1e-4);
+  EXPECT_NEAR(rows.back().time.seconds(), 0.6, 1e-4);
   TrajectoryFileOptions per_scan;
-  per_scan.row_times = {rows[0].time, rows[10].time, rows[20].time, rows[30].time};
-  EXPECT_EQ(read_trajectory_file(out + "/poses_kitti.txt", per_scan).poses().size(), 4u);
+  for (std::size_t k = 0; k < 6; ++k) per_scan.row_times.push_back(rows[10 * k].time);
+  EXPECT_EQ(read_trajectory_file(out + "/poses_kitti.txt", per_scan).poses().size(), 6u);
   const auto summary = nlohmann::json::parse(r.out);
-  EXPECT_EQ(summary["scans"], 4);
-  EXPECT_EQ(summary["poses"], 41);
+  EXPECT_EQ(summary["scans"], 6);
+  EXPECT_EQ(summary["poses"], 61);
   EXPECT_GT(summary["scan_ms"]["median"], 0.0);
 }
 
 TEST(Odometry, ReplacesPosesOnlyWhenAsked) {
   const test::TemporaryFolder folder;
-  test::write_toy_sequence(test::toy_street("VLP-16"), 2, folder / "street");
+  test::write_toy_sequence(test::toy_street("VLP-16"), 6, folder / "street");
   const std::string out = folder / "out";
   EXPECT_EQ(run_command({"odometry", folder / "street", "-o", out}).exit_code, 0);
   const auto r = run_command({"odometry", folder / "street", "-o", out});
@@ -77,7 +77,7 @@ TEST(Odometry, ReplacesPosesOnlyWhenAsked) {
 
 TEST(Odometry, OverwritesNothingButItsOwnPoses) {
   const test::TemporaryFolder folder;
-  test::write_toy_sequence(test::toy_street("VLP-16"), 2, folder / "street");
+  test::write_toy_sequence(test::toy_street("VLP-16"), 6, folder / "street");
   const std::filesystem::path truth = folder / "street/trajectory.txt";
   const std::string before = read_whole_file(truth);
   const auto r = run_command({"odometry", folder / "street", "-o", folder / "street", "--overwrite"});

@@ -132,6 +132,15 @@ TEST_F(ResumeTest, StartsWithTheFirstScanOfANewFolderAndLeavesACompleteOne) {
   EXPECT_THAT(r.err, HasSubstr("is complete"));
 }
 
+// Own odometry of three scans has not begun: 4, also where --resume finds the result complete.
+TEST_F(ResumeTest, DoubtsOfACompleteResultAreSaidAgain) {
+  for (const std::string finished : {"", "is complete"}) {
+    const CommandResult r = resume("own", {"--count", "3"});
+    EXPECT_EQ(r.exit_code, 4) << r.err;
+    EXPECT_THAT(r.err, AllOf(HasSubstr(finished), HasSubstr("not certain in any of the 3 scans")));
+  }
+}
+
 TEST_F(ResumeTest, IsRefusedWhereTheRunWouldDifferAndNamesWhat) {
   make_killed_result("given", 5);
   const auto refusal = [&](const std::string& motion, const std::vector<std::string>& more) {

@@ -1,4 +1,6 @@
+#include <cerrno>
 #include <filesystem>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -13,34 +15,37 @@
 #include <mapless/core/errors.hpp>
 #include <mapless/io/files.hpp>
 
-namespace mapless {
-namespace MAPLESS_FILE {
+namespace mapless::atomic_file_calls {
 
 // System calls of this thread, in order: "fsync f", "rename f".
 thread_local std::vector<std::string> system_calls;
+// Name of the file or folder whose fsync fails.
+thread_local std::string failing;
 
 void record(const std::string& call, const std::filesystem::path& file) {
   system_calls.push_back(call + " " + file.filename().string());
 }
 
-}  // namespace MAPLESS_FILE
-}  // namespace mapless
+}  // namespace mapless::atomic_file_calls
 
 // In place of those of the C library, which this program therefore does not link.
 extern "C" int fsync(int fd) {
-  using namespace mapless::MAPLESS_FILE;  // NOLINT(google-build-using-namespace)
-  record("fsync", std::filesystem::read_symlink("/proc/self/fd/" + std::to_string(fd)));
-  return static_cast<int>(syscall(SYS_fsync, fd));
+  const std::filesystem::path file = std::filesystem::read_symlink("/proc/self/fd/" + std::to_string(fd));
+  mapless::atomic_file_calls::record("fsync", file);
+  if (file.filename() != mapless::atomic_file_calls::failing) return static_cast<int>(syscall(SYS_fsync, fd));
+  errno = EIO;
+  return -1;
 }
 extern "C" int rename(const char* from, const char* to) noexcept {
-  using namespace mapless::MAPLESS_FILE;  // NOLINT(google-build-using-namespace)
-  record("rename", to);
+  mapless::atomic_file_calls::record("rename", to);
   return static_cast<int>(syscall(SYS_renameat2, AT_FDCWD, from, AT_FDCWD, to, 0));
 }
 
 namespace mapless {
 namespace MAPLESS_FILE {
 
+using atomic_file_calls::failing;
+using atomic_file_calls::system_calls;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
@@ -67,6 +72,22 @@ TEST(AtomicFile, ReadsBackTheWrittenBytesAndReplacesAnEarlierFile) {
   EXPECT_EQ(entries(folder.path()), 1u);
   write_file_atomically(folder / "empty", "");
   EXPECT_EQ(read_whole_file(folder / "empty"), "");
+}
+
+// The caller has been told that there is no file, and takes back what belongs to it (rows of tables).
+TEST(AtomicFile, ANewFileWhoseNameIsNotOnTheDiskIsRemoved) {
+  const test::TemporaryFolder folder;
+  std::filesystem::create_directories(folder / "f");
+  const std::filesystem::path file = std::filesystem::path(folder / "f") / "g";
+  failing = "f";
+  EXPECT_THROW(write_file_atomically(file, "new"), OutputError);
+  EXPECT_EQ(entries(folder / "f"), 0u);
+  failing.clear();
+  write_file_atomically(file, "old");
+  failing = "f";
+  EXPECT_THROW(write_file_atomically(file, "new"), OutputError);
+  EXPECT_EQ(entries(folder / "f"), 1u);  // the old one or the new one, whole
+  failing.clear();
 }
 
 TEST(AtomicFile, WritesLargeFilesCompletely) {

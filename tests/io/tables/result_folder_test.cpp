@@ -64,10 +64,12 @@ TEST_F(ResultFolderTest, NeverOverwritesAnotherFolder) {
   EXPECT_TRUE(fs::exists(result.label_file(0)));
 }
 
-TEST_F(ResultFolderTest, AFolderThatIsEmptyButForALockIsFree) {
+TEST_F(ResultFolderTest, AFolderWithNothingButALockAndAPartOfASummaryIsFree) {
   fs::create_directories(result.path());
   EXPECT_NO_THROW(result.require_free(false));
   write_file_atomically(result.path() / kLockFile, "");
+  // Of a run that was killed while it wrote its first file.
+  write_file_atomically(result.path() / ".summary.json.partial-17-0", "{\n");
   EXPECT_NO_THROW(result.create(false, summary_text()));
 }
 

@@ -19,6 +19,7 @@ using Words = std::vector<std::string_view>;
 constexpr std::size_t kMaxPoints = 1u << 28;
 constexpr std::size_t kMaxCount = 1u << 16;
 constexpr std::size_t kMaxStride = 1u << 20;
+constexpr std::string_view kBlanks = " \t\r\v\f";  // as split_words has them
 
 // The lines of a header, and what follows it.
 struct Header {
@@ -242,10 +243,9 @@ void require_room_for_numbers(const PcdCloud& cloud, std::string_view body) {
 }
 
 void read_ascii(PcdCloud& cloud, std::string_view body) {
-  std::vector<Words> rows;
+  std::vector<std::string_view> rows;
   for (const std::string_view line : split_lines(body)) {
-    Words words = split_words(line);
-    if (!words.empty()) rows.push_back(std::move(words));
+    if (line.find_first_not_of(kBlanks) != std::string_view::npos) rows.push_back(line);
   }
   if (rows.size() != cloud.size()) {
     refuse_body(cloud, "DATA", fmt::format("{} rows", rows.size()),
@@ -253,7 +253,7 @@ void read_ascii(PcdCloud& cloud, std::string_view body) {
   }
   require_room_for_numbers(cloud, body);
   cloud.bytes.assign(cloud.size() * cloud.stride, '\0');
-  for (std::size_t i = 0; i < rows.size(); ++i) read_ascii_point(cloud, i, rows[i]);
+  for (std::size_t i = 0; i < rows.size(); ++i) read_ascii_point(cloud, i, split_words(rows[i]));
 }
 
 }  // namespace

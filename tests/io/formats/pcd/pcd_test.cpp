@@ -210,6 +210,17 @@ TEST(Pcd, AsciiBodiesHaveRoomForTheirNumbers) {
   }
 }
 
+// 195,225,786 points of 22 bytes: 4.3 GB of 12 bytes.
+TEST(Pcd, CompressedBodiesThatClaimGigabytesAreRefused) {
+  std::string text =
+      replaced(replaced(kHeader, "WIDTH 2", "WIDTH 195225786"), "POINTS 2", "POINTS 195225786");
+  text += "DATA binary_compressed\n";
+  append(text, std::uint32_t{12});
+  append(text, std::uint32_t{4294967292});
+  EXPECT_THAT(refusal(text + "\xff\xff\xff\xff\xff\xff\xff\xff\xff\xff\xff\xff"),
+              HasSubstr("12 bytes compressed"));
+}
+
 TEST(Pcd, TruncatedBodiesAreRefused) {
   const std::string ascii = std::string(kHeader) + kAsciiBody, binary = kHeader + binary_body();
   EXPECT_EQ(refusal(binary), "accepted");
