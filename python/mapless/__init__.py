@@ -72,6 +72,8 @@ _MODULES = {
 if not TYPE_CHECKING:
 
     def __getattr__(name):
+        if name in _MODULES:
+            return importlib.import_module(f"mapless.{name}")
         module = next((module for module, names in _MODULES.items() if name in names), None)
         if module is None:
             raise AttributeError(f"module 'mapless' has no attribute {name!r}")
