@@ -10,6 +10,11 @@
 docs/python.md has the rest.
 """
 
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING
+
 from mapless._core import (
     Error,
     InputError,
@@ -21,11 +26,13 @@ from mapless._core import (
     TrajectoryDomainError,
     version,
 )
-from mapless._detector import OnlineDetector, parameters
-from mapless._open import open
-from mapless._recording import CloudSource, Recording, Scan
-from mapless._result import Result
-from mapless._verbs import CommandError, detect, evaluate, explain, simulate
+
+if TYPE_CHECKING:
+    from mapless._detector import OnlineDetector, parameters
+    from mapless._open import open
+    from mapless._recording import CloudSource, Recording, Scan
+    from mapless._result import Result
+    from mapless._verbs import CommandError, detect, evaluate, explain, simulate
 
 __version__ = version()
 
@@ -52,3 +59,27 @@ __all__ = [
     "parameters",
     "simulate",
 ]
+
+# Loaded at first use: with them comes NumPy, a tenth of a second at each start of the command.
+_MODULES = {
+    "_detector": ("OnlineDetector", "parameters"),
+    "_open": ("open",),
+    "_recording": ("CloudSource", "Recording", "Scan"),
+    "_result": ("Result",),
+    "_verbs": ("CommandError", "detect", "evaluate", "explain", "simulate"),
+}
+
+if not TYPE_CHECKING:
+
+    def __getattr__(name):
+        if name in _MODULES:
+            return importlib.import_module(f"mapless.{name}")
+        module = next((module for module, names in _MODULES.items() if name in names), None)
+        if module is None:
+            raise AttributeError(f"module 'mapless' has no attribute {name!r}")
+        value = getattr(importlib.import_module(f"mapless.{module}"), name)
+        globals()[name] = value
+        return value
+
+    def __dir__():
+        return sorted({*globals(), *__all__})

@@ -5,15 +5,24 @@ from __future__ import annotations
 import signal
 import sys
 
+from collections.abc import Mapping
+
 from mapless import _core
-from mapless._open import open_in_python
-from mapless.readers import OPTIONS, READERS
+from mapless.readers import FORMATS, OPTIONS
+
+
+def _open(path: str, format: str, sensor: str, given: Mapping[str, str]) -> _core.Recording | None:
+    """_open.open_in_python. The readers and NumPy are loaded where a recording may be theirs."""
+    if format and format not in FORMATS:
+        return None
+    from mapless._open import open_in_python
+
+    return open_in_python(path, format, sensor, given)
 
 
 def run(arguments: list[str]) -> int:
     """Runs the command with these arguments, without the name of the program; returns its exit code."""
-    formats = [name for reader in READERS for name in reader.formats]
-    _core.set_reader(open_in_python, formats, list(OPTIONS.items()))
+    _core.set_reader(_open, list(FORMATS), list(OPTIONS.items()))
     sys.stdout.flush()
     sys.stderr.flush()
     return _core.run_command(["mapless", *arguments])

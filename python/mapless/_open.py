@@ -8,7 +8,8 @@ from collections.abc import Mapping
 
 from mapless import _core
 from mapless._recording import Recording
-from mapless.readers import FIELDS, READERS, Options
+from mapless.readers import FIELDS, Options
+from mapless.readers.registry import READERS
 
 
 def open(

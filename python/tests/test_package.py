@@ -92,3 +92,28 @@ def test_the_package_and_its_stubs_pass_mypy(tmp_path):
     assert "numpy.bool" in used.stdout
     assert used.stdout.count("error:") == 1, used.stdout
     assert "forward_gap" in used.stdout
+
+
+def test_the_command_loads_no_readers_where_the_format_is_one_of_the_library(drive):
+    show = "import sys; from mapless._command import run; run(['info', sys.argv[1], '--format', sys.argv[2]]); print('numpy' in sys.modules)"
+    loaded = {
+        form: subprocess.run(
+            [sys.executable, "-c", show, str(drive), form], capture_output=True, text=True, check=False
+        ).stdout.split()[-1]
+        for form in ("native", "boreas")
+    }
+    assert loaded == {"native": "False", "boreas": "True"}
+
+
+def test_the_names_of_formats_are_those_of_the_readers():
+    from mapless.readers import FORMATS
+    from mapless.readers.registry import READERS
+
+    assert [name for reader in READERS for name in reader.formats] == list(FORMATS)
+
+
+def test_every_public_name_is_there():
+    assert {name for name in mapless.__all__ if getattr(mapless, name) is None} == set()
+    assert set(mapless.__all__) <= set(dir(mapless))
+    with pytest.raises(AttributeError, match="no attribute 'opne'"):
+        mapless.opne  # noqa: B018

@@ -123,6 +123,22 @@ def test_real_captures_run_end_to_end(name, package, lasers, scans, tmp_path):
     assert [len(result.label(k)) for k in result.scans] == [len(scan) for scan in recording]
 
 
+def test_an_osf_of_the_sdk_gives_the_labels_of_its_capture(tmp_path):
+    capture = real("ouster_sdk/OS-1-128_v2.3.0_1024x10_lb_n3.pcap")
+    pytest.importorskip("ouster.sdk")
+    from ouster.sdk import open_source, osf
+
+    frames = open_source(str(capture), meta=[str(capture.with_name("OS-1-128_v2.3.0_1024x10.json"))])
+    writer = osf.Writer(str(tmp_path / "drive.osf"), frames.sensor_info)
+    for turn in frames:
+        writer.save(0, turn[0])
+    writer.close()
+    results = [mapless.detect(path, tmp_path / path.suffix[1:]) for path in (capture, tmp_path / "drive.osf")]
+    assert results[0].scans == results[1].scans == [0, 1, 2]
+    for k in results[0].scans:
+        np.testing.assert_array_equal(results[0].label(k), results[1].label(k))
+
+
 def test_a_bag_with_incomplete_metadata_is_refused_with_the_way_out():
     pytest.importorskip("rosbags")
     with pytest.raises(mapless.InputError, match="or give one of its files: 1614315746471294674_0.db3"):

@@ -75,13 +75,18 @@ class BeamOrigins {
   std::vector<Eigen::Vector2d> cos_sin_;
 };
 
-// The records that are returns, in input order. The codes of the others go into their cells. Of several codes
-// the weakest claim is kept: faulty, then nothing within range.
-std::vector<LidarReturn> usable_returns(LidarScan& scan, const std::vector<LidarRecord>& records,
-                                        const std::string& source) {
+std::size_t cell_of(const LidarScan& scan, const LidarRecord& r) {
+  return static_cast<std::size_t>(r.laser) * static_cast<std::size_t>(scan.columns) +
+         static_cast<std::size_t>(r.column);
+}
+
+// The range of every record that is a return; kNoRange of the others, whose codes go into their cells. Of
+// several codes the weakest claim is kept: faulty, then nothing within range.
+constexpr float kNoRange = -1;
+std::vector<float> usable_ranges(LidarScan& scan, const std::vector<LidarRecord>& records,
+                                 const std::string& source) {
   const BeamOrigins origins(scan);
-  std::vector<LidarReturn> returns;
-  returns.reserve(records.size());
+  std::vector<float> ranges(records.size(), kNoRange);
   for (std::size_t i = 0; i < records.size(); ++i) {
     const LidarRecord& r = records[i];
     ReturnCode code = r.code;
@@ -89,35 +94,33 @@ std::vector<LidarReturn> usable_returns(LidarScan& scan, const std::vector<Lidar
       const float range_m = (r.position_v - origins.at(r.laser, r.column)).norm();
       if (r.position_v.allFinite() && range_m > kFarthestPoint_m) refuse_far(source, i, r);
       if (std::isfinite(range_m) && range_m >= kMinRange_m) {
-        returns.push_back(
-            {r.position_v, range_m, r.time_ns, r.column, r.laser, static_cast<std::uint32_t>(i)});
+        ranges[i] = range_m;
         continue;
       }
       code = ReturnCode::faulty;
     }
-    const std::size_t cell = static_cast<std::size_t>(r.laser) * static_cast<std::size_t>(scan.columns) +
-                             static_cast<std::size_t>(r.column);
-    scan.cells[cell] = std::max(scan.cells[cell], empty_cell(code));
+    std::int32_t& cell = scan.cells[cell_of(scan, r)];
+    cell = std::max(cell, empty_cell(code));
   }
-  return returns;
+  return ranges;
 }
 
 // Counting sort by cell: linear in the number of returns, and stable.
-void place(LidarScan& scan, const std::vector<LidarReturn>& returns) {
-  const auto cell_of = [&scan](const LidarReturn& r) {
-    return static_cast<std::size_t>(r.laser) * static_cast<std::size_t>(scan.columns) +
-           static_cast<std::size_t>(r.column);
-  };
+void place(LidarScan& scan, const std::vector<LidarRecord>& records, const std::vector<float>& ranges) {
   std::vector<std::uint32_t> next(scan.cells.size() + 1, 0);
-  for (const LidarReturn& r : returns) ++next[cell_of(r) + 1];
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    if (ranges[i] != kNoRange) ++next[cell_of(scan, records[i]) + 1];
+  }
   for (std::size_t c = 1; c < next.size(); ++c) next[c] += next[c - 1];
-  scan.returns.resize(returns.size());
-  for (const LidarReturn& r : returns) {
-    const std::size_t cell = cell_of(r);
+  scan.returns.resize(next.back());
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    if (ranges[i] == kNoRange) continue;
+    const LidarRecord& r = records[i];
+    const std::size_t cell = cell_of(scan, r);
     const std::uint32_t at = next[cell]++;
-    scan.returns[at] = r;
+    scan.returns[at] = {r.position_v, ranges[i], r.time_ns, r.column, r.laser, static_cast<std::uint32_t>(i)};
     const std::int32_t shown = scan.cells[cell];
-    if (shown < 0 || r.range_m < scan.returns[static_cast<std::size_t>(shown)].range_m) {
+    if (shown < 0 || ranges[i] < scan.returns[static_cast<std::size_t>(shown)].range_m) {
       scan.cells[cell] = static_cast<std::int32_t>(at);
     }
   }
@@ -139,8 +142,7 @@ LidarScan organise(LidarScan scan, const std::vector<LidarRecord>& records, cons
   scan.input_size = records.size();
   scan.cells.assign(static_cast<std::size_t>(scan.rows()) * static_cast<std::size_t>(scan.columns),
                     empty_cell(ReturnCode::absent));
-  const std::vector<LidarReturn> returns = usable_returns(scan, records, source);
-  place(scan, returns);
+  place(scan, records, usable_ranges(scan, records, source));
   return scan;
 }
 

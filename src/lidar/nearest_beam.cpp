@@ -49,11 +49,12 @@ double beam_misfit(const std::vector<Eigen::Vector3f>& points, const std::vector
                    const LidarModel& model) {
   const std::vector<Cone> cones = cones_of(model);
   std::vector<double> angles;
+  angles.reserve(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (!is_usable(points[i])) continue;
     const Eigen::Vector3d p = points[i].cast<double>();
     const Cone& cone = cones[static_cast<std::size_t>(lasers[i])];
-    angles.push_back(cone.distance_m(std::hypot(p.x(), p.y()), p.z()) / p.norm());
+    angles.push_back(cone.distance_m(p.head<2>().norm(), p.z()) / p.norm());
   }
   return angles.empty() ? 0 : median(std::move(angles)) / median_step_rad(model);
 }
@@ -64,7 +65,7 @@ BeamAssignment nearest_beams(const std::vector<Eigen::Vector3f>& points, const L
   assignment.lasers.assign(points.size(), 0);
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (!is_usable(points[i])) continue;
-    const double rho_m = std::hypot(static_cast<double>(points[i].x()), static_cast<double>(points[i].y()));
+    const double rho_m = points[i].head<2>().cast<double>().norm();
     double nearest = std::numeric_limits<double>::infinity();
     for (std::size_t laser = 0; laser < cones.size(); ++laser) {
       const double distance = cones[laser].distance_m(rho_m, static_cast<double>(points[i].z()));

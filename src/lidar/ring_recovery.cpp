@@ -19,13 +19,11 @@ constexpr double kTurn_rad = 2 * std::numbers::pi;
 constexpr double kRingDrop_rad = 0.5;
 // Rounding and compensation move points by less than this across the front, where rings begin: 2 cm at 100 m.
 constexpr double kFrontJitter_rad = 2e-4;
-// Points nearer to the spin axis are no measurements: some writers store 0 0 0 for a missing return.
-constexpr float kNearestToAxisSquared_m2 = 1e-4F;  // 0.01 m
 // Mean distance from the beams, in steps of elevation, of points that have nothing to do with the lasers.
 constexpr double kRandomMisfit = 0.25;
 
 double turn_from_zero(double angle_rad) {
-  const double a = std::fmod(angle_rad, kTurn_rad);
+  const double a = std::abs(angle_rad) < kTurn_rad ? angle_rad : std::fmod(angle_rad, kTurn_rad);
   return std::signbit(a) ? a + kTurn_rad : a;  // includes -0, just before the front
 }
 
@@ -129,16 +127,29 @@ std::vector<std::int32_t> columns_of_firings(const std::vector<int>& lasers_at, 
 }
 
 std::int32_t rounded_modulo(double x, int n) {
-  return static_cast<std::int32_t>(((std::lround(x) % n) + n) % n);
+  const long rounded = std::lround(x);
+  if (rounded >= 0 && rounded < n) return static_cast<std::int32_t>(rounded);
+  return static_cast<std::int32_t>(((rounded % n) + n) % n);
 }
 
-double hub_turn(const Eigen::Vector3f& p, const Laser& laser, const LidarModel& model) {
+// Angle of a point about the spin axis less that of the hub when its laser fired.
+struct HubOffset {
+  double azimuth_rad, across_m;
+
+  explicit HubOffset(const Laser& laser)
+      : azimuth_rad(laser.azimuth_offset_rad),
+        across_m(laser.origin_h_m.y() * std::cos(laser.azimuth_offset_rad) -
+                 laser.origin_h_m.x() * std::sin(laser.azimuth_offset_rad)) {}
+
   // Horizontal origin: across the beam, so it turns the azimuth by asin(h / rho).
-  const double across = laser.origin_h_m.y() * std::cos(laser.azimuth_offset_rad) -
-                        laser.origin_h_m.x() * std::sin(laser.azimuth_offset_rad);
-  const double rho = std::sqrt(p.head<2>().cast<double>().squaredNorm());
-  const double hub =
-      std::atan2(p.y(), p.x()) - laser.azimuth_offset_rad - std::asin(std::clamp(across / rho, -1.0, 1.0));
+  [[nodiscard]] double across_rad(const Eigen::Vector3f& p) const {
+    if (across_m == 0) return 0;
+    return std::asin(std::clamp(across_m / std::sqrt(p.head<2>().cast<double>().squaredNorm()), -1.0, 1.0));
+  }
+};
+
+double hub_turn(const Eigen::Vector3f& p, const HubOffset& offset, const LidarModel& model) {
+  const double hub = std::atan2(p.y(), p.x()) - offset.azimuth_rad - offset.across_rad(p);
   const double turn = turn_from_zero(model.sign() * (hub - model.start_azimuth_rad)) / kTurn_rad;
   return turn < 1 ? turn : 0;
 }
@@ -167,10 +178,6 @@ BareCloudLayout top_first_layout(const LidarModel& model) {
   layout.row_of_ring.resize(model.lasers.size());
   std::iota(layout.row_of_ring.rbegin(), layout.row_of_ring.rend(), 0);
   return layout;
-}
-
-bool is_usable(const Eigen::Vector3f& point) {
-  return point.allFinite() && point.head<2>().squaredNorm() >= kNearestToAxisSquared_m2;
 }
 
 std::vector<std::size_t> ring_starts(const std::vector<Eigen::Vector3f>& points) {
@@ -217,9 +224,10 @@ RecoveredFirings recover_firings(const std::vector<Eigen::Vector3f>& points,
   RecoveredFirings firings;
   firings.columns.assign(points.size(), 0);
   firings.turn.assign(points.size(), 0);
+  const std::vector<HubOffset> offsets(model.lasers.begin(), model.lasers.end());
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (is_usable(points[i])) {
-      firings.turn[i] = hub_turn(points[i], model.lasers[static_cast<std::size_t>(lasers[i])], model);
+      firings.turn[i] = hub_turn(points[i], offsets[static_cast<std::size_t>(lasers[i])], model);
     } else if (i > 0) {
       firings.turn[i] = firings.turn[i - 1];  // only its neighbours in the file are known
     }
@@ -229,8 +237,9 @@ RecoveredFirings recover_firings(const std::vector<Eigen::Vector3f>& points,
   double sum = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
     double& turn = firings.turn[i];
-    const double off = std::remainder(turn * model.columns - firings.columns[i], model.columns);
-    sum += off * off;
+    const double off = std::abs(turn * model.columns - firings.columns[i]);
+    const double nearest_way = std::min(off, model.columns - off);
+    sum += nearest_way * nearest_way;
     if (encoder_steps > 0) {
       // Firings come at a steady rate; the encoder's positions are rounded.
       turn = static_cast<double>(firings.columns[i]) / model.columns;

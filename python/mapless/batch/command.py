@@ -7,15 +7,16 @@ import os
 import shlex
 import signal
 import sys
-from typing import NoReturn
+from typing import TYPE_CHECKING, NoReturn
 
 from mapless.batch import parts, run as local, storage
-from mapless.batch.drives import Drive, find_drives
 from mapless.batch.errors import BatchError, ExitCode
-from mapless.batch.merge import merge
 from mapless.batch.plan import Task, absolute, make_task, read_plan, read_task, write_plan
 from mapless.batch.progress import Progress
 from mapless.batch.task import MAPLESS, reader_options, run_task
+
+if TYPE_CHECKING:
+    from mapless.batch.drives import Drive
 
 PLAN_COPY = "plan.jsonl"
 DEFAULT_RETRIES = 2
@@ -67,12 +68,13 @@ def parser() -> argparse.ArgumentParser:
     )
     plan.add_argument(
         "--view", type=_not_negative, default=0, metavar="SCANS",
-        help="add a page of mapless view to each result, with so many scans spread over the drive (default: none)",
+        help="add a page of mapless view to each result, which shows SCANS scans at equal distances (default: no page)",
     )  # fmt: skip
     plan.add_argument(
         "--chunk", type=_chunk, default=0, metavar="SCANS",
-        help="cut drives that have poses into parts of at least so many scans, a task each; the last joins them to the "
-        "bytes of one run (default: not)",
+        help="cut each drive that has poses into parts of SCANS scans or more, one task for each part; the task that ends "
+        "last joins the labels, which are the bytes of one run. Drives without poses and drives behind URIs are not cut "
+        "(default: no drive is cut)",
     )  # fmt: skip
     plan.add_argument("--evaluate", action="store_true", help="compare with the true labels of the recordings")
 
@@ -119,6 +121,8 @@ def parts_of(drive: Drive, options: tuple[str, ...], chunk: int) -> int:
 
 
 def plan_verb(given: argparse.Namespace) -> int:
+    from mapless.batch.drives import find_drives  # loads every reader; a task needs none
+
     options = tuple(shlex.split(given.options))
     if given.sensor:
         options = ("--sensor", absolute_sensor(given.sensor), *options)
@@ -182,6 +186,8 @@ def run_verb(given: argparse.Namespace) -> int:
 
 
 def merge_verb(given: argparse.Namespace) -> int:
+    from mapless.batch.merge import merge
+
     results = absolute(given.results)
     plan = read_plan(given.plan or storage.joined(results, PLAN_COPY))
     rows, sums = merge(plan, results)

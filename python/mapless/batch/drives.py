@@ -15,7 +15,8 @@ from mapless import _core
 from mapless.batch import storage
 from mapless.batch.errors import BatchError, ExitCode
 from mapless.batch.plan import Refusal, absolute
-from mapless.readers import FIELDS, READERS, bags
+from mapless.readers import FIELDS, bags
+from mapless.readers.registry import READERS
 
 ROSBAG2_KEY = b"rosbag2_bagfile_information"
 # To distinguish copies of a drive from drives of the same sizes: the first bytes of some of the files.

@@ -22,16 +22,22 @@ def joined(place: str, *names: str) -> str:
     return "/".join([place.rstrip("/"), *names]) if is_uri(place) else os.path.join(place, *names)
 
 
+def _extra_of(uri: str) -> str:
+    """What pip installs for the scheme of a URI."""
+    scheme = uri.split("://")[0]
+    return {"s3": "'mapless[s3]'", "gs": "'mapless[gs]'", "gcs": "'mapless[gs]'"}.get(scheme, "fsspec")
+
+
 def file_system(uri: str) -> tuple[Any, str]:
     """The file system of a URI and the path of the URI in it. Credentials: as its fsspec implementation finds them."""
     try:
         import fsspec
     except ImportError:
-        raise BatchError(f"{uri}: URIs need the package fsspec: pip install 'mapless[s3]'") from None
+        raise BatchError(f"{uri}: URIs need the package fsspec: pip install {_extra_of(uri)}") from None
     try:
         system, path = fsspec.core.url_to_fs(uri, use_listings_cache=False)
     except (ImportError, ValueError) as error:
-        raise BatchError(f"{uri}: {error}; s3:// needs pip install 'mapless[s3]'") from None
+        raise BatchError(f"{uri}: {error}; pip install {_extra_of(uri)}") from None
     return system, str(path)
 
 

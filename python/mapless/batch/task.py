@@ -25,7 +25,6 @@ import time
 from collections.abc import Sequence
 from typing import Any
 
-from mapless._result import Result
 from mapless.batch import parts, storage
 from mapless.batch.errors import FINISHED, BatchError, ExitCode
 from mapless.batch.plan import Task, fingerprint
@@ -86,7 +85,7 @@ def _driven_m(folder: str) -> float:
 
 
 def _counts(folder: str) -> dict[str, Any]:
-    summary = Result(folder).summary()
+    summary = json.loads(pathlib.Path(folder, "summary.json").read_text())
     wanted = ("scans", "points", "dynamic_points", "objects", "objects_over_time")
     return {
         **{name: int(summary.get(name, 0)) for name in wanted},
@@ -127,7 +126,8 @@ def _confusion(task: Task, local: str, folder: str, command: Sequence[str]) -> d
 def _write_viewer(task: Task, local: str, folder: str, command: Sequence[str]) -> None:
     if task.view == 0:
         return
-    every = max(1, math.ceil(len(Result(folder)) / task.view))
+    scans = sum(1 for _ in pathlib.Path(folder, "labels").glob("*.label"))
+    every = max(1, math.ceil(scans / task.view))
     page = os.path.join(folder, VIEWER)
     given = _options_of_recording(task.options)
     code, lines = _execute([*command, "view", local, folder, "-o", page, "--format", task.format, "--every", str(every), *given])
@@ -229,6 +229,8 @@ def _label(task: Task, results: str, scratch: str | None, threads: int, command:
 
 def _join(task: Task, results: str, scratch: str | None, threads: int, command: Sequence[str]) -> int:
     """The result of the whole drive, if all of its parts are done. Where they do not fit, by one run."""
+    from mapless.batch.joining import join  # loads NumPy
+
     siblings, whole = task.cut(task.parts), task.whole()
     records = [record for sibling in siblings if (record := record_of(results, sibling)) is not None]
     if len(records) < task.parts:
@@ -243,7 +245,7 @@ def _join(task: Task, results: str, scratch: str | None, threads: int, command: 
                 return ExitCode.SUCCESS
             local = stack.enter_context(storage.local_copy(task.path, scratch))
             folders = [stack.enter_context(storage.local_copy(place, scratch)) for place in places]
-            parts.join(siblings, folders, attempt.output)
+            join(siblings, folders, attempt.output)
             record = _record(whole, attempt.output, ExitCode.SUCCESS, "")
             record |= {"parts": task.parts, "seconds": sum(part["seconds"] for part in records)}
             _write_viewer(whole, local, attempt.output, command)

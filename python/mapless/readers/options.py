@@ -29,5 +29,11 @@ class Options:
     world_frame: str | None = None
 
 
+FORMATS = (
+    *("rosbag1", "rosbag2", "mcap", "velodyne", "ouster", "argoverse2", "boreas", "helipr", "nuscenes", "helimos"),
+    *("bin", "npy", "ply", "las"),
+)
+"""Of all readers of registry.py, in its order."""
+
 FIELDS = {flag: flag.lstrip("-").replace("-", "_") for flag in OPTIONS}
 """Attribute of Options by flag."""

@@ -18,9 +18,10 @@ lasers:
   - {elevation_deg: 1, azimuth_offset_deg: 0, origin_m: [0, 0, 0]}
 """
 
-# Points: the size of times.txt. A file named `exit` in the drive says how to end; "once 9": so at the first call.
+# Points: the size of times.txt. A file named `exit` in the drive says how to end; "once 9": so at the first call; "wait":
+# with 0, once a file `go` lies beside the drives, and its process is named there.
 FAKE_DETECT = '''
-import json, os, pathlib, signal, sys
+import json, os, pathlib, signal, sys, time
 drive, out = pathlib.Path(sys.argv[2]), pathlib.Path(sys.argv[sys.argv.index("-o") + 1])
 with open(os.environ["MAPLESS_TEST_CALLS"], "a") as calls:
     calls.write(drive.name + "\\n")
@@ -30,6 +31,11 @@ how = drive / "exit"
 code = how.read_text() if how.exists() else "0"
 if code.startswith("once "):
     code = code[5:] if open(os.environ["MAPLESS_TEST_CALLS"]).read().split().count(drive.name) == 1 else "0"
+if code == "wait":
+    (drive.parent / f"{drive.name}.pid").write_text(str(os.getpid()))
+while code == "wait":
+    time.sleep(0.05)
+    code = "0" if (drive.parent / "go").exists() else "wait"
 if code == "9":
     os.kill(os.getpid(), signal.SIGKILL)
 if code not in ("0", "4"):

@@ -7,6 +7,8 @@ import pathlib
 import shutil
 import subprocess
 import sys
+import threading
+import time
 
 import pytest
 
@@ -57,6 +59,53 @@ def test_ray(plan, tmp_path, fake, batch, calls, monkeypatch):
     assert code == 3
     assert "4 drives labelled, 0 were done, 1 failed" in err
     require_all_but_the_damaged(tmp_path / "results", calls)
+
+
+def wait_until(condition):
+    end = time.monotonic() + 60
+    while not condition() and time.monotonic() < end:
+        time.sleep(0.05)
+
+
+@pytest.fixture
+def ray_nodes(monkeypatch, calls):
+    """A cluster of two nodes with a core each, and the node that is not the head. Its processes have the environment of now."""
+    pytest.importorskip("ray")
+    from ray import init, shutdown
+    from ray.cluster_utils import Cluster
+
+    monkeypatch.setenv("RAY_AUTH_MODE", "disabled")
+    cluster = Cluster(initialize_head=True, head_node_args={"num_cpus": 1, "include_dashboard": False})
+    second = cluster.add_node(num_cpus=1)
+    cluster.wait_for_nodes()
+    init(address=cluster.address, log_to_driver=False)
+    yield cluster, second
+    shutdown()
+    cluster.shutdown()
+
+
+def test_the_drive_of_a_lost_ray_node_is_labelled_on_another(ray_nodes, tmp_path, make_drive, fake, batch, calls):
+    cluster, second = ray_nodes
+    drives = tmp_path / "drives"
+    for k in range(5):
+        make_drive(drives / f"d{k}", 4 + k, "wait")
+    assert batch("plan", drives, "-o", tmp_path / "plan.jsonl")[0] == 0
+
+    def lose_the_second_node():
+        wait_until(lambda: len(list(drives.glob("*.pid"))) == 2)  # one drive on each node
+        running = [pathlib.Path("/proc") / file.read_text() for file in drives.glob("*.pid")]
+        cluster.remove_node(second, allow_graceful=False)  # ends its processes with SIGKILL
+        wait_until(lambda: not all(process.exists() for process in running))
+        (drives / "go").touch()
+
+    killer = threading.Thread(target=lose_the_second_node)
+    killer.start()
+    code, _, err = batch("run", tmp_path / "plan.jsonl", "-o", tmp_path / "results", "--command", fake, "--ray")
+    killer.join()
+    assert (code, "5 drives labelled, 0 were done, 0 failed" in err) == (0, True)
+    assert sorted(collections.Counter(calls()).values()) == [1, 1, 1, 1, 2]  # again: that of the lost node alone
+    for k in range(5):
+        assert json.loads((tmp_path / "results" / f"d{k}" / "_SUCCESS.json").read_text())["points"] == 4 + k
 
 
 def test_snakemake(plan, tmp_path, batch, calls, path_with_mapless, monkeypatch):

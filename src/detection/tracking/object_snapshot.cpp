@@ -9,6 +9,7 @@
 #include <span>
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 
 #include "detection/dynamic_returns.hpp"
 #include "lidar/aligned_image.hpp"

@@ -30,8 +30,7 @@ constexpr double kLargestShareAtOnce = 0.1;
 constexpr std::int64_t kFarthestFromStamp_ns = 10'000'000'000;
 
 // Rows for rings counted from 0, from the lowest or the highest laser: whichever fits the points better.
-std::vector<std::int32_t> stated_lasers(const RawPoints& points, const LidarModel& model,
-                                        const std::string& source) {
+BeamAssignment stated_lasers(const RawPoints& points, const LidarModel& model, const std::string& source) {
   const auto count = static_cast<std::int64_t>(model.lasers.size());
   std::vector<std::int32_t> lasers(points.rings.size(), 0);
   for (std::size_t i = 0; i < lasers.size(); ++i) {
@@ -45,9 +44,10 @@ std::vector<std::int32_t> stated_lasers(const RawPoints& points, const LidarMode
   }
   std::vector<std::int32_t> reversed = lasers;
   for (std::int32_t& laser : reversed) laser = static_cast<std::int32_t>(count) - 1 - laser;
-  const bool from_top =
-      beam_misfit(points.positions, reversed, model) < beam_misfit(points.positions, lasers, model);
-  return from_top ? reversed : lasers;
+  const double misfit = beam_misfit(points.positions, lasers, model);
+  const double reversed_misfit = beam_misfit(points.positions, reversed, model);
+  if (reversed_misfit < misfit) return {std::move(reversed), reversed_misfit};
+  return {std::move(lasers), misfit};
 }
 
 void require_fit(double misfit, double largest, const LidarModel& model, const std::string& source) {
@@ -158,17 +158,18 @@ struct ScanBuilder::State {
 
 std::vector<std::int32_t> ScanBuilder::State::lasers_of(const RawPoints& points, LidarScan& scan,
                                                         const std::string& source) const {
-  if (recovered || !points.rings.empty()) {
-    std::vector<std::int32_t> lasers =
-        recovered ? lasers_by_rings(points, *recovered, source) : stated_lasers(points, *model, source);
+  if (recovered) {
+    std::vector<std::int32_t> lasers = lasers_by_rings(points, *recovered, source);
     require_fit(beam_misfit(points.positions, lasers, *model), kLargestMisfitStated, *model, source);
-    const bool stated = !recovered || recovered->rings_from == RingSource::field;
+    const bool stated = recovered->rings_from == RingSource::field;
     scan.ring_source = stated ? Provenance::sensor : Provenance::recovered_from_order;
     return lasers;
   }
-  BeamAssignment found = nearest_beams(points.positions, *model);
-  require_fit(found.misfit, kLargestMisfitFound, *model, source);
-  scan.ring_source = Provenance::recovered_from_angle;
+  const bool stated = !points.rings.empty();
+  BeamAssignment found =
+      stated ? stated_lasers(points, *model, source) : nearest_beams(points.positions, *model);
+  require_fit(found.misfit, stated ? kLargestMisfitStated : kLargestMisfitFound, *model, source);
+  scan.ring_source = stated ? Provenance::sensor : Provenance::recovered_from_angle;
   return std::move(found.lasers);
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Geometry>
 #include <tbb/parallel_for.h>
 
 #include "odometry/map/edge_grid.hpp"

@@ -8,7 +8,7 @@ import subprocess
 from collections.abc import Callable
 from typing import Any
 
-from mapless.batch.errors import BatchError, can_succeed_later
+from mapless.batch.errors import BatchError, ExitCode, can_succeed_later
 from mapless.batch.task import end_with_parent
 
 
@@ -54,5 +54,7 @@ class RayRun:
     def _code(self, reference: Any) -> int:
         try:
             return int(self._ray.get(reference))
-        except self._ray.exceptions.WorkerCrashedError:  # after all of its retries
+        except self._ray.exceptions.RayTaskError:  # raised by _execute: the command cannot be started
+            return int(ExitCode.FAILURE)
+        except self._ray.exceptions.RayError:  # a worker or a node is lost, after all retries of Ray
             return 128 + 9
