@@ -6,6 +6,9 @@
 #include <numbers>
 #include <numeric>
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
 #include "lidar/ring_points.hpp"
 #include <mapless/core/errors.hpp>
 
@@ -19,8 +22,6 @@ constexpr double kTurn_rad = 2 * std::numbers::pi;
 constexpr double kRingDrop_rad = 0.5;
 // Rounding and compensation move points by less than this across the front, where rings begin: 2 cm at 100 m.
 constexpr double kFrontJitter_rad = 2e-4;
-// Points nearer to the spin axis are no measurements: some writers store 0 0 0 for a missing return.
-constexpr float kNearestToAxisSquared_m2 = 1e-4F;  // 0.01 m
 // Mean distance from the beams, in steps of elevation, of points that have nothing to do with the lasers.
 constexpr double kRandomMisfit = 0.25;
 
@@ -132,10 +133,18 @@ std::int32_t rounded_modulo(double x, int n) {
   return static_cast<std::int32_t>(((std::lround(x) % n) + n) % n);
 }
 
-double hub_turn(const Eigen::Vector3f& p, const Laser& laser, const LidarModel& model) {
-  // Horizontal origin: across the beam, so it turns the azimuth by asin(h / rho).
-  const double across = laser.origin_h_m.y() * std::cos(laser.azimuth_offset_rad) -
-                        laser.origin_h_m.x() * std::sin(laser.azimuth_offset_rad);
+// Horizontal origin of each laser across its beam.
+std::vector<double> across_m(const LidarModel& model) {
+  std::vector<double> across;
+  for (const Laser& laser : model.lasers) {
+    across.push_back(laser.origin_h_m.y() * std::cos(laser.azimuth_offset_rad) -
+                     laser.origin_h_m.x() * std::sin(laser.azimuth_offset_rad));
+  }
+  return across;
+}
+
+// An origin across the beam turns the azimuth by asin(across / rho).
+double hub_turn(const Eigen::Vector3f& p, const Laser& laser, double across, const LidarModel& model) {
   const double rho = std::sqrt(p.head<2>().cast<double>().squaredNorm());
   const double hub =
       std::atan2(p.y(), p.x()) - laser.azimuth_offset_rad - std::asin(std::clamp(across / rho, -1.0, 1.0));
@@ -167,10 +176,6 @@ BareCloudLayout top_first_layout(const LidarModel& model) {
   layout.row_of_ring.resize(model.lasers.size());
   std::iota(layout.row_of_ring.rbegin(), layout.row_of_ring.rend(), 0);
   return layout;
-}
-
-bool is_usable(const Eigen::Vector3f& point) {
-  return point.allFinite() && point.head<2>().squaredNorm() >= kNearestToAxisSquared_m2;
 }
 
 std::vector<std::size_t> ring_starts(const std::vector<Eigen::Vector3f>& points) {
@@ -217,19 +222,25 @@ RecoveredFirings recover_firings(const std::vector<Eigen::Vector3f>& points,
   RecoveredFirings firings;
   firings.columns.assign(points.size(), 0);
   firings.turn.assign(points.size(), 0);
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (is_usable(points[i])) {
-      firings.turn[i] = hub_turn(points[i], model.lasers[static_cast<std::size_t>(lasers[i])], model);
-    } else if (i > 0) {
-      firings.turn[i] = firings.turn[i - 1];  // only its neighbours in the file are known
+  const std::vector<double> across = across_m(model);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points.size()), [&](const auto& range) {
+    for (std::size_t i = range.begin(); i < range.end(); ++i) {
+      if (!is_usable(points[i])) continue;
+      const auto laser = static_cast<std::size_t>(lasers[i]);
+      firings.turn[i] = hub_turn(points[i], model.lasers[laser], across[laser], model);
     }
+  });
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    // Of a point without position only its neighbours in the file are known.
+    if (i > 0 && !is_usable(points[i])) firings.turn[i] = firings.turn[i - 1];
     firings.columns[i] = rounded_modulo(firings.turn[i] * model.columns, model.columns);
   }
   if (encoder_steps > 0) give_firings_their_columns(points, encoder_steps, model.columns, firings);
   double sum = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
     double& turn = firings.turn[i];
-    const double off = std::remainder(turn * model.columns - firings.columns[i], model.columns);
+    double off = turn * model.columns - firings.columns[i];
+    if (std::abs(off) > 0.5 * model.columns) off = std::remainder(off, model.columns);
     sum += off * off;
     if (encoder_steps > 0) {
       // Firings come at a steady rate; the encoder's positions are rounded.

@@ -27,7 +27,10 @@ struct BareCloudLayout {
 
 /// True for a possible measurement: finite, and at least 0.01 m from the spin axis (some writers store 0 0
 /// 0).
-[[nodiscard]] bool is_usable(const Eigen::Vector3f& point);
+[[nodiscard]] inline bool is_usable(const Eigen::Vector3f& point) {
+  constexpr float kNearestToAxisSquared_m2 = 1e-4F;
+  return point.allFinite() && point.head<2>().squaredNorm() >= kNearestToAxisSquared_m2;
+}
 
 /// Index of the first point of every stored ring, where the azimuth drops by more than half a radian. An
 /// unusable point belongs to the ring of the point before it.
