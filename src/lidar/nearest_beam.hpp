@@ -13,7 +13,7 @@ namespace mapless::inline v1 {
 struct BeamAssignment {
   std::vector<std::int32_t> lasers;  ///< row; 0 for unusable points
   /// Median angle between a usable point and the cone of its laser, divided by the median step in elevation
-  /// between lasers. Random points give 0.25; 0 without a usable point.
+  /// between lasers; of some 4,000 of the points. Random points give 0.25; 0 without a usable point.
   double misfit = 0;
 };
 

@@ -6,6 +6,9 @@
 #include <numbers>
 #include <numeric>
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
 #include "lidar/ring_points.hpp"
 #include <mapless/core/errors.hpp>
 
@@ -225,12 +228,15 @@ RecoveredFirings recover_firings(const std::vector<Eigen::Vector3f>& points,
   firings.columns.assign(points.size(), 0);
   firings.turn.assign(points.size(), 0);
   const std::vector<HubOffset> offsets(model.lasers.begin(), model.lasers.end());
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (is_usable(points[i])) {
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points.size()), [&](const auto& range) {
+    for (std::size_t i = range.begin(); i < range.end(); ++i) {
+      if (!is_usable(points[i])) continue;
       firings.turn[i] = hub_turn(points[i], offsets[static_cast<std::size_t>(lasers[i])], model);
-    } else if (i > 0) {
-      firings.turn[i] = firings.turn[i - 1];  // only its neighbours in the file are known
     }
+  });
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    // Of a point without position only its neighbours in the file are known.
+    if (i > 0 && !is_usable(points[i])) firings.turn[i] = firings.turn[i - 1];
     firings.columns[i] = rounded_modulo(firings.turn[i] * model.columns, model.columns);
   }
   if (encoder_steps > 0) give_firings_their_columns(points, encoder_steps, model.columns, firings);
