@@ -87,6 +87,7 @@ struct LidarOdometry::State {
   MappedTrajectory mapped;                      // without start_up
   MotionSupport support;
   std::shared_ptr<const LidarScan> last_scan;
+  std::size_t last_interval = 0;  // the knot at its start
   int lost_in_a_row = 0;
   double last_ratio = 0;            // inlier ratio of the last registered scan
   bool weakly_constrained = false;  // the last registered scan, in some direction
@@ -98,7 +99,8 @@ struct LidarOdometry::State {
   [[nodiscard]] UsableScan select_points(const LidarScan& scan) const;
   ScanOutcome register_in_start_up(UsableScan scan, OdometryUpdate& update);
   [[nodiscard]] std::optional<Registration> register_to_map(const UsableScan& scan) const;
-  ScanOutcome register_and_insert(const UsableScan& scan, OdometryUpdate& update);
+  ScanOutcome register_and_insert(const UsableScan& points, const LidarScan& scan, OdometryUpdate& update);
+  void add_support(const UsableScan& points, const LidarScan& scan, const OdometryUpdate& update);
   ScanOutcome restart(const LidarScan& scan, OdometryUpdate& update);
   void add_measurement(MotionMeasurement measured);
   void forget_old_measurements();
@@ -171,6 +173,7 @@ ScanOutcome LidarOdometry::State::register_in_start_up(UsableScan scan, Odometry
   last_ratio = update.inlier_ratio;
   support = {};
   support.add(update.mean_robust_weight, update.degeneracy);
+  if (const auto agreement = start_up->mean_edge_agreement()) support.add_edges(*agreement);
   mapped = start_up->best();
   start_up.reset();
   return last_scan_is_supported() ? ScanOutcome::registered : ScanOutcome::unsupported;
@@ -186,10 +189,23 @@ std::optional<Registration> LidarOdometry::State::register_to_map(const UsableSc
   return again && (!found || again->soft_inliers > found->soft_inliers) ? again : found;
 }
 
+void LidarOdometry::State::add_support(const UsableScan& points, const LidarScan& scan,
+                                       const OdometryUpdate& update) {
+  support.add(update.mean_robust_weight, update.degeneracy);
+  if (!support.needs_edges()) return;
+  const auto edges_of = [&](const LidarScan& one, std::size_t interval) {
+    return edges_in_world(select_edges(one, parameters), one.start, mapped.knots[interval],
+                          mapped.knots[interval + 1]);
+  };
+  const auto agreement = edge_agreement(edges_of(*last_scan, last_interval), edges_of(scan, points.interval));
+  if (agreement) support.add_edges(*agreement);
+}
+
 // If the registration is rejected, `update` still has its figures.
-ScanOutcome LidarOdometry::State::register_and_insert(const UsableScan& scan, OdometryUpdate& update) {
-  const auto found = register_to_map(scan);
-  if (found) report(*found, scan.bins, update);
+ScanOutcome LidarOdometry::State::register_and_insert(const UsableScan& points, const LidarScan& scan,
+                                                      OdometryUpdate& update) {
+  const auto found = register_to_map(points);
+  if (found) report(*found, points.bins, update);
   if (!found || update.inlier_ratio < parameters.min_inlier_ratio ||
       !is_plausible(found->knots.back(), mapped.knots.back())) {
     update.covariance = mapped.extrapolate_with_prior(settings);
@@ -200,9 +216,9 @@ ScanOutcome LidarOdometry::State::register_and_insert(const UsableScan& scan, Od
   // Three times as many keypoints constrain three times as much.
   weakly_constrained = constraining < (weakly_constrained ? kWeakDensity : 1) * kFewConstrainingPoints;
   update.covariance = found->last_information.inverse();
-  support.add(update.mean_robust_weight, update.degeneracy);
   mapped.accept(*found);
-  mapped.insert(scan, parameters.map_radius_m);
+  add_support(points, scan, update);
+  mapped.insert(points, parameters.map_radius_m);
   return last_scan_is_supported() ? ScanOutcome::registered : ScanOutcome::unsupported;
 }
 
@@ -273,7 +289,7 @@ ScanOutcome LidarOdometry::State::estimate(const LidarScan& scan, OdometryUpdate
     return ScanOutcome::few_points;
   }
   if (start_up) return register_in_start_up(std::move(points), update);
-  const ScanOutcome outcome = register_and_insert(points, update);
+  const ScanOutcome outcome = register_and_insert(points, scan, update);
   lost_in_a_row = outcome == ScanOutcome::registered ? 0 : lost_in_a_row + 1;
   return lost_in_a_row < kLostBeforeRestart ? outcome : restart(scan, update);
 }
@@ -286,13 +302,15 @@ OdometryUpdate LidarOdometry::State::process(const std::shared_ptr<const LidarSc
   // 1. A knot at the scan's end, predicted with constant velocity.
   const std::size_t first_changed = first_open_knot();
   append_knots(*scan, end);
-  if (start_up) start_up_intervals.push_back(current().knots.size() - 2);
+  const std::size_t interval = current().knots.size() - 2;
+  if (start_up) start_up_intervals.push_back(interval);
   // 2. Keypoints, registered point-to-plane at their own instants with the white-noise-on-acceleration prior
   //    (Anderson and Barfoot, IROS 2015); older knots marginalised; the points inserted into the map.
   OdometryUpdate update;
   update.outcome = estimate(*scan, update);
   update.state = state_of(update);
   last_scan = scan;
+  last_interval = interval;
   forget_old_measurements();
   // 3. The corrected knots, and the trajectory over all knots.
   const std::vector<TrajectoryKnot>& knots = current().knots;

@@ -10,6 +10,9 @@ namespace {
 
 // A ball of kReach_m lies within the eight cubes nearest to its centre.
 constexpr double kCubesPerMetre = 1 / (2 * EdgeGrid::kReach_m);
+// Half a side, a little less: at the very middle of a cube, half a side leads past it to both sides. The
+// weight of an edge beyond is 0 to 1e-8.
+constexpr double kHalfSide = 0.5 - 1e-9;
 constexpr std::size_t kMinSlots = 1024;  // affects speed alone
 
 }  // namespace
@@ -33,7 +36,7 @@ const Eigen::Vector3d* EdgeGrid::nearest(const Eigen::Vector3d& p_0) const {
   const Eigen::Vector3d* out = nullptr;
   double square = kReach_m * kReach_m;
   for (unsigned corner = 0; corner < 8; ++corner) {
-    const auto side = [corner](unsigned axis) { return (corner >> axis & 1U) != 0 ? 0.5 : -0.5; };
+    const auto side = [corner](unsigned axis) { return (corner >> axis & 1U) != 0 ? kHalfSide : -kHalfSide; };
     const std::uint64_t key = cube_key(at.x() + side(0), at.y() + side(1), at.z() + side(2));
     for (std::int32_t i = first_[cube_slot(key, shift_)]; i >= 0; i = next_[static_cast<std::size_t>(i)]) {
       const Eigen::Vector3d& edge = points_0_[static_cast<std::size_t>(i)];
@@ -53,6 +56,14 @@ double EdgeGrid::agreement(const std::vector<Eigen::Vector3d>& points_0) const {
     if (edge != nullptr) out += weight(*edge, p_0);
   }
   return out;
+}
+
+std::optional<double> edge_agreement(const std::vector<Eigen::Vector3d>& earlier_0,
+                                     const std::vector<Eigen::Vector3d>& later_0) {
+  if (std::min(earlier_0.size(), later_0.size()) < kMinEdges) return std::nullopt;
+  EdgeGrid earlier;
+  earlier.insert(earlier_0);
+  return earlier.agreement(later_0) / static_cast<double>(later_0.size());
 }
 
 }  // namespace mapless

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -32,5 +34,13 @@ class EdgeGrid {
   std::vector<std::int32_t> first_;  // of a slot; size a power of two
   int shift_ = 0;                    // leaves the high bits of the hash
 };
+
+/// With fewer edges in a scan chance decides. Chosen.
+inline constexpr std::size_t kMinEdges = 50;
+
+/// The mean weight (EdgeGrid::weight) of the edges of a scan, each with the nearest edge of the scan before:
+/// 0 to 1. None if either scan has fewer than kMinEdges.
+[[nodiscard]] std::optional<double> edge_agreement(const std::vector<Eigen::Vector3d>& earlier_0,
+                                                   const std::vector<Eigen::Vector3d>& later_0);
 
 }  // namespace mapless

@@ -39,8 +39,6 @@ constexpr double kAlikeTurnRate_radps = 0.1;
 constexpr double kDamping = 1e-5;
 // Within this time the motion is taken to first order: 0.06 mm at 200 deg/s and 30 m, (w t)^2 / 2 x range.
 constexpr double kStep_s = 1e-3;
-// With fewer edges chance decides. Chosen.
-constexpr std::size_t kMinVoters = 50;
 // Largest speed, 160 km/h.
 constexpr double kMaxSpeed_mps = 45;
 // Bins of the translation between the scans. Chosen: about EdgeGrid::kReach_m; kBins of either sign reach
@@ -228,7 +226,7 @@ bool are_alike(const Vector6d& varpi_a, const Vector6d& varpi_b) {
 std::vector<EdgeMotion> edge_motions(const UsableScan& first, const UsableScan& second) {
   const std::vector<Edge> earlier = edges_of(first, first.start, kEdges),
                           later = edges_of(second, first.start, kVoters);
-  if (std::min(earlier.size(), later.size()) < kMinVoters) return {};
+  if (std::min(earlier.size(), later.size()) < kMinEdges) return {};
   const double interval_s = (second.start - first.start).seconds();
   std::vector<VotedVelocity> voted =
       voted_velocities(edges_of(first, first.start, kVoters), later, interval_s);
@@ -250,10 +248,10 @@ std::vector<EdgeMotion> edge_motions(const UsableScan& first, const UsableScan& 
   return out;
 }
 
-std::vector<Eigen::Vector3d> edges_in_world(const UsableScan& scan, const TrajectoryKnot& k1,
-                                            const TrajectoryKnot& k2) {
+std::vector<Eigen::Vector3d> edges_in_world(const std::vector<ScanPoint>& edges, Time scan_start,
+                                            const TrajectoryKnot& k1, const TrajectoryKnot& k2) {
   std::vector<Eigen::Vector3d> out;
-  for (const MapPoint& point : points_in_world(scan.edges, scan.start, k1, k2)) out.push_back(point.p_0);
+  for (const MapPoint& point : points_in_world(edges, scan_start, k1, k2)) out.push_back(point.p_0);
   return out;
 }
 

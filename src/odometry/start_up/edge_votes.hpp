@@ -25,7 +25,8 @@ struct EdgeMotion {
 [[nodiscard]] std::vector<EdgeMotion> edge_motions(const UsableScan& first, const UsableScan& second);
 
 /// The edges of a scan in the world frame.
-[[nodiscard]] std::vector<Eigen::Vector3d> edges_in_world(const UsableScan& scan, const TrajectoryKnot& k1,
+[[nodiscard]] std::vector<Eigen::Vector3d> edges_in_world(const std::vector<ScanPoint>& edges,
+                                                          Time scan_start, const TrajectoryKnot& k1,
                                                           const TrajectoryKnot& k2);
 
 }  // namespace mapless

@@ -42,7 +42,7 @@ double motion_cost(const MappedTrajectory& mapped, const UsableScan& scan,
 }
 
 std::vector<Eigen::Vector3d> edges_along(const MappedTrajectory& mapped, const UsableScan& scan) {
-  return edges_in_world(scan, mapped.knots[scan.interval], mapped.knots[scan.interval + 1]);
+  return edges_in_world(scan.edges, scan.start, mapped.knots[scan.interval], mapped.knots[scan.interval + 1]);
 }
 
 }  // namespace
@@ -124,6 +124,22 @@ std::vector<UsableScan> StartUp::start_up_scans() const {
   std::vector<UsableScan> out = unregistered_;
   out.insert(out.end(), scans_.begin(), scans_.end());
   return out;
+}
+
+std::optional<double> StartUp::mean_edge_agreement() const {
+  double sum = 0;
+  int count = 0;
+  std::vector<Eigen::Vector3d> last;
+  for (const UsableScan& scan : scans_) {
+    std::vector<Eigen::Vector3d> edges = edges_along(best(), scan);
+    if (const auto agreement = edge_agreement(last, edges)) {
+      sum += *agreement;
+      ++count;
+    }
+    last = std::move(edges);
+  }
+  if (count == 0) return std::nullopt;
+  return sum / count;
 }
 
 // Soft inliers of all scans, each against the map of the others.

@@ -58,6 +58,9 @@ class StartUp {
   [[nodiscard]] std::size_t first_open_knot() const { return first_open_knot_; }
   /// The trajectory and map of the best hypothesis; once decided, of the only one.
   [[nodiscard]] const MappedTrajectory& best() const { return hypotheses_.front().mapped; }
+  /// edge_agreement() of the scans with their predecessors along the best motion; the mean. None without
+  /// edges.
+  [[nodiscard]] std::optional<double> mean_edge_agreement() const;
 
  private:
   struct Hypothesis {

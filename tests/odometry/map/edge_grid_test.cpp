@@ -53,5 +53,26 @@ TEST(EdgeGrid, EmptyAgreesWithNothing) {
   EXPECT_EQ(EdgeGrid().agreement(anywhere(3, 10)), 0);
 }
 
+// weight = 1 - (0.2 / 0.4)^2 for every edge of a grid of 1 m, all moved by 0.2 m.
+TEST(EdgeAgreement, IsTheMeanWeight) {
+  Points edges;
+  for (int x = 0; x < 10; ++x)
+    for (int y = 0; y < 10; ++y) edges.emplace_back(x, y, 0);
+  Points moved = edges;
+  for (Eigen::Vector3d& p : moved) p.z() += 0.2;
+  EXPECT_NEAR(*edge_agreement(edges, edges), 1, 1e-12);
+  EXPECT_NEAR(*edge_agreement(edges, moved), 0.75, 1e-12);
+  moved.resize(50);
+  for (int i = 0; i < 25; ++i) moved[static_cast<std::size_t>(i)].z() += 1;
+  EXPECT_NEAR(*edge_agreement(edges, moved), 0.375, 1e-12);
+}
+
+TEST(EdgeAgreement, IsNotKnownFromFewEdges) {
+  const Points few(49, Eigen::Vector3d::Zero()), enough(50, Eigen::Vector3d::Zero());
+  EXPECT_FALSE(edge_agreement(few, enough));
+  EXPECT_FALSE(edge_agreement(enough, few));
+  EXPECT_TRUE(edge_agreement(enough, enough));
+}
+
 }  // namespace MAPLESS_FILE
 }  // namespace mapless
