@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 
 namespace mapless::inline v1 {
