@@ -70,6 +70,11 @@ void OwnVehicle::Cell::add(float seen_m, float tolerance_m) {
   }
 }
 
+std::size_t OwnVehicle::cell_index(int row, int column) const {
+  return static_cast<std::size_t>(row) * static_cast<std::size_t>(model_->columns) +
+         static_cast<std::size_t>(column);
+}
+
 bool OwnVehicle::is_key_scan(const SE3& T_v0) {
   if (key_T_v0_) {
     const SE3 motion = T_v0 * key_T_v0_->inverse();
@@ -85,10 +90,9 @@ void OwnVehicle::count_ranges(const LidarScan& scan, float tolerance_m) {
     model_ = scan.model;
     cells_.assign(model_->lasers.size() * static_cast<std::size_t>(model_->columns), {});
   }
-  const auto columns = static_cast<std::size_t>(model_->columns);
   for (const LidarReturn& r : scan.returns) {
     if (r.column >= model_->columns) continue;
-    Cell& cell = cells_[static_cast<std::size_t>(r.laser) * columns + static_cast<std::size_t>(r.column)];
+    Cell& cell = cells_[cell_index(r.laser, r.column)];
     if (r.range_m < kLargestRange_m || cell.same > 0) cell.add(nearest(scan, r, cell.range_m), tolerance_m);
   }
 }
@@ -98,25 +102,42 @@ void OwnVehicle::find_own_cells(const LidarScan& scan) {
   const int columns = model_->columns;
   own_.assign(cells_.size(), false);
   for (int row = 0; row < scan.rows(); ++row) {
-    const std::size_t first = static_cast<std::size_t>(row) * static_cast<std::size_t>(columns);
-    const auto constant = [&](int c) { return cells_[first + static_cast<std::size_t>(c)].constant(); };
-    for (int begin = 0; begin < columns; ++begin) {
-      if (!constant(begin)) continue;
-      int last = begin;
-      for (int c = begin + 1; c < columns && c <= last + 1 + kColumnsAside; ++c)
-        last = constant(c) ? c : last;
-      if (ends_freely(scan, row, begin, -1) && ends_freely(scan, row, last, 1)) {
-        for (int c = begin; c <= last; ++c) own_[first + static_cast<std::size_t>(c)] = constant(c);
-      }
-      begin = last;
+    const std::vector<std::vector<int>> runs = constant_runs(row);
+    for (const std::vector<int>& run : runs) {
+      // A run all around has no end: no object but the own vehicle encloses the sensor.
+      const bool ring = runs.size() == 1 && static_cast<int>(run.size()) + kColumnsAside >= columns;
+      if (!ring && !(ends_freely(scan, row, run.front(), -1) && ends_freely(scan, row, run.back(), 1)))
+        continue;
+      for (const int c : run) own_[cell_index(row, c)] = true;
     }
   }
 }
 
+// Columns of the runs of constant cells of a row, each in the order of the columns, the last of which is
+// followed by the first. A run goes on over up to kColumnsAside others, and ends where the range changes by
+// more than kLinked_m: flat ground beside the own vehicle is constant, too.
+std::vector<std::vector<int>> OwnVehicle::constant_runs(int row) const {
+  const auto range_m = [&](int c) { return cells_[cell_index(row, c)].range_m; };
+  const int columns = model_->columns;
+  std::vector<std::vector<int>> runs;
+  const auto follows = [&](const std::vector<int>& run, int c) {
+    return (c - run.back() + columns) % columns <= kColumnsAside + 1 &&
+           std::abs(range_m(c) - range_m(run.back())) <= kLinked_m;
+  };
+  for (int c = 0; c < columns; ++c) {
+    if (!cells_[cell_index(row, c)].constant()) continue;
+    if (runs.empty() || !follows(runs.back(), c)) runs.emplace_back();
+    runs.back().push_back(c);
+  }
+  if (runs.size() > 1 && follows(runs.back(), runs.front().front())) {
+    runs.back().insert(runs.back().end(), runs.front().begin(), runs.front().end());
+    runs.erase(runs.begin());
+  }
+  return runs;
+}
+
 bool OwnVehicle::ends_freely(const LidarScan& scan, int row, int column, int side) const {
-  const auto cell_index = static_cast<std::size_t>(row) * static_cast<std::size_t>(model_->columns) +
-                          static_cast<std::size_t>(column);
-  const float range_m = cells_[cell_index].range_m;
+  const float range_m = cells_[cell_index(row, column)].range_m;
   int linked = 0;
   for (int k = 1; k <= kBeyondEnd; ++k) {
     const int c = (column + side * k) % scan.columns;
@@ -139,10 +160,9 @@ std::vector<std::int32_t> OwnVehicle::find(const LidarScan& scan, const SE3& T_v
   std::vector<std::int32_t> found;
   if (model_ != scan.model) return found;
   const auto is_own = [&](const LidarReturn& r) {
-    const auto row = static_cast<std::size_t>(r.laser) * static_cast<std::size_t>(model_->columns);
     const int last = std::min(r.column + kColumnsAside, model_->columns - 1);
     for (int c = std::max(r.column - kColumnsAside, 0); c <= last; ++c) {
-      const std::size_t at = row + static_cast<std::size_t>(c);
+      const std::size_t at = cell_index(r.laser, c);
       if (own_[at] && std::abs(r.range_m - cells_[at].range_m) <= tolerance) return true;
     }
     return false;

@@ -19,9 +19,10 @@ namespace mapless::inline v1 {
 /// - A cell is constant if its range was the same, within the tolerance, in at least kFewestKeyScans key
 ///   scans, and in nine tenths of those with a return. A return in a column beside it counts, too. Only
 ///   ranges below kLargestRange_m are learnt.
-/// - Consecutive constant cells of a row are on the own vehicle if they end freely on both sides: in front of
-///   something farther. The side of a lorry that passes slides along itself, so its ranges are constant; but
-///   its ends move, and next to the constant cells the surface goes on.
+/// - Consecutive constant cells of a row, of one surface, are on the own vehicle if they end freely on both
+///   sides: beside something nearer or farther, or nothing; or if they go all around. The side of a lorry
+///   that passes slides along itself, so its ranges are constant; but its ends move, and next to the constant
+///   cells the surface goes on. Ground between parts of the own vehicle may count as one of them.
 /// - A return is on the own vehicle if its range is that of such a cell in its row, at most
 ///   kColumnsAside from its own. Anything in front of the own vehicle has another range.
 ///
@@ -43,9 +44,11 @@ class OwnVehicle {
     [[nodiscard]] bool constant() const;
     void add(float seen_m, float tolerance_m);
   };
+  [[nodiscard]] std::size_t cell_index(int row, int column) const;
   [[nodiscard]] bool is_key_scan(const SE3& T_v0);
   void count_ranges(const LidarScan& scan, float tolerance_m);
   void find_own_cells(const LidarScan& scan);
+  [[nodiscard]] std::vector<std::vector<int>> constant_runs(int row) const;
   [[nodiscard]] bool ends_freely(const LidarScan& scan, int row, int column, int side) const;
 
   std::shared_ptr<const LidarModel> model_;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <memory>
+#include <numeric>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -48,6 +50,43 @@ TEST(OwnVehicle, IsWhatKeepsItsRangeWhileTheSensorMoves) {
   EXPECT_EQ(found_after(9, 0.6), 0U);  // nine key scans do not suffice
   EXPECT_EQ(found_after(10, 0.6), kBonnet);
   EXPECT_EQ(found_after(10, 0, 0.25), kBonnet);  // turned on the spot
+}
+
+// What is found on the bonnet in the last of ten key scans, where the range is `range_m(column, k)`.
+template <typename Range>
+std::size_t found_on(const std::vector<int>& bonnet, const Range& range_m) {
+  OwnVehicle own;
+  const LidarScan first = scan_at(0);
+  std::size_t found = 0;
+  for (int k = 0; k < 10; ++k) {
+    LidarScan scan = test::small_scan({0, 0}, 3);
+    scan.model = first.model;
+    const auto on_bonnet = [&](int c) { return std::find(bonnet.begin(), bonnet.end(), c) != bonnet.end(); };
+    for (LidarReturn& r : scan.returns) r.range_m = on_bonnet(r.column) ? 1.5F : range_m(r.column, k);
+    found = 0;
+    for (const std::int32_t i : own.find(scan, after(0.6 * k), kTolerance_m))
+      if (on_bonnet(scan.returns[static_cast<std::size_t>(i)].column)) ++found;
+  }
+  return found;
+}
+
+TEST(OwnVehicle, ReachesOverTheSeam) {
+  const std::vector<int> bonnet = {20, 21, 22, 23, 0, 1, 2, 3, 4};
+  EXPECT_EQ(found_on(bonnet, [](int, int k) { return 3 - 0.1F * static_cast<float>(k); }), 2 * bonnet.size());
+}
+
+// Flat ground keeps its range, too; in columns 16 to 19 something comes nearer.
+TEST(OwnVehicle, EndsAtFlatGround) {
+  const std::vector<int> bonnet = {5, 6, 7, 8, 9, 10};
+  const auto ground = [](int c, int k) { return c >= 16 && c <= 19 ? 3 - 0.1F * static_cast<float>(k) : 3; };
+  EXPECT_EQ(found_on(bonnet, ground), 2 * bonnet.size());
+}
+
+// The deck of a robot, all around: it has no end.
+TEST(OwnVehicle, MayBeAllAround) {
+  std::vector<int> deck(test::kSmallColumns);
+  std::iota(deck.begin(), deck.end(), 0);
+  EXPECT_EQ(found_on(deck, [](int, int) { return 3.F; }), 2 * deck.size());
 }
 
 TEST(OwnVehicle, IsNotLearntWhileTheSensorStands) {

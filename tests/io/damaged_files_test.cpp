@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "fuzz/readers.hpp"
+#include "support/paths.hpp"
 #include "support/temporary_folder.hpp"
 #include <mapless/io/files.hpp>
 
@@ -51,7 +52,7 @@ TEST_P(DamagedFiles, AreReadOrRefused) {
     (void)refusal(with_a_huge_number(right, random));
   }
   // What fuzzing found (scripts/fuzz.sh).
-  const fs::path kept = fs::path(MAPLESS_TESTS) / "fuzz/corpus" / GetParam().name;
+  const fs::path kept = test::test_file("fuzz/corpus") / GetParam().name;
   if (!fs::is_directory(kept)) return;
   for (const fs::directory_entry& file : fs::directory_iterator(kept)) {
     SCOPED_TRACE(file.path());
