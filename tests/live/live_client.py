@@ -190,6 +190,17 @@ def check_labels(received, truth):
     assert precision > 0.7 and recall > 0.5
 
 
+def diagnostics_after(client, count):
+    """The message and values of the first diagnostics, which come once a second, that count at least `count` clouds."""
+    for _ in range(100):
+        status = client.received["diagnostics"][-1].status[0]
+        values = {value.key: value.value for value in status.values}
+        if int(values["clouds"]) >= count:
+            break
+        client.collect(100)
+    return status.message, values
+
+
 def run(client, drive, own_odometry):
     count = len(list((drive / "scans").iterdir()))
     truth = {}
@@ -221,9 +232,8 @@ def run(client, drive, own_odometry):
     stood = sum(message.width for message in client.received["points_static"])
     assert 0 < moved < stood
     assert bool(client.received["odometry"]) == own_odometry
-    status = client.received["diagnostics"][-1].status[0]
-    values = {value.key: value.value for value in status.values}
-    print(f"diagnostics: {status.message}: {values}")
+    message, values = diagnostics_after(client, count)
+    print(f"diagnostics: {message}: {values}")
     assert values["dropped"] == "0", values
     assert (int(values["measurements"]) > 10 * count) == own_odometry, values
     assert values["motion"] == "good", values
