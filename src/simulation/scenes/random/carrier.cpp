@@ -101,7 +101,8 @@ Carrier draw_carrier(RandomSequence& random, Kind kind) {
   return carrier;
 }
 
-std::function<SE3(double t_s)> body_motion(const Carrier& carrier, std::shared_ptr<const Track> track) {
+std::function<SE3(double t_s)> body_motion(const Carrier& carrier,
+                                           const std::shared_ptr<const Track>& track) {
   switch (carrier.kind) {
     case Kind::hand:
       return [track, shake = carrier.shake](double t) { return hand_held(*track, shake, t); };

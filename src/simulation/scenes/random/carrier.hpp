@@ -32,7 +32,7 @@ struct Carrier {
 [[nodiscard]] Carrier draw_carrier(RandomSequence& random, Carrier::Kind kind);
 /// Its pose T_0b(t) along the track.
 [[nodiscard]] std::function<SE3(double t_s)> body_motion(const Carrier& carrier,
-                                                         std::shared_ptr<const Track> track);
+                                                         const std::shared_ptr<const Track>& track);
 /// Adds its body with this motion where it is in view.
 void add_carrier(SceneBuilder& scene, const Carrier& carrier, const std::function<SE3(double t_s)>& T_0b);
 

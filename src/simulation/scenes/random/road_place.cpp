@@ -132,9 +132,10 @@ ObjectClass draw_vehicle(RandomSequence& random) {
 void add_vehicles(const RoadPlan& plan, RandomSequence& random, std::vector<RoadUser>& users) {
   for (int l = 0; l < 2 * plan.lanes; ++l) {
     const bool oncoming = l % 2 == 1;
-    const double out = plan.lane_m + l / 2 * RoadPlan::kLaneWidth_m;
+    const int lane = l / 2;  // of its direction, from the middle
+    const double out = plan.lane_m + lane * RoadPlan::kLaneWidth_m;
     const double radius = plan.radius_m + (oncoming ? -out : out);
-    const double speed = plan.speed_mps * (l / 2 == 0 ? 1.0 : 0.8);
+    const double speed = plan.speed_mps * (lane == 0 ? 1.0 : 0.8);
     const auto path = wavy_ring({0, 0}, radius, 0, 0, 34 * kMaxSceneDuration_s, oncoming);
     for (double start = 20; start < kTurn * radius - plan.least_gap_m;) {
       RoadUser user;
