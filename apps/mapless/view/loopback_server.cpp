@@ -101,7 +101,7 @@ bool receive(Connection& connection) {
 void accept_into(std::vector<Connection>& connections, int listening) {
   const int socket = accept4(listening, nullptr, nullptr, SOCK_CLOEXEC);
   if (socket < 0) return;
-  if (connections.size() >= kMaxConnections) {  // the oldest has asked nothing
+  if (connections.size() >= kMaxConnections) {  // the oldest has sent no request
     close(connections.front().socket);
     connections.erase(connections.begin());
   }
