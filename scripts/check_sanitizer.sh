@@ -28,6 +28,9 @@ asan) # All but whole scenes, most drives, statistics of many trials and compari
   GTEST_FILTER="$GTEST_FILTER:StartUp.DropsA*:StartUp.APair*:StartUp.FiveScans*:StartUp.EdgesTell*:StartUp.AHill*"
   GTEST_FILTER="$GTEST_FILTER:MotionMeasurements.DecidesThe*:WeakConstraint.*:HardPlaces.AnOpenField*:LidarOdometry.AnEmptyScan*"
   GTEST_FILTER="$GTEST_FILTER:RangeNoise.IsThat*:Detector.ForgetsScans*:PointcloudComparison.AgreesWith*"
+  # The same code as the other tests of random scenes, of runs along own odometry, and of interrupts.
+  GTEST_FILTER="$GTEST_FILTER:RandomScene.NothingIs*:RandomScene.TheSensorTouches*:RandomScene.SeedsDiffer*:Scene.EverySceneHas*"
+  GTEST_FILTER="$GTEST_FILTER:Odometry.TakesMeasurements*:Odometry.InterruptedIt*:MovingObjects.AnIdIs*"
   GTEST_FILTER="$GTEST_FILTER:BenchmarkSpeed.TellsEvery*:Odometry.WritesThe*:Odometry.Replaces*:DetectTest.EstimatesATrajectory*" ;;
 tsan) # what runs on several threads, but for Embree's own, which are not instrumented
   targets=mapless_tests
