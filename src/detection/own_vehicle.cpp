@@ -104,7 +104,7 @@ void OwnVehicle::find_own_cells(const LidarScan& scan) {
   for (int row = 0; row < scan.rows(); ++row) {
     const std::vector<std::vector<int>> runs = constant_runs(row);
     for (const std::vector<int>& run : runs) {
-      // A run all around has no end: no object but the own vehicle encloses the sensor.
+      // A run all around has no end. It is the own vehicle or flat ground: static, either way.
       const bool ring = runs.size() == 1 && static_cast<int>(run.size()) + kColumnsAside >= columns;
       if (!ring && !(ends_freely(scan, row, run.front(), -1) && ends_freely(scan, row, run.back(), 1)))
         continue;
