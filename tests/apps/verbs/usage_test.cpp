@@ -61,6 +61,7 @@ TEST(Usage, WrongUseIsNamedInOneLine) {
 }
 
 TEST(Usage, NumbersAreCheckedInPlainWords) {
+  const test::TemporaryFolder folder;
   expect_error(run_command({"detect", "in", "-o", "out", "--first", "-1"}), 2,
                {"--first: -1", "whole number"});
   expect_error(run_command({"detect", "in", "-o", "out", "--count", "0"}), 2, {"--count: 0", "at least 1"});
@@ -74,7 +75,10 @@ TEST(Usage, NumbersAreCheckedInPlainWords) {
                {"--range-noise-m: nan", "from 0 to 1"});
   expect_error(run_command({"simulate", "town1", "-o", "out", "--duration-s", "nan"}), 2,
                {"--duration-s: nan", "greater than 0"});
-  EXPECT_EQ(run_command({"simulate", "town1", "-o", "out", "--duration-s", "1e300"}).exit_code, 2);
+  const CommandResult longer =
+      run_command({"simulate", "town1", "-o", folder / "out", "--duration-s", "1e300"});
+  EXPECT_EQ(longer.exit_code, 2) << longer.err;
+  EXPECT_THAT(longer.err, HasSubstr("duration = 1e+300 s: not above 0 and at most 600 s"));
   expect_error(run_command({"render", "in", "-o", "x.png", "--scan", "0", "--extent-m", "nan"}), 2,
                {"--extent-m: nan", "from 1 to 1000"});
   for (const char* range : {"0", "nan", "inf", "near"}) {
