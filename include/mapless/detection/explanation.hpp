@@ -30,7 +30,7 @@ struct Observation {
   std::int32_t laser = -1;        ///< of the ray that passes nearest; -1: none passes near
   float short_by_m = 0;           ///< how far before the point it ended; below 0 beyond; NaN: not known
   float aside_m = 0;              ///< how far from the point it passes
-  float occluder_distance_m = 0;  ///< from the point to what hid it, where `occluder` was examined
+  float occluder_distance_m = 0;  ///< from the point to the occluder, where `occluder` was examined
 };
 
 /// What the steps decided about one return.

@@ -20,6 +20,7 @@ constexpr int kBodyVotes = kSeenThroughVotes;
 // the next lane.
 constexpr float kMaxReach_m = 1.5F;
 
+// A velocity is sure to differ from zero by this many standard deviations. Chosen: 99.7 % of a Gaussian.
 constexpr double kSureDeviations = 3;
 
 struct MovingBody {

@@ -9,8 +9,8 @@
 namespace mapless::inline v1 {
 namespace {
 
-// Points asked of an object, for the time it takes: the share of 160 is known to 4 %.
-constexpr std::size_t kPointsAsked = 160;
+// Most points of an object that are tested, for the time it takes: a share of 160 is known to 4 %.
+constexpr std::size_t kMaxTestedPoints = 160;
 
 // A velocity that explains this much less does not explain the rays. Measured: .03 and .07 change no mean
 // IoU of a sensor by more than .004 (docs/notebook/detection.md, "Standing or moving").
@@ -21,17 +21,17 @@ constexpr double kStandingExplains = 0.7;
 // This share where the velocity is known worse than kKnown_mps: the long side of a car alongside slides along
 // itself, and a wrong velocity explains it no better than standing.
 constexpr double kExplainsAlone = 0.8, kKnown_mps = 1;
-// Of the points, the hypothesis has to be asked about at least this share per scan.
+// Least share of the points that the rays of a scan observe.
 constexpr double kObserved = 0.25;
 
-// The scan that has to have seen the object stand: in which it would have been off by its tolerance at this
-// speed. A slow walker with a wrong velocity is not explained by it, but in nearer scans its surface is where
-// it was. Measured: without it, people at 0.4 to 0.6 m/s are lost, up to .06 IoU of a recording.
+// An older scan has to show that the object is static: the nearest in which an object of this speed would be
+// off by its tolerance. The rays of nearer scans end on the surface of a slow walker, too. Measured: without
+// it, people at 0.4 to 0.6 m/s are lost, up to .06 IoU of a recording.
 constexpr double kShownSpeed_mps = 0.3;
-constexpr double kMostOfThem = 0.5;
-constexpr double kObservedBefore = 0.3;  // share of the points
+constexpr double kMostOfThem = 0.5;      // least share of the observed points on a surface
+constexpr double kObservedBefore = 0.3;  // least share of the points that its rays observe
 
-// 1, 2 and 4 scans before: those between tell hardly anything new.
+// 1, 2 and 4 scans before: those between add hardly any evidence.
 bool is_recent(int gap) {
   return gap > 0 && gap <= kRecentGap && std::has_single_bit(static_cast<unsigned>(gap));
 }
@@ -40,7 +40,7 @@ double share(int part, std::size_t all) { return static_cast<double>(part) / sta
 
 }  // namespace
 
-// Up to kPointsAsked of an object, and how far from a surface a ray may end.
+// Up to kMaxTestedPoints of an object, and how far from a surface a ray may end.
 struct StandingTest::Sample {
   std::vector<Eigen::Vector3f> points;
   std::vector<float> columns;
@@ -66,7 +66,7 @@ bool StandingTest::stands(std::span<const std::int32_t> object, const Eigen::Vec
                           double std_mps) const {
   if (recent_.empty() || object.empty()) return false;
   Sample sample;
-  const std::size_t stride = (object.size() + kPointsAsked - 1) / kPointsAsked;
+  const std::size_t stride = (object.size() + kMaxTestedPoints - 1) / kMaxTestedPoints;
   for (std::size_t k = 0; k < object.size(); k += stride) {
     const auto i = static_cast<std::size_t>(object[k]);
     sample.points.push_back(points_[i]);

@@ -11,7 +11,7 @@
 
 namespace mapless::inline v1 {
 
-/// A laser is judged by itself from this many samples on: their median is then within the spread of one
+/// A laser is examined by itself from this many samples on: their median is then within the spread of one
 /// point.
 inline constexpr std::size_t kFewestOfLaser = 10;
 

@@ -103,7 +103,7 @@ std::string axes_text(const std::array<int, 3>& order, const std::array<int, 3>&
   return fmt::format("x, y, z of the points look like {}, {}, {}", name(0), name(1), name(2));
 }
 
-// A rotation about z is told by constant_turn.
+// constant_turn finds a rotation about z.
 std::string wrong_axes(const Attempt& attempt) {
   std::array<int, 3> order = {0, 1, 2};
   std::vector<std::string> fewest;  // the simplest first: fewer negations
