@@ -4,9 +4,11 @@
 A simulated drive is repeated (links to its scans), with 3 s between two rounds, after which the sensor is back at
 the start: a restart in another place, so exit code 4 is as right as 0. Labels are removed as they come, as a program
 that uses them would. Fails where the memory of the last quarter is above that of the second by 1 % or more, processor
-time per scan by 10 % or more, or where the number of open files or threads differs.
+time per scan by 10 % or more, or where the number of open files or threads differs; and where fewer than 3,000 scans
+were measured, because memory grows until the first rounds are over.
 
-usage: soak.py MAPLESS [--minutes 60] [--full-speed] [--odometry] [--sensor HDL-64E-S2] [--work FOLDER]
+usage: soak.py MAPLESS [--minutes 60] [--full-speed] [--odometry] [--sensor HDL-64E-S2] [--round-s 8] [--threads N]
+               [--table FILE.csv] [--work FOLDER]
 
 At 10 Hz (--real-time of mapless detect), or as fast as it goes with --full-speed: then --minutes is the time recorded.
 """
@@ -22,7 +24,8 @@ import sys
 import tempfile
 import time
 
-ROUND_S, PAUSE_S = 8.0, 3.0
+PAUSE_S = 3.0
+FEWEST_SCANS = 3000
 MOST_GROWTH = {"memory": 0.01, "time": 0.10}
 
 
@@ -78,6 +81,9 @@ def watch(process, out, interval_s):
 
 
 def problems(rows):
+    if not rows or rows[-1][0] < FEWEST_SCANS:
+        yield f"{rows[-1][0] if rows else 0} scans are too few to tell whether memory is flat: at least {FEWEST_SCANS}"
+        return
     second, last = rows[len(rows) // 4 : len(rows) // 2], rows[3 * len(rows) // 4 :]
     # The command's own end is no part of it.
     last = last[:-1]
@@ -99,12 +105,13 @@ def problems(rows):
 
 def soak(options, work):
     base, recording, out = work / "base", work / "recording", work / "out"
-    subprocess.run([options.mapless, "simulate", "town1", "--sensor", options.sensor, "--duration-s", str(ROUND_S),
+    subprocess.run([options.mapless, "simulate", "town1", "--sensor", options.sensor, "--duration-s", str(options.round_s),
                     "-o", base], check=True, capture_output=True)
     scans = repeat(base, recording, options.minutes)
     command = [options.mapless, "detect", recording, "-o", out]
     command += [] if options.full_speed else ["--real-time"]
     command += ["--odometry"] if options.odometry else []
+    command += ["--threads", str(options.threads)] if options.threads else []
     print(f"{scans} scans: {' '.join(str(word) for word in command)}", flush=True)
     with open(work / "stderr", "w") as errors:
         process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=errors)
@@ -113,6 +120,9 @@ def soak(options, work):
         finally:
             if process.poll() is None:
                 process.send_signal(signal.SIGTERM)
+    if options.table:
+        head = "scans,memory_kb,processor_s,files,threads"
+        options.table.write_text("\n".join([head, *(",".join(map(str, row)) for row in rows)]) + "\n")
     found = list(problems(rows))
     if process.returncode not in (0, 4):
         found.append(f"exit code {process.returncode}: {(work / 'stderr').read_text().splitlines()[-1:]}")
@@ -131,10 +141,14 @@ def main():
     parser.add_argument("--full-speed", action="store_true")
     parser.add_argument("--odometry", action="store_true")
     parser.add_argument("--sensor", default="HDL-64E-S2")
+    parser.add_argument("--round-s", type=float, default=8, help="length of the drive that is repeated [s]")
+    parser.add_argument("--threads", type=int, help="of mapless detect")
+    parser.add_argument("--table", type=pathlib.Path, help="file for the measurements, one row a second")
     parser.add_argument("--interval-s", type=float, default=1)
     parser.add_argument("--work", type=pathlib.Path, help="folder for temporary files")
     options = parser.parse_args()
     options.mapless = options.mapless.resolve()
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))  # takes the run along
     with tempfile.TemporaryDirectory(dir=options.work) as work:
         sys.exit(0 if soak(options, pathlib.Path(work)) else 1)
 

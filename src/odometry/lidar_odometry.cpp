@@ -9,6 +9,7 @@
 #include "odometry/keypoints/edges.hpp"
 #include "odometry/registration/motion_support.hpp"
 #include "odometry/solver/growing_trajectory.hpp"
+#include "odometry/solver/motion_density.hpp"
 #include "odometry/start_up/start_up.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/odometry/lidar_odometry.hpp>
@@ -104,6 +105,7 @@ struct LidarOdometry::State {
   ScanOutcome restart(const LidarScan& scan, OdometryUpdate& update);
   void add_measurement(MotionMeasurement measured);
   void forget_old_measurements();
+  void forget_before(Time t);
   [[nodiscard]] bool last_scan_is_supported() const;
   [[nodiscard]] MotionState state_of(const OdometryUpdate& update) const;
   [[nodiscard]] std::size_t first_open_knot() const {
@@ -250,6 +252,16 @@ void LidarOdometry::State::forget_old_measurements() {
   std::erase_if(measurements, [&](const MotionMeasurement& one) { return one.time < first; });
 }
 
+// In a start-up, scans refer to knots by their numbers in all hypotheses.
+void LidarOdometry::State::forget_before(Time t) {
+  std::vector<TrajectoryKnot>& knots = mapped.knots;
+  if (start_up || knots.size() <= kDensityKnots) return;
+  const std::size_t dropped = growing.forget_before(std::min(t, knots[knots.size() - kDensityKnots].time));
+  knots.erase(knots.begin(), knots.begin() + static_cast<std::ptrdiff_t>(dropped));
+  mapped.window_begin -= dropped;
+  last_interval -= dropped;
+}
+
 // Begins a new map with this scan, at its extrapolated pose, without any knowledge of its velocity.
 ScanOutcome LidarOdometry::State::restart(const LidarScan& scan, OdometryUpdate& update) {
   start_up.emplace(parameters, settings, mapped.knots);
@@ -347,6 +359,7 @@ void LidarOdometry::add_measurement(const MotionMeasurement& measured) { state_-
 void LidarOdometry::remove_dynamic_points(const LidarScan& scan, const std::vector<std::uint16_t>& object) {
   state_->mapped.remove_dynamic_points(scan, object);
 }
+void LidarOdometry::forget_before(Time t) { state_->forget_before(t); }
 bool LidarOdometry::started() const { return !state_->start_up; }
 const std::vector<TrajectoryKnot>& LidarOdometry::knots() const { return state_->current().knots; }
 const Trajectory& LidarOdometry::trajectory() const { return *state_->trajectory; }

@@ -6,31 +6,65 @@
 #include <mapless/pipeline/online_detector.hpp>
 
 namespace mapless::inline v1 {
+namespace {
+
+// Numbers of restarts in one line.
+constexpr std::size_t kMostRestartsNamed = 8;
+
+}  // namespace
 
 void OdometryReport::add(const LidarScan& scan, const OdometryUpdate& update) {
   // Half a scan: two sensors' clocks and a scan that starts late stay below it, a missing scan does not.
   const double duration_s = (scan.end() - scan.start).seconds();
-  gaps_ += !states_.empty() && (scan.start - last_end_).seconds() > duration_s / 2 ? 1 : 0;
+  gaps_ += scans_ > 0 && (scan.start - last_end_).seconds() > duration_s / 2 ? 1 : 0;
   last_end_ = scan.end();
-  if (update.outcome == ScanOutcome::restarted) restarts_.push_back(states_.size());
-  states_.push_back(update.state);
-  const std::size_t decided = std::min(update.decided_scans, states_.size());
-  std::fill(states_.end() - static_cast<std::ptrdiff_t>(decided), states_.end(), update.state);
+  if (update.outcome == ScanOutcome::restarted) {
+    restarts_.push_back(scans_);
+    settle();
+    starting_ = true;
+  }
+  ++scans_;
+  undecided_.push_back(update.state);
+  const std::size_t decided = std::min(update.decided_scans, undecided_.size());
+  std::fill(undecided_.end() - static_cast<std::ptrdiff_t>(decided), undecided_.end(), update.state);
+  if (update.decided_scans > 1) starting_ = false;
+  if (!starting_) settle();
+}
+
+// No later scan changes the states known so far.
+void OdometryReport::settle() {
+  const std::size_t first = scans_ - undecided_.size();
+  const auto lost = std::find(undecided_.begin(), undecided_.end(), MotionState::lost);
+  if (!first_lost_ && lost != undecided_.end())
+    first_lost_ = first + static_cast<std::size_t>(lost - undecided_.begin());
+  for (const MotionState state : undecided_) ++counts_[static_cast<std::size_t>(state)];
+  undecided_.clear();
 }
 
 std::size_t OdometryReport::count(MotionState state) const {
-  return static_cast<std::size_t>(std::count(states_.begin(), states_.end(), state));
+  return counts_[static_cast<std::size_t>(state)] +
+         static_cast<std::size_t>(std::count(undecided_.begin(), undecided_.end(), state));
 }
 
 std::string OdometryReport::trouble() const {
-  std::vector<std::string> parts;
-  if (const std::size_t lost = count(MotionState::lost); lost > 0) {
-    const auto first = std::find(states_.begin(), states_.end(), MotionState::lost) - states_.begin();
-    parts.push_back(fmt::format("the motion is lost in {} of {} scans, the first of them scan {} of the run",
-                                lost, scans(), first));
+  if (!undecided_.empty()) {
+    OdometryReport settled = *this;
+    settled.settle();
+    return settled.trouble();
   }
-  if (!restarts_.empty())
-    parts.push_back(fmt::format("begun anew at scan {} of the run", fmt::join(restarts_, ", ")));
+  std::vector<std::string> parts;
+  if (first_lost_) {
+    parts.push_back(fmt::format("the motion is lost in {} of {} scans, the first of them scan {} of the run",
+                                count(MotionState::lost), scans_, *first_lost_));
+  }
+  if (!restarts_.empty()) {
+    const std::size_t named = std::min(restarts_.size(), kMostRestartsNamed);
+    parts.push_back(fmt::format(
+        "begun anew at scan {} of the run",
+        fmt::join(restarts_.begin(), restarts_.begin() + static_cast<std::ptrdiff_t>(named), ", ")));
+    if (restarts_.size() > named)
+      parts.back() += fmt::format(", and {} times more", restarts_.size() - named);
+  }
   if (const std::size_t degenerate = count(MotionState::degenerate); degenerate > 0)
     parts.push_back(fmt::format("the motion is degenerate in {} scans", degenerate));
   if (gaps_ > 0) parts.push_back(fmt::format("scans are missing at {} places", gaps_));

@@ -22,6 +22,10 @@ namespace {
 // trajectory there is.
 constexpr std::size_t kMostScansHeldBack = 16;
 
+// The estimated motion is kept from this long before the oldest scan without labels. Chosen: rays may fire
+// before the start of their scan, and whoever takes the labels may ask for the motion a scan earlier.
+const Duration kMotionKept = Duration::from_seconds(1);
+
 std::vector<LabelledScan> joined(std::vector<LabelledScan> first, std::vector<LabelledScan> second) {
   std::move(second.begin(), second.end(), std::back_inserter(first));
   return first;
@@ -127,6 +131,7 @@ std::vector<LabelledScan> OnlineDetector::State::push_estimated(
   report.add(*scan, update);
   remove_dynamic_points();
   keep_unlabelled(*scan, std::move(update));
+  odometry.forget_before(unlabelled.front().start - kMotionKept);
   held_back.push_back(scan);
   std::vector<LabelledScan> done = std::exchange(ready, {});
   if (!odometry.started() && held_back.size() < kMostScansHeldBack) return done;

@@ -60,9 +60,34 @@ TEST(OdometryReport, AStartUpDecidesTheStatesOfItsScans) {
   OdometryUpdate deciding = update_of(ScanOutcome::registered, MotionState::degenerate);
   deciding.decided_scans = 3;
   report.add(scan_at(0.3), deciding);
-  const std::vector<MotionState> expected = {MotionState::lost, MotionState::degenerate,
-                                             MotionState::degenerate, MotionState::degenerate};
-  EXPECT_EQ(report.states(), expected);
+  EXPECT_EQ(report.count(MotionState::lost), 1u);
+  EXPECT_EQ(report.count(MotionState::degenerate), 3u);
+  EXPECT_THAT(report.trouble(), HasSubstr("lost in 1 of 4 scans, the first of them scan 0"));
+}
+
+// The start-up after a loss decides its own scans, not those before the restart.
+TEST(OdometryReport, AStartUpAfterALossDecidesTheScansSinceTheRestart) {
+  OdometryReport report;
+  report.add(scan_at(0.0), update_of(ScanOutcome::first, MotionState::degenerate));
+  OdometryUpdate deciding = update_of(ScanOutcome::registered);
+  deciding.decided_scans = 2;
+  report.add(scan_at(0.1), deciding);
+  report.add(scan_at(0.2), update_of(ScanOutcome::unmatched, MotionState::lost));
+  report.add(scan_at(0.3), update_of(ScanOutcome::restarted, MotionState::lost));
+  report.add(scan_at(0.4), update_of(ScanOutcome::unmatched, MotionState::lost));
+  EXPECT_EQ(report.count(MotionState::lost), 3u);
+  report.add(scan_at(0.5), deciding);
+  EXPECT_EQ(report.count(MotionState::good), 4u);
+  EXPECT_EQ(report.count(MotionState::lost), 2u);
+  EXPECT_THAT(report.trouble(), HasSubstr("lost in 2 of 6 scans, the first of them scan 2"));
+}
+
+// One line, however often the sensor was lost.
+TEST(OdometryReport, NamesTheFirstRestarts) {
+  OdometryReport report;
+  for (int k = 0; k < 1000; ++k) report.add(scan_at(0.1 * k), update_of(ScanOutcome::restarted));
+  EXPECT_THAT(report.trouble(),
+              HasSubstr("begun anew at scan 0, 1, 2, 3, 4, 5, 6, 7 of the run, and 992 times more"));
 }
 
 // A scan may begin up to half its duration late; the one after it is missing where it begins later.

@@ -334,5 +334,25 @@ TEST(OnlineDetector, AScanThatItsPosesDoNotCoverChangesNothing) {
   EXPECT_THROW((void)online.push(scans()[0]), InputError) << "no poses, now";
 }
 
+// A drive without end: sixteen scans of a street with few points, again and again. The sensor jumps back with
+// each round, and its odometry begins anew.
+TEST(OnlineDetector, KeepsTheMotionOfTheLastScansOnly) {
+  const Scans round = test::scans_of(test::cast_scans(with_columns(test::toy_street("VLP-16"), 90), 0, 16));
+  const Duration period = round[1]->start - round[0]->start;
+  OnlineDetector online;
+  std::size_t labelled = 0;
+  for (std::size_t k = 0; k < 700; ++k) {
+    LidarScan scan = *round[k % round.size()];
+    scan.start = round[0]->start + period * static_cast<double>(k);
+    for (const LabelledScan& found : online.push(std::move(scan))) {
+      ++labelled;
+      ASSERT_LE(found.trajectory->begin(), found.scan().start);
+      // 512 knots, a second, and a start-up.
+      ASSERT_LT((found.scan().start - found.trajectory->begin()).seconds(), 56) << labelled;
+    }
+  }
+  EXPECT_GT(labelled, 680u);
+}
+
 }  // namespace MAPLESS_FILE
 }  // namespace mapless

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <cstring>
@@ -147,6 +148,10 @@ std::optional<Estimate> estimate(const Dataset& dataset, const OdometryOptions& 
     out.report.add(*scan, update);
     update.knots.clear();  // the trajectory has them
     updates.push_back(std::move(update));
+    // The states of the first scans are known with the scan that decides their motion.
+    const std::size_t decided = std::min(updates.back().decided_scans, updates.size());
+    for (std::size_t i = updates.size() - decided; i < updates.size(); ++i)
+      updates[i].state = updates.back().state;
     progress.update(k + 1, dataset.size());
   }
   progress.clear();
@@ -155,7 +160,6 @@ std::optional<Estimate> estimate(const Dataset& dataset, const OdometryOptions& 
     const auto& [instant, length] = scans[k];
     out.motions.push_back(
         motion_row(k, {instant, trajectory.at(instant).T_v0}, length.seconds(), updates[k]));
-    out.motions.back().state = name_of(out.report.states()[k]);
     out.at_instants.push_back({instant, trajectory.at(instant).T_v0});
     append_poses(out.rows, scan_poses(trajectory, instant, instant + length, options.poses_per_scan));
   }

@@ -47,11 +47,17 @@ class LidarOdometry {
   /// `scan` is not among the last ten, or if `object` has another length than its returns.
   void remove_dynamic_points(const LidarScan& scan, const std::vector<std::uint16_t>& object);
 
+  /// Drops knots whose motion nobody will ask for, on a drive without end: knots() and trajectory() then
+  /// begin at `t` at the latest. Estimates do not change. Knots go 256 at a time; none goes before started(),
+  /// and the last 21 stay. Snapshots made before keep their knots.
+  void forget_before(Time t);
+
   /// Whether the motion of the first scans is decided, after five to ten usable scans. Until then the knots
   /// are those of the best motion so far. False again after a loss, from a scan with ScanOutcome::restarted
   /// on.
   [[nodiscard]] bool started() const;
-  /// All knots so far, by increasing time. The reference is valid until the next call of process().
+  /// All knots so far, without those dropped, by increasing time. The reference is valid until the next call
+  /// of process().
   [[nodiscard]] const std::vector<TrajectoryKnot>& knots() const;
   /// The trajectory over knots(). Its domain is empty before the first scan. The reference is valid until the
   /// next call of process().

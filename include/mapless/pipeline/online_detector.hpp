@@ -1,9 +1,11 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,16 +18,16 @@
 
 namespace mapless::inline v1 {
 
-/// The states of the motion over a run.
+/// The states of the motion over a run. Memory does not grow with the number of scans once odometry has
+/// started, but for 8 bytes a restart.
 class OdometryReport {
  public:
   /// Adds the scan that `update` is of. Scans come in the order in which odometry processed them.
   void add(const LidarScan& scan, const OdometryUpdate& update);
 
-  [[nodiscard]] std::size_t scans() const { return states_.size(); }
+  [[nodiscard]] std::size_t scans() const { return scans_; }
+  /// Number of scans with this state, as known by now.
   [[nodiscard]] std::size_t count(MotionState state) const;
-  /// One per scan, as known by now.
-  [[nodiscard]] const std::vector<MotionState>& states() const { return states_; }
   /// Numbers of the scans, counted from 0, with which a new map began after a loss.
   [[nodiscard]] const std::vector<std::size_t>& restarts() const { return restarts_; }
   /// Number of scans that begin more than half a scan's duration after the scan before them.
@@ -35,7 +37,13 @@ class OdometryReport {
   [[nodiscard]] std::string trouble() const;
 
  private:
-  std::vector<MotionState> states_;
+  void settle();
+
+  std::size_t scans_ = 0;
+  std::array<std::size_t, 3> counts_ = {};  // by state, of the scans whose state no later scan changes
+  std::optional<std::size_t> first_lost_;   // of these scans
+  std::vector<MotionState> undecided_;      // of the last scans, while the motion of the first is not decided
+  bool starting_ = true;
   std::vector<std::size_t> restarts_;
   std::size_t gaps_ = 0;
   Time last_end_;  // of the scan before
@@ -63,7 +71,8 @@ struct LabelledScan {
   /// Labels per return of the scan, and the objects. `detection.sequence_number` counts the scans pushed,
   /// from 0. Where the motion is lost, no point has a label: `detection.motion_known` is false.
   Detection detection;
-  /// T_v0(t) over the whole scan: the one given, or what odometry had estimated when the labels were made.
+  /// T_v0(t) over the whole scan: the one given, or what odometry had estimated when the labels were made,
+  /// which begins a second or more before the scan, or with the first scan of the drive.
   std::shared_ptr<const Trajectory> trajectory;
   /// What odometry found with this scan; null where poses were given. trouble_of() puts it into words.
   std::shared_ptr<const OdometryUpdate> odometry;

@@ -66,6 +66,14 @@ void GrowingTrajectory::update(std::span<const TrajectoryKnot> knots, std::size_
     chunks_.push_back(chunk_of(knots.subspan(first, kKnots + 1)));
 }
 
+std::size_t GrowingTrajectory::forget_before(Time t) {
+  const auto first_kept = std::find_if(chunks_.begin(), chunks_.end(),
+                                       [&](const Chunk& chunk) { return chunk->back().time > t; });
+  const auto dropped = static_cast<std::size_t>(first_kept - chunks_.begin());
+  chunks_.erase(chunks_.begin(), first_kept);
+  return dropped * kKnots;
+}
+
 std::shared_ptr<const Trajectory> GrowingTrajectory::snapshot(std::span<const TrajectoryKnot> knots) const {
   std::vector<Chunk> chunks = chunks_;
   const auto rest = knots.subspan(std::min(chunks_.size() * kKnots, knots.size()));

@@ -6,7 +6,7 @@ namespace {
 // Length of the sliding window, in intervals between knots: 2 s at 10 Hz. Chosen: the relative error of a
 // variance from 19 differences on 3 axes is a fifth, and a braking vehicle changes its density within
 // seconds.
-constexpr std::size_t kWindowIntervals = 20;
+constexpr std::size_t kWindowIntervals = kDensityKnots - 1;
 // Weight of the expected density, in intervals. Chosen: the density is not zero after two equal velocities.
 constexpr double kExpectedWeight = 2;
 // Derived. If the acceleration is white, the mean velocities of two intervals dt differ by d with

@@ -53,6 +53,28 @@ TEST(GrowingTrajectory, ASnapshotEqualsTheTrajectoryOverTheSameKnots) {
   }
 }
 
+// As long as three chunks, all but the last three knots final. The first chunk ends with knot 256.
+TEST(GrowingTrajectory, ForgetsWholeChunksThatEndBeforeATime) {
+  const std::size_t chunk = GrowingTrajectory::kKnots;
+  const std::vector<TrajectoryKnot> drive = knots_of_drive(3 * chunk + 9);
+  std::vector<TrajectoryKnot> knots(drive.begin(), drive.end() - 100);
+  GrowingTrajectory chunks;
+  chunks.update(knots, knots.size() - 3);
+  const auto before = chunks.snapshot(knots);
+  EXPECT_EQ(chunks.forget_before(drive[chunk].time - Duration::from_nanoseconds(1)), 0u);
+  ASSERT_EQ(chunks.forget_before(drive[chunk + 5].time), chunk);
+  knots = {drive.begin() + static_cast<std::ptrdiff_t>(chunk), drive.end()};
+  chunks.update(knots, knots.size() - 3);
+  const auto snapshot = chunks.snapshot(knots);
+  EXPECT_EQ(before->begin(), drive.front().time) << "a snapshot stays as it is";
+  EXPECT_EQ(snapshot->begin(), drive[chunk].time);
+  EXPECT_EQ(snapshot->end(), drive.back().time);
+  const GaussianProcessTrajectory whole(drive, "test");
+  for (const TrajectoryKnot& knot : knots) expect_equal(snapshot->at(knot.time), whole.at(knot.time));
+  EXPECT_THROW((void)snapshot->at(drive[chunk - 1].time), TrajectoryDomainError);
+  ASSERT_EQ(chunks.forget_before(drive.back().time), 2 * chunk) << "not the knots after the last full chunk";
+}
+
 TEST(GrowingTrajectory, OfLessThanTwoKnotsTheDomainIsEmpty) {
   for (const std::size_t count : {std::size_t{0}, std::size_t{1}}) {
     const auto snapshot = GrowingTrajectory().snapshot(knots_of_drive(count));
