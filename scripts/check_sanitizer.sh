@@ -46,6 +46,7 @@ tsan) # what runs on several threads, but for Embree's own, which are not instru
 esac
 export GTEST_FILTER GTEST_BRIEF=1
 export ASAN_OPTIONS=detect_stack_use_after_return=1:strict_string_checks=1
+export LSAN_OPTIONS="suppressions=$PWD/tests/leaks_of_others.txt:print_suppressions=0"
 export UBSAN_OPTIONS=print_stacktrace=1
 export TSAN_OPTIONS=halt_on_error=1
 cmake --preset "$1"

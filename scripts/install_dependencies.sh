@@ -7,7 +7,7 @@ set -eu
 
 packages="cmake g++ ninja-build pkg-config
   libeigen3-dev libtbb-dev libnanoflann-dev libyaml-cpp-dev libfmt-dev
-  libprotobuf-dev protobuf-compiler libcli11-dev nlohmann-json3-dev libpng-dev zlib1g-dev"
+  libprotobuf-dev protobuf-compiler libcli11-dev nlohmann-json3-dev libcairo2-dev zlib1g-dev"
 # Without the first the simulator is left out, without the others mapless live.
 optional="libembree-dev cyclonedds-dev cyclonedds-tools"
 

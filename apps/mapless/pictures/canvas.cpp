@@ -1,165 +1,160 @@
 #include "pictures/canvas.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <string>
+#include <cstddef>
+#include <cstdint>
+#include <numbers>
 
-#include <png.h>
+#include <cairo.h>
+#include <fmt/format.h>
 
-#include "pictures/font.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/io/files.hpp>
 
 namespace mapless::app {
 namespace {
 
-constexpr int kLetterAdvance = kLetterColumns + 1;
+constexpr double kCapHeight = 0.73;  // height of a capital letter of DejaVu Sans by the size of the font
 
-// Ratio of a pixel's area inside an edge at this signed distance [px].
-float coverage(float distance_inside) { return std::clamp(distance_inside + 0.5F, 0.0F, 1.0F); }
+std::shared_ptr<cairo_t> picture(int width, int height) {
+  cairo_surface_t* const surface = cairo_image_surface_create(CAIRO_FORMAT_RGB24, width, height);
+  std::shared_ptr<cairo_t> cairo(cairo_create(surface), cairo_destroy);
+  cairo_surface_destroy(surface);  // cairo holds it
+  if (cairo_status(cairo.get()) != CAIRO_STATUS_SUCCESS) {
+    throw OutputError({"picture", "size", fmt::format("{} x {}", width, height),
+                       cairo_status_to_string(cairo_status(cairo.get())), "draw a smaller picture"});
+  }
+  return cairo;
+}
 
-std::uint8_t byte_of(float value) {
-  return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0F, 255.0F)));
+cairo_surface_t* surface_of(cairo_t* cairo) { return cairo_get_target(cairo); }
+
+// The row of 0xRRGGBB.
+std::uint32_t* row_of(cairo_surface_t* surface, int y) {
+  cairo_surface_flush(surface);
+  unsigned char* const row =
+      cairo_image_surface_get_data(surface) + std::ptrdiff_t{y} * cairo_image_surface_get_stride(surface);
+  return reinterpret_cast<std::uint32_t*>(row);  // of a surface of 32 bits a pixel
+}
+
+void choose(cairo_t* cairo, Color color, double opacity) {
+  cairo_set_source_rgba(cairo, color.red / 255, color.green / 255, color.blue / 255, opacity);
+}
+
+// Fewer colours make a smaller file.
+void coarsen(cairo_surface_t* surface) {
+  for (int y = 0; y < cairo_image_surface_get_height(surface); ++y) {
+    std::uint32_t* const row = row_of(surface, y);
+    std::transform(row, row + cairo_image_surface_get_width(surface), row,
+                   [](std::uint32_t pixel) { return (pixel & 0xF8F8F8) | 0x040404; });
+  }
+  cairo_surface_mark_dirty(surface);
+}
+
+cairo_status_t append(void* png, const unsigned char* bytes, unsigned int count) {
+  static_cast<std::string*>(png)->append(bytes, bytes + count);
+  return CAIRO_STATUS_SUCCESS;
 }
 
 }  // namespace
 
-Canvas::Canvas(int width, int height, Color background)
-    : width_(width),
-      height_(height),
-      pixels_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), background) {
+Canvas::Canvas(int width, int height, Color background, int pixels_per_unit)
+    : cairo_(picture(width * pixels_per_unit, height * pixels_per_unit)) {
+  choose(cairo_.get(), background, 1);
+  cairo_paint(cairo_.get());
+  cairo_scale(cairo_.get(), pixels_per_unit, pixels_per_unit);
+  cairo_set_line_cap(cairo_.get(), CAIRO_LINE_CAP_ROUND);
+  cairo_select_font_face(cairo_.get(), "sans-serif", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
+  // The same letters whatever the settings of the desktop.
+  cairo_font_options_t* const font = cairo_font_options_create();
+  cairo_font_options_set_antialias(font, CAIRO_ANTIALIAS_GRAY);
+  cairo_font_options_set_hint_style(font, CAIRO_HINT_STYLE_NONE);
+  cairo_font_options_set_hint_metrics(font, CAIRO_HINT_METRICS_OFF);
+  cairo_set_font_options(cairo_.get(), font);
+  cairo_font_options_destroy(font);
+}
+
+int Canvas::width() const { return cairo_image_surface_get_width(surface_of(cairo_.get())); }
+
+int Canvas::height() const { return cairo_image_surface_get_height(surface_of(cairo_.get())); }
+
+Color Canvas::pixel(int x, int y) const {
+  const std::uint32_t pixel = row_of(surface_of(cairo_.get()), y)[x];
+  const auto channel = [pixel](int shift) { return static_cast<double>(pixel >> shift & 0xFF); };
+  return {channel(16), channel(8), channel(0)};
+}
+
+void Canvas::clip(double x, double y, double width, double height) {
   unclip();
+  cairo_rectangle(cairo_.get(), x, y, width, height);
+  cairo_clip(cairo_.get());
 }
 
-void Canvas::clip(int x, int y, int width, int height) {
-  clip_left_ = std::max(0, x);
-  clip_top_ = std::max(0, y);
-  clip_right_ = std::min(width_, x + width);
-  clip_bottom_ = std::min(height_, y + height);
+void Canvas::unclip() { cairo_reset_clip(cairo_.get()); }
+
+void Canvas::rectangle(double x, double y, double width, double height, Color color, double opacity) {
+  choose(cairo_.get(), color, opacity);
+  cairo_rectangle(cairo_.get(), x, y, width, height);
+  cairo_fill(cairo_.get());
 }
 
-void Canvas::blend(int x, int y, Color color, float opacity) {
-  if (x < clip_left_ || x >= clip_right_ || y < clip_top_ || y >= clip_bottom_ || opacity <= 0) return;
-  Color& p =
-      pixels_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)];
-  p.red += opacity * (color.red - p.red);
-  p.green += opacity * (color.green - p.green);
-  p.blue += opacity * (color.blue - p.blue);
+void Canvas::disc(double x, double y, double radius, Color color, double opacity) {
+  choose(cairo_.get(), color, opacity);
+  cairo_arc(cairo_.get(), x, y, radius, 0, 2 * std::numbers::pi);
+  cairo_fill(cairo_.get());
 }
 
-void Canvas::rectangle(int x, int y, int width, int height, Color color, float opacity) {
-  for (int j = y; j < y + height; ++j) {
-    for (int i = x; i < x + width; ++i) blend(i, j, color, opacity);
-  }
+void Canvas::line(double x1, double y1, double x2, double y2, double width, Color color, double dash) {
+  choose(cairo_.get(), color, 1);
+  cairo_set_line_width(cairo_.get(), width);
+  cairo_set_dash(cairo_.get(), &dash, dash > 0 ? 1 : 0, 0);
+  cairo_move_to(cairo_.get(), x1, y1);
+  cairo_line_to(cairo_.get(), x2, y2);
+  cairo_stroke(cairo_.get());
 }
 
-void Canvas::disc(float x, float y, float radius, Color color, float opacity) {
-  const int left = static_cast<int>(std::floor(x - radius - 1)),
-            right = static_cast<int>(std::ceil(x + radius + 1));
-  const int top = static_cast<int>(std::floor(y - radius - 1)),
-            bottom = static_cast<int>(std::ceil(y + radius + 1));
-  for (int j = top; j < bottom; ++j) {
-    for (int i = left; i < right; ++i) {
-      const float distance = std::hypot(static_cast<float>(i) + 0.5F - x, static_cast<float>(j) + 0.5F - y);
-      blend(i, j, color, opacity * coverage(radius - distance));
-    }
-  }
+void Canvas::ring(double x, double y, double radius, double line_width, Color color, double opacity) {
+  choose(cairo_.get(), color, opacity);
+  cairo_set_line_width(cairo_.get(), line_width);
+  cairo_set_dash(cairo_.get(), nullptr, 0, 0);
+  cairo_new_sub_path(cairo_.get());
+  cairo_arc(cairo_.get(), x, y, radius, 0, 2 * std::numbers::pi);
+  cairo_stroke(cairo_.get());
 }
 
-void Canvas::line(float x1, float y1, float x2, float y2, float width, Color color, float opacity) {
-  const float dx = x2 - x1, dy = y2 - y1, length2 = dx * dx + dy * dy, reach = width / 2 + 1;
-  const int left = static_cast<int>(std::floor(std::min(x1, x2) - reach)),
-            right = static_cast<int>(std::ceil(std::max(x1, x2) + reach));
-  const int top = static_cast<int>(std::floor(std::min(y1, y2) - reach)),
-            bottom = static_cast<int>(std::ceil(std::max(y1, y2) + reach));
-  for (int j = top; j < bottom; ++j) {
-    for (int i = left; i < right; ++i) {
-      const float x = static_cast<float>(i) + 0.5F - x1, y = static_cast<float>(j) + 0.5F - y1;
-      const float along = length2 > 0 ? std::clamp((x * dx + y * dy) / length2, 0.0F, 1.0F) : 0.0F;
-      blend(i, j, color, opacity * coverage(width / 2 - std::hypot(x - along * dx, y - along * dy)));
-    }
-  }
+void Canvas::arrow_right(double x, double y, double size, Color color) {
+  choose(cairo_.get(), color, 1);
+  cairo_move_to(cairo_.get(), x + size, y);
+  cairo_line_to(cairo_.get(), x - size, y + size);
+  cairo_line_to(cairo_.get(), x - size, y - size);
+  cairo_fill(cairo_.get());
 }
 
-void Canvas::ring(float x, float y, float radius, float line_width, Color color, float opacity) {
-  for (int j = clip_top_; j < clip_bottom_; ++j) {
-    for (int i = clip_left_; i < clip_right_; ++i) {
-      const float distance = std::hypot(static_cast<float>(i) + 0.5F - x, static_cast<float>(j) + 0.5F - y);
-      blend(i, j, color, opacity * coverage(line_width / 2 - std::abs(distance - radius)));
-    }
-  }
-}
-
-void Canvas::arrow_right(float x, float y, float size, Color color) {
-  const int reach = static_cast<int>(std::ceil(size)) + 1;
-  for (int j = -reach; j <= reach; ++j) {
-    for (int i = -reach; i <= reach; ++i) {
-      const float u = static_cast<float>(i), v = std::abs(static_cast<float>(j));
-      // Inside the two slanted edges from the tip, and right of the base.
-      const float slanted = (size - u - 2 * v) / std::sqrt(5.0F);
-      blend(static_cast<int>(x) + i, static_cast<int>(y) + j, color, coverage(std::min(slanted, u + size)));
-    }
-  }
-}
-
-int Canvas::text(int x, int y, std::string_view text, int scale, Color color, float opacity) {
-  for (const char letter : text) {
-    const LetterRows rows = letter_rows(letter);
-    for (int row = 0; row < kLetterRows; ++row) {
-      for (int column = 0; column < kLetterColumns; ++column) {
-        if ((rows.at(static_cast<std::size_t>(row)) >> (kLetterColumns - 1 - column) & 1) == 0) continue;
-        rectangle(x + column * scale, y + row * scale, scale, scale, color, opacity);
-      }
-    }
-    x += kLetterAdvance * scale;
-  }
-  return x;
-}
-
-int Canvas::text_width(std::string_view text, int scale) {
-  return static_cast<int>(text.size()) * kLetterAdvance * scale;
-}
-
-Color Canvas::mean(int x, int y, int size) const {
-  Color sum;
-  for (int row = y; row < y + size; ++row) {
-    for (int column = x; column < x + size; ++column) {
-      const Color& p = pixels_[static_cast<std::size_t>(row * width_ + column)];
-      sum = {sum.red + p.red, sum.green + p.green, sum.blue + p.blue};
-    }
-  }
-  const auto count = static_cast<float>(size * size);
-  return {sum.red / count, sum.green / count, sum.blue / count};
+double Canvas::text(double x, double y, const std::string& text, double size, Color color, Anchor anchor) {
+  cairo_set_font_size(cairo_.get(), size);
+  cairo_text_extents_t extents;
+  cairo_text_extents(cairo_.get(), text.c_str(), &extents);
+  const double shift = anchor == Anchor::left ? 0 : anchor == Anchor::middle ? 0.5 : 1;
+  choose(cairo_.get(), color, 1);
+  cairo_move_to(cairo_.get(), x - shift * extents.x_advance, y + kCapHeight / 2 * size);
+  cairo_show_text(cairo_.get(), text.c_str());
+  return extents.x_advance;
 }
 
 void Canvas::write_png(const std::filesystem::path& file, int reduce) const {
-  const int width = width_ / reduce, height = height_ / reduce;
-  const auto coarse = [reduce](float value) {
-    const std::uint8_t byte = byte_of(value);
-    return reduce == 1 ? byte : static_cast<std::uint8_t>(byte / 8 * 8 + 4);
-  };
-  std::vector<std::uint8_t> bytes;
-  bytes.reserve(static_cast<std::size_t>(width * height) * 3);
-  for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x) {
-      const Color p = mean(x * reduce, y * reduce, reduce);
-      bytes.insert(bytes.end(), {coarse(p.red), coarse(p.green), coarse(p.blue)});
-    }
+  std::shared_ptr<cairo_t> reduced = cairo_;
+  if (reduce > 1) {
+    reduced = picture(width() / reduce, height() / reduce);
+    cairo_scale(reduced.get(), 1.0 / reduce, 1.0 / reduce);
+    cairo_set_source_surface(reduced.get(), surface_of(cairo_.get()), 0, 0);
+    cairo_paint(reduced.get());
+    coarsen(surface_of(reduced.get()));
   }
-  png_image image = {};
-  image.version = PNG_IMAGE_VERSION;
-  image.width = static_cast<png_uint_32>(width);
-  image.height = static_cast<png_uint_32>(height);
-  image.format = PNG_FORMAT_RGB;
-  png_alloc_size_t size = 0;
   std::string png;
-  if (png_image_write_to_memory(&image, nullptr, &size, 0, bytes.data(), 0, nullptr) != 0) {
-    png.resize(size);
-    png_image_write_to_memory(&image, png.data(), &size, 0, bytes.data(), 0, nullptr);
+  const cairo_status_t status = cairo_surface_write_to_png_stream(surface_of(reduced.get()), append, &png);
+  if (status != CAIRO_STATUS_SUCCESS) {
+    throw OutputError({file.string(), "PNG", "", cairo_status_to_string(status), "draw a smaller picture"});
   }
-  if (PNG_IMAGE_FAILED(image))
-    throw OutputError({file.string(), "PNG", "", image.message, "try a smaller picture"});
-  png.resize(size);
   write_file_atomically(file, png);
 }
 

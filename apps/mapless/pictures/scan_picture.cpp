@@ -13,9 +13,11 @@ namespace mapless::app {
 namespace {
 
 constexpr int kPictureWidth = 1600, kMargin = 20, kInnerWidth = kPictureWidth - 2 * kMargin;
-constexpr int kBirdViewHeight = 780, kTitleHeight = 34, kTextScale = 2, kTextHeight = 7 * kTextScale;
+constexpr int kBirdViewHeight = 780, kTitleHeight = 34, kTextHeight = 14;
+constexpr double kTextSize = 18;
 constexpr int kRangeImageHeight = 256;
-constexpr Color kBackground{13, 16, 22}, kPanel{20, 25, 33}, kText{205, 212, 222}, kFaint{96, 108, 124};
+constexpr Color kBackground{13, 16, 22}, kPanel{20, 25, 33}, kText{205, 212, 222}, kFaint{96, 108, 124},
+    kLabel{159, 165, 174};
 constexpr Color kHit{64, 220, 120}, kFalse{255, 76, 66}, kMissed{72, 150, 255}, kUnjudged{250, 190, 60};
 
 struct Rectangle {
@@ -119,10 +121,7 @@ double ring_step(double extent_m) {
 class BirdView {
  public:
   BirdView(Canvas& canvas, const Rectangle& area, double extent_m)
-      : canvas_(canvas),
-        area_(area),
-        extent_m_(extent_m),
-        scale_(static_cast<float>(area.width / (2 * extent_m))) {}
+      : canvas_(canvas), area_(area), extent_m_(extent_m), scale_(area.width / (2 * extent_m)) {}
 
   void draw(const std::vector<PicturePoint>& points) {
     canvas_.rectangle(area_.x, area_.y, area_.width, area_.height, kPanel);
@@ -135,17 +134,13 @@ class BirdView {
   }
 
  private:
-  [[nodiscard]] float centre_x() const {
-    return static_cast<float>(area_.x) + static_cast<float>(area_.width) / 2;
-  }
-  [[nodiscard]] float centre_y() const {
-    return static_cast<float>(area_.y) + static_cast<float>(area_.height) / 2;
-  }
+  [[nodiscard]] double centre_x() const { return area_.x + area_.width / 2.0; }
+  [[nodiscard]] double centre_y() const { return area_.y + area_.height / 2.0; }
 
   void draw_rings() {
     const double step = ring_step(extent_m_);
     for (double radius = step; radius < extent_m_ * 1.2; radius += step) {
-      canvas_.ring(centre_x(), centre_y(), static_cast<float>(radius) * scale_, 1.2F, kFaint, 0.45F);
+      canvas_.ring(centre_x(), centre_y(), radius * scale_, 1.2, kFaint, 0.45);
     }
   }
 
@@ -154,26 +149,24 @@ class BirdView {
     const double step = ring_step(extent_m_);
     for (double radius = step; radius < extent_m_; radius += step) {
       const std::string text = fmt::format("{:g} m", radius);
-      const int x = static_cast<int>(centre_x() + static_cast<float>(radius) * scale_);
-      canvas_.text(x - Canvas::text_width(text, kTextScale) - 3, static_cast<int>(centre_y()) + 6, text,
-                   kTextScale, kText, 0.75F);
+      canvas_.text(centre_x() + radius * scale_ - 3, centre_y() + 13, text, kTextSize, kLabel, Anchor::right);
     }
   }
 
   void draw_point(const PicturePoint& p) {
-    const float x = centre_x() + p.r->position_v.x() * scale_, y = centre_y() - p.r->position_v.y() * scale_;
+    const double x = centre_x() + p.r->position_v.x() * scale_, y = centre_y() - p.r->position_v.y() * scale_;
     if (p.verdict == Verdict::still) {
       const float height = std::clamp((p.r->position_v.z() + 2.5F) / 5.5F, 0.0F, 1.0F);
-      canvas_.disc(x, y, 0.9F, grey(72 + 100 * height), 0.75F);
+      canvas_.disc(x, y, 0.9, grey(72 + 100 * height), 0.75);
     } else {
-      canvas_.disc(x, y, 2.2F, color_of(p), 0.95F);
+      canvas_.disc(x, y, 2.2, color_of(p), 0.95);
     }
   }
 
   Canvas& canvas_;
   Rectangle area_;
   double extent_m_;
-  float scale_;
+  double scale_;
 };
 
 std::size_t count(const std::vector<PicturePoint>& points, Verdict verdict) {
@@ -190,10 +183,11 @@ std::size_t count_objects(const std::vector<PicturePoint>& points) {
 }
 
 void draw_legend(Canvas& canvas, int y, const std::vector<PicturePoint>& points, bool with_truth) {
-  int x = kMargin;
+  double x = kMargin;
+  const double middle = y + kTextHeight / 2.0;
   const auto entry = [&](const std::string& text, Color color) {
-    canvas.disc(static_cast<float>(x) + 6, static_cast<float>(y) + 7, 6, color);
-    x = canvas.text(x + 20, y, text, kTextScale, kText) + 28;
+    canvas.disc(x + 6, middle, 6, color);
+    x += 20 + canvas.text(x + 20, middle, text, kTextSize, kText) + 28;
   };
   if (with_truth) {
     entry(fmt::format("hit {}", count(points, Verdict::hit)), kHit);
@@ -220,7 +214,7 @@ Canvas draw_scan(const LidarScan& scan, const std::vector<std::uint32_t>& labels
   const int bird_height = options.bird_view ? kBirdViewHeight + kMargin : 0;
   Canvas canvas(kPictureWidth, kMargin + kTitleHeight + range_height + bird_height + kTextHeight + kMargin,
                 kBackground);
-  canvas.text(kMargin, kMargin, options.title, kTextScale, kText);
+  canvas.text(kMargin, kMargin + kTextHeight / 2.0, options.title, kTextSize, kText);
   int y = kMargin + kTitleHeight;
   if (options.range_image) {
     draw_range_image(canvas, {kMargin, y, kInnerWidth, range_height - kMargin}, scan, points);

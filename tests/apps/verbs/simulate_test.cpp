@@ -53,6 +53,7 @@ TEST(Simulate, ItsTruthIsDrawnFromSeveralScansWithoutAResult) {
     return read_whole_file(picture);
   };
   const std::string one = drawn({});
+  EXPECT_TRUE(drawn({}) == one);
   EXPECT_NE(drawn({"--around", "1"}), one);
   EXPECT_LT(drawn({"--reduce", "2"}).size(), one.size());
 }

@@ -8,14 +8,12 @@
 
 namespace mapless::app {
 
-enum class Anchor { left, middle, right };
 enum class TextSize { normal, title };
 
 struct LineStyle {
   Color color;
   double width = 1;  ///< [px]
   bool dashed = false;
-  double opacity = 1;
 };
 
 /// The surface that a plot is drawn on. Unit: pixels, x to the right, y down; a text's y is its vertical
