@@ -7,8 +7,8 @@ that uses them would. Fails where the memory of the last quarter is above that o
 time per scan by 10 % or more, or where the number of open files or threads differs; and where fewer than 3,000 scans
 were measured, because memory grows until the first rounds are over.
 
-usage: soak.py MAPLESS [--minutes 60] [--full-speed] [--odometry] [--sensor HDL-64E-S2] [--round-s 8] [--threads N]
-               [--table FILE.csv] [--work FOLDER]
+usage: soak.py MAPLESS [--minutes 60] [--full-speed] [--odometry] [--scene town1] [--sensor HDL-64E-S2] [--round-s 8]
+               [--threads N] [--interval-s 1] [--table FILE.csv] [--work FOLDER]
 
 At 10 Hz (--real-time of mapless detect), or as fast as it goes with --full-speed: then --minutes is the time recorded.
 """
@@ -105,7 +105,7 @@ def problems(rows):
 
 def soak(options, work):
     base, recording, out = work / "base", work / "recording", work / "out"
-    subprocess.run([options.mapless, "simulate", "town1", "--sensor", options.sensor, "--duration-s", str(options.round_s),
+    subprocess.run([options.mapless, "simulate", options.scene, "--sensor", options.sensor, "--duration-s", str(options.round_s),
                     "-o", base], check=True, capture_output=True)
     scans = repeat(base, recording, options.minutes)
     command = [options.mapless, "detect", recording, "-o", out]
@@ -140,11 +140,12 @@ def main():
     parser.add_argument("--minutes", type=float, default=60)
     parser.add_argument("--full-speed", action="store_true")
     parser.add_argument("--odometry", action="store_true")
+    parser.add_argument("--scene", default="town1")
     parser.add_argument("--sensor", default="HDL-64E-S2")
     parser.add_argument("--round-s", type=float, default=8, help="length of the drive that is repeated [s]")
     parser.add_argument("--threads", type=int, help="of mapless detect")
-    parser.add_argument("--table", type=pathlib.Path, help="file for the measurements, one row a second")
-    parser.add_argument("--interval-s", type=float, default=1)
+    parser.add_argument("--table", type=pathlib.Path, help="file for the measurements")
+    parser.add_argument("--interval-s", type=float, default=1, help="between two measurements [s]")
     parser.add_argument("--work", type=pathlib.Path, help="folder for temporary files")
     options = parser.parse_args()
     options.mapless = options.mapless.resolve()
