@@ -7,9 +7,9 @@ import pathlib
 from collections.abc import Mapping
 
 from mapless import _core
-from mapless._recording import Recording
+from mapless._recording import CloudSource, Recording
 from mapless.readers import FIELDS, Options
-from mapless.readers.registry import READERS
+from mapless.readers.registry import READERS, Reader
 
 
 def open(
@@ -39,6 +39,17 @@ def open_in_python(path: str, format: str, sensor: str, given: Mapping[str, str]
         format = "bin"
     for reader in READERS:
         if format in reader.formats or (not format and reader.fits(pathlib.Path(path))):
-            source = reader.open(pathlib.Path(path), options, format)
+            source = opened(reader, pathlib.Path(path), options, format)
             return _core.recording_of(source, sensor or source.sensor)
     return None
+
+
+def opened(reader: Reader, path: pathlib.Path, options: Options, format: str) -> CloudSource:
+    """What a reader does not expect in a damaged file, such as a column that is missing, is InputError too."""
+    try:
+        return reader.open(path, options, format)
+    except _core.Error:
+        raise
+    except (LookupError, ValueError, TypeError, AttributeError, ArithmeticError, MemoryError, RecursionError) as error:
+        name = format or "/".join(reader.formats)
+        raise _core.InputError(f"{path}: damaged, or not {name}: {type(error).__name__}: {error}") from error

@@ -248,3 +248,40 @@ def test_real_samples_run_end_to_end(name, package, format, options, tmp_path):
     assert recording[0].ring.max() == 31
     result = mapless.detect(path, tmp_path / "out", **options)
     assert [len(result.label(k)) for k in result.scans] == [len(scan) for scan in recording]
+
+
+def damaged_boreas(folder):
+    (folder / "lidar").mkdir()
+    (folder / "applanix").mkdir()
+    np.zeros(24, "<f4").tofile(folder / "lidar" / "1000000.bin")
+    row = "easting,northing,altitude,roll,pitch,heading,GPSTime\n" + "0,0,0,0,0,0,{}\n"
+    (folder / "applanix" / "lidar_poses.csv").write_text(row.format("inf"))
+
+
+def damaged_helipr(folder):
+    (folder / "LiDAR" / "Velodyne").mkdir(parents=True)
+    (folder / "LiDAR_GT").mkdir()
+    np.zeros(22, "u1").tofile(folder / "LiDAR" / "Velodyne" / "1000000000.bin")
+    (folder / "LiDAR_GT" / "Velodyne_gt.txt").write_text(f"{10**30} 0 0 0 0 0 0 1\n" f"{10**31} 0 0 0 0 0 0 1\n")
+
+
+def damaged_argoverse(folder):
+    pyarrow = pytest.importorskip("pyarrow")
+    feather = pytest.importorskip("pyarrow.feather")
+    (folder / "sensors" / "lidar").mkdir(parents=True)
+    (folder / "calibration").mkdir()
+    for name in ("city_SE3_egovehicle", "calibration/egovehicle_SE3_sensor", "sensors/lidar/1"):
+        feather.write_feather(pyarrow.table({"other": [1]}), str(folder / f"{name}.feather"))
+
+
+def damaged_nuscenes(folder):
+    (folder / "v1.0-mini").mkdir()
+    for name in ("sample_data", "scene"):
+        (folder / "v1.0-mini" / f"{name}.json").write_text("[" * 100_000)
+
+
+@pytest.mark.parametrize("make", [damaged_boreas, damaged_helipr, damaged_argoverse, damaged_nuscenes])
+def test_a_damaged_data_set_is_refused_by_name(make, tmp_path):
+    make(tmp_path)
+    with pytest.raises(mapless.InputError, match=str(tmp_path)):
+        mapless.open(tmp_path)

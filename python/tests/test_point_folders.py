@@ -149,9 +149,21 @@ def test_wrong_columns_are_named(options, message, scans, tmp_path):
         (b"ply\nformat ascii 1.0\nelement face 1\nelement vertex 1\nend_header\n", "expected the element vertex first"),
         (b"ply\nformat binary_little_endian 1.0\nelement vertex 9\nproperty float x\nend_header\nabcdefgh", "2 of 9"),
         (b"ply\nformat ascii 1.0\nelement vertex 1\nproperty list uchar int a\nend_header\n", "expected a number"),
+        (b"ply\nformat binary_little_endian 1.0\nelement vertex 9\nend_header\n", "no points"),
+        (b"ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float x\nend_header\n0 0", "x: is there twice"),
+        (b"ply\nformat ascii 1.0\nelement vertex 99999999999999\nproperty float x\nend_header\n0\n", "cut off"),
+        (b"ply\nformat ascii 1.0\nelement vertex " + b"9" * 5000 + b"\nproperty float x\nend_header\n0\n", "damaged"),
     ],
 )
 def test_damaged_ply_files_are_named(data, message, tmp_path):
     (tmp_path / "0.ply").write_bytes(data)
     with pytest.raises(mapless.InputError, match=message):
         mapless.open(tmp_path)
+
+
+@pytest.mark.parametrize("text", ["1e999999999", "-1e11", "nan", "infinity", "now", "\ud800"])
+def test_a_time_that_is_none_is_named(text, scans, tmp_path):
+    folder = folder_of(scans[:1], tmp_path, ".npy", write_npy)
+    (folder / "times.txt").write_bytes(text.encode("utf-8", "surrogatepass"))
+    with pytest.raises(mapless.InputError, match="times.txt:1: .*: not a time in seconds"):
+        mapless.open(folder, columns="x,y,z,intensity,ring,time")

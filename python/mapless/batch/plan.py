@@ -6,12 +6,17 @@ import dataclasses
 import hashlib
 import json
 import pathlib
+import re
 from collections.abc import Iterator
 from typing import Any
 
 import mapless
 from mapless.batch import storage
 from mapless.batch.errors import BatchError, ExitCode
+
+
+# Ids name folders of the results. None begins with a dot: "..", hidden files.
+NAME = re.compile(r"[\w-][\w.-]*")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -78,6 +83,8 @@ def task_of_line(line: str, name: str) -> Task:
         task = Task(**{**value, "options": tuple(value["options"])})
     except (ValueError, TypeError, KeyError, AttributeError) as error:
         raise BatchError(f"{name}: not a line of a plan: {error}; make it with mapless batch plan") from None
+    if not all(isinstance(name, str) and NAME.fullmatch(name) for name in (task.id, task.drive or task.id)):
+        raise BatchError(f"{name}: id {task.id!r}: not a name of letters, digits, _, - and ., which names a folder of RESULTS")
     if stated != task.hash:
         raise BatchError(f"{name}: drive {task.id}: its hash does not fit the line; make it anew with mapless batch plan")
     return task
@@ -87,7 +94,10 @@ def lines_of(plan: str) -> Iterator[str]:
     content = storage.read_bytes(plan)
     if content is None:
         raise BatchError(f"{plan}: no such file; make it with mapless batch plan", ExitCode.BAD_INPUT)
-    yield from content.decode().splitlines()
+    try:
+        yield from content.decode().splitlines()
+    except UnicodeDecodeError as error:
+        raise BatchError(f"{plan}: not a plan: {error}; make it with mapless batch plan", ExitCode.BAD_INPUT) from None
 
 
 def read_plan(plan: str) -> list[Task]:

@@ -74,6 +74,8 @@ class NuScenesReader:
             return self._source(path, sorted_files(path, SUFFIX), "trajectory: none, without the tables of the data set")
         try:
             return self._scene(path, tables, options.scene)
+        except InputError:
+            raise
         except (KeyError, ValueError, OSError) as error:
             raise InputError(f"{tables}: not the tables of nuScenes: {error!r}") from None
 

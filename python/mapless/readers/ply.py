@@ -27,6 +27,9 @@ def read_ply(file: pathlib.Path) -> Array:
     order, count, properties, begin = _header(file, data[:MOST_HEADER_BYTES])
     dtype = np.dtype([(name, kind if order == "=" else order + kind) for name, kind in properties])
     if order == "=":
+        # NumPy allocates `count` rows. A number and what separates it from the next take two bytes.
+        if 2 * len(properties) * count > len(data) - begin + 1:
+            raise InputError(f"{file}: cut off: {count} points of {len(properties)} numbers in {len(data) - begin} bytes")
         try:
             text = io.BytesIO(data[begin:])
             cloud: Array = np.atleast_1d(np.loadtxt(text, dtype=dtype, max_rows=count))
@@ -62,6 +65,9 @@ def _header(file: pathlib.Path, data: bytes) -> tuple[str, int, list[tuple[str, 
                 properties.append((name.removeprefix(PREFIX), TYPES[kind]))
             case ["property", *_] if element == "vertex":
                 raise InputError(f"{file}: {line.strip()}: expected a number as every property of vertex")
-    if not order or count <= 0:
+    if not order or count <= 0 or not properties:
         raise InputError(f"{file}: {'no points' if order else 'no format that is known'} in its header")
+    names = [name for name, _ in properties]
+    if twice := next((name for name in names if names.count(name) > 1), None):
+        raise InputError(f"{file}: property {twice}: is there twice")
     return order, count, properties, begin

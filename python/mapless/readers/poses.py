@@ -29,7 +29,10 @@ def matrix(position: Sequence[float], quaternion: Sequence[float]) -> Array:
 def trajectory_of(timed: Iterable[tuple[int, Array]], name: str) -> Trajectory:
     """Of stamps [ns] and poses world from sensor, in any order; of several at one stamp the last."""
     poses = dict(timed)
-    stamps = np.array(sorted(poses), dtype=np.int64)
+    try:
+        stamps = np.array(sorted(poses), dtype=np.int64)
+    except OverflowError:
+        raise InputError(f"{name}: a time of {max(poses, key=abs)} ns: beyond 64 bits") from None
     if len(stamps) < 2:
         raise InputError(f"{name}: {len(stamps)} poses: expected two or more")
     matrices = np.stack([poses[int(ns)] for ns in stamps]).astype(np.float64)

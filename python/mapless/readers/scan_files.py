@@ -15,6 +15,8 @@ from mapless.readers.clouds import fields_of_cloud, first_instant_ns
 
 # Names of files that are times of the Unix epoch, by their number of digits: 2001 to 2286.
 UNITS_OF_DIGITS = {19: 1, 16: 1_000, 13: 1_000_000}
+# In int64 nanoseconds: the year 2096.
+MOST_SECONDS = 4_000_000_000
 # Labels of SemanticKITTI in their low 16 bits; the high ones number instances.
 CLASS_BITS = 0xFFFF
 
@@ -30,16 +32,19 @@ def sorted_files(folder: pathlib.Path, suffix: str) -> list[pathlib.Path]:
 def seconds_to_ns(text: str, where: str) -> int:
     """Exactly: a float would hold times of the epoch to 0.2 us."""
     try:
-        return int(decimal.Decimal(text.strip()).scaleb(9).to_integral_value())
-    except (decimal.InvalidOperation, ValueError, OverflowError):
-        raise InputError(f"{where}: {text.strip()!r}: not a time in seconds") from None
+        seconds = decimal.Decimal(text.strip())
+        if -MOST_SECONDS <= seconds <= MOST_SECONDS:  # also: 1e999999999 would be a number of gigabytes
+            return int(seconds.scaleb(9).to_integral_value())
+    except (decimal.InvalidOperation, ValueError):
+        pass
+    raise InputError(f"{where}: {text.strip()[:40]!r}: not a time in seconds, at most {MOST_SECONDS}")
 
 
 def stamps_of(files: Sequence[pathlib.Path], folder: pathlib.Path) -> tuple[list[int] | None, str]:
     """Stamp of each scan [ns] and where it comes from: times.txt, or the names; None: neither has one."""
     times = folder / "times.txt"
     if times.is_file():
-        lines = times.read_text(encoding="utf-8").splitlines()
+        lines = times.read_text(encoding="utf-8", errors="replace").splitlines()
         if len(lines) != len(files):
             raise InputError(f"{times}: {len(lines)} lines: expected one for each of the {len(files)} scans")
         return [seconds_to_ns(text, f"{times}:{i + 1}") for i, text in enumerate(lines)], "from times.txt"

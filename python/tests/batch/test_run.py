@@ -2,6 +2,7 @@
 
 import collections
 import csv
+import dataclasses
 import fcntl
 import json
 import os
@@ -13,6 +14,7 @@ import pytest
 
 import mapless
 from mapless.batch import progress
+from mapless.batch.plan import read_task
 
 
 @pytest.fixture
@@ -198,3 +200,22 @@ def test_the_progress_line_has_rate_time_left_and_failures(capsys):
     bar.add(True)
     bar.add(False)
     assert bar.line(bar._started + 4.0) == "2 of 10 drives, 30.0 drives/min, 16 s left, 1 failed"
+
+
+@pytest.mark.parametrize("id", ["../outside", "/tmp/outside", "..", ".hidden", "a/b", ""])
+def test_no_id_in_a_plan_leads_out_of_the_results(id, plan_of, results, fake, batch, calls):
+    plan = plan_of(a=(4, ""))
+    task = dataclasses.replace(read_task(str(plan), 0), id=id)
+    plan.write_text(task.line())
+    for index in ([], ["--index", 0]):
+        code, _, err = batch("run", plan, "-o", results, "--command", fake, *index)
+        assert code == 2
+        assert "not a name" in err
+    assert calls() == []
+
+
+def test_a_plan_that_is_no_text_is_refused(results, fake, batch, tmp_path):
+    (tmp_path / "plan.jsonl").write_bytes(bytes(range(128, 256)))
+    code, _, err = batch("run", tmp_path / "plan.jsonl", "-o", results, "--command", fake)
+    assert code == 3
+    assert "not a plan" in err
