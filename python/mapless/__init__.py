@@ -30,7 +30,7 @@ from mapless._core import (
 if TYPE_CHECKING:
     from mapless._detector import OnlineDetector, parameters
     from mapless._open import open
-    from mapless._recording import CloudSource, Recording, Scan
+    from mapless._recording import CloudSource, Measurement, Recording, Scan
     from mapless._result import Result
     from mapless._verbs import CommandError, detect, evaluate, explain, simulate
 
@@ -42,6 +42,7 @@ __all__ = [
     "Error",
     "InputError",
     "LabelledScan",
+    "Measurement",
     "MovingObject",
     "OnlineDetector",
     "OutputError",
@@ -64,7 +65,7 @@ __all__ = [
 _MODULES = {
     "_detector": ("OnlineDetector", "parameters"),
     "_open": ("open",),
-    "_recording": ("CloudSource", "Recording", "Scan"),
+    "_recording": ("CloudSource", "Measurement", "Recording", "Scan"),
     "_result": ("Result",),
     "_verbs": ("CommandError", "detect", "evaluate", "explain", "simulate"),
 }

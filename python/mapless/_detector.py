@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy.typing as npt
 
 from mapless import _core
 from mapless._fields import TimeUnit, fields_of
-from mapless._recording import Scan
+from mapless._recording import Measurement, Scan
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -91,6 +91,12 @@ class OnlineDetector:
         if self._core.keeps_clouds:
             fields = fields.copied()
         return self._core.push_cloud(fields.as_tuple(), trajectory)
+
+    def add_measurements(self, measurements: Iterable[Measurement]) -> None:
+        """What other sensors measure of the motion of the lidar, for the own odometry: before the scan is pushed during
+        which it is measured. Without effect where poses are given. Recording.measurements has those of a bag."""
+        for one in measurements:
+            self._core.add_measurement(tuple(one))
 
     def flush(self) -> list[_core.LabelledScan]:
         """Labels the scans that are still held back, with what is known now. The detector can go on."""

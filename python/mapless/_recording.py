@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import abc
 import dataclasses
-from collections.abc import Iterator
-from typing import Any, overload
+from collections.abc import Iterator, Sequence
+from typing import Any, NamedTuple, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -33,6 +33,17 @@ class Scan:
         return len(self.points)
 
 
+class Measurement(NamedTuple):
+    """What another sensor measured of the motion of the lidar at one instant."""
+
+    stamp_ns: int
+    """on the clock of the scans"""
+    angular_velocity: tuple[float, float, float] | None
+    """about the axes of the lidar [rad/s]; None: a speed"""
+    speed: float = 0.0
+    """norm of the velocity of the lidar [m/s], 0 or more"""
+
+
 class CloudSource(abc.ABC):
     """A recording that Python reads: the interface of a reader. The C++ library recovers what the clouds do not have.
 
@@ -47,6 +58,8 @@ class CloudSource(abc.ABC):
     """where times, rings and poses come from, one line each"""
     trajectory: _core.Trajectory | None = None
     """its own poses of the sensor"""
+    measurements: Sequence[Measurement] = ()
+    """what its other sensors measured of the motion, for the odometry"""
     sensor: str = ""
     """a named model or a calibration file, where the recording says which; empty: recovered from the points"""
 
@@ -90,6 +103,11 @@ class Recording:
     def trajectory(self) -> _core.Trajectory | None:
         """The poses that the recording has."""
         return self.core.trajectory
+
+    @property
+    def measurements(self) -> list[Measurement]:
+        """What its other sensors measured of the motion, for OnlineDetector.add_measurements."""
+        return [Measurement(*one) for one in self.core.measurements]
 
     def __len__(self) -> int:
         return len(self.core)

@@ -49,6 +49,7 @@ class PythonSource final : public CloudSource {
       starts_.push_back(Time::from_nanoseconds(ns));
     const nb::object trajectory = source.attr("trajectory");
     if (!trajectory.is_none()) trajectory_ = nb::cast<const TrajectoryHandle&>(trajectory).trajectory;
+    for (const nb::handle one : source.attr("measurements")) measurements_.push_back(measurement_of(one));
     keeper_ = kept(std::move(source));
   }
 
@@ -57,6 +58,7 @@ class PythonSource final : public CloudSource {
   [[nodiscard]] const std::vector<Time>& starts() const override { return starts_; }
   [[nodiscard]] std::vector<std::string> notes() const override { return notes_; }
   [[nodiscard]] std::shared_ptr<const Trajectory> trajectory() const override { return trajectory_; }
+  [[nodiscard]] std::vector<MotionMeasurement> measurements() const override { return measurements_; }
   [[nodiscard]] fs::path scan_file(std::size_t k) const override {
     return with_python([&] { return fs::path(nb::cast<std::string>(source_.attr("scan_name")(k))); });
   }
@@ -76,9 +78,38 @@ class PythonSource final : public CloudSource {
   std::shared_ptr<const void> keeper_;
   std::vector<Time> starts_;
   std::shared_ptr<const Trajectory> trajectory_;
+  std::vector<MotionMeasurement> measurements_;
 };
 
 }  // namespace
+
+MotionMeasurement measurement_of(nb::handle measurement) {
+  const nb::tuple t = nb::borrow<nb::tuple>(measurement);
+  MotionMeasurement out;
+  out.time = Time::from_nanoseconds(nb::cast<std::int64_t>(t[0]));
+  if (t[1].is_none()) {
+    out.quantity = MeasuredMotion::speed;
+    out.value.x() = nb::cast<double>(t[2]);
+    return out;
+  }
+  out.quantity = MeasuredMotion::angular_velocity;
+  const nb::tuple turn = nb::borrow<nb::tuple>(t[1]);
+  for (int axis = 0; axis < 3; ++axis)
+    out.value[axis] = nb::cast<double>(turn[static_cast<std::size_t>(axis)]);
+  return out;
+}
+
+nb::object measurements_of(const std::vector<MotionMeasurement>& measurements) {
+  nb::list out;
+  for (const MotionMeasurement& one : measurements) {
+    const Eigen::Vector3d& v = one.value;
+    if (one.quantity == MeasuredMotion::speed)
+      out.append(nb::make_tuple(one.time.nanoseconds(), nb::none(), v.x()));
+    else
+      out.append(nb::make_tuple(one.time.nanoseconds(), nb::make_tuple(v.x(), v.y(), v.z()), 0.0));
+  }
+  return out;
+}
 
 void rethrow_as_input_error(nb::python_error& error) {
   const auto text = nb::cast<std::string>(nb::str(error.value()));

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include <nanobind/nanobind.h>
 
@@ -15,6 +16,11 @@ namespace nb = nanobind;
 
 /// One cloud of Python: the tuple that mapless._fields.Fields.as_tuple makes. Keeps its arrays.
 [[nodiscard]] Cloud cloud_of(nb::handle fields);
+
+/// A mapless.Measurement of Python: stamp [ns], angular velocity [rad/s] or None, speed [m/s].
+[[nodiscard]] MotionMeasurement measurement_of(nb::handle measurement);
+/// List of such tuples; angular velocities and speeds alone.
+[[nodiscard]] nb::object measurements_of(const std::vector<MotionMeasurement>& measurements);
 
 /// The recording that a mapless.CloudSource of Python reads. Any thread may use and destroy it.
 [[nodiscard]] std::shared_ptr<const CloudSource> cloud_source_of(nb::object source);

@@ -43,6 +43,9 @@ class SharedDataset final : public Dataset {
   [[nodiscard]] std::shared_ptr<const Trajectory> trajectory() const override {
     return shared_->trajectory();
   }
+  [[nodiscard]] std::vector<MotionMeasurement> measurements() const override {
+    return shared_->measurements();
+  }
   [[nodiscard]] std::vector<std::string> notes() const override { return shared_->notes(); }
 
  private:

@@ -152,6 +152,14 @@ void bind_detector(nb::module_& m) {
             return d.call([&](LiveDetector& live) { return live.push(scan.scan, trajectory_of(given)); });
           },
           nb::arg("scan"), nb::arg("trajectory").none())
+      .def(
+          "add_measurement",
+          [](DetectorHandle& d, const nb::tuple& measurement) {
+            const MotionMeasurement measured = measurement_of(measurement);
+            d.call([&](LiveDetector& live) { live.add_measurement(measured); });
+          },
+          nb::arg("measurement"),
+          nb::sig("def add_measurement(self, measurement: tuple[object, ...]) -> None"))
       .def("flush",
            [](DetectorHandle& d) { return d.call([](LiveDetector& live) { return live.flush(); }); });
 }

@@ -43,6 +43,8 @@ class LiveDetector {
   [[nodiscard]] std::vector<FoundScan> push(Cloud cloud, std::shared_ptr<const Trajectory> given);
   [[nodiscard]] std::vector<FoundScan> push(const std::shared_ptr<const LidarScan>& scan,
                                             const std::shared_ptr<const Trajectory>& given);
+  /// OnlineDetector::add_measurement.
+  void add_measurement(const MotionMeasurement& measured) { detector_.add_measurement(measured); }
   [[nodiscard]] std::vector<FoundScan> flush();
   [[nodiscard]] int latency() const { return detector_.latency(); }
   /// Name of the sensor, and how it was recovered; empty until it is.

@@ -91,6 +91,10 @@ void bind_recordings(nb::module_& m) {
       .def_prop_ro("sensor", [](const RecordingHandle& r) { return r.dataset->model()->name; })
       .def_prop_ro("notes", [](const RecordingHandle& r) { return r.dataset->notes(); })
       .def_prop_ro("trajectory", trajectory_of_recording)
+      .def_prop_ro(
+          "measurements", [](const RecordingHandle& r) { return measurements_of(r.dataset->measurements()); },
+          nb::for_getter(nb::sig("def measurements(self) -> list[tuple[int, tuple[float, float, float] | "
+                                 "None, float]]")))
       .def(
           "start_ns",
           [](const RecordingHandle& r, std::size_t k) { return r.dataset->scan_start(k).nanoseconds(); },

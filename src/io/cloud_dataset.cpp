@@ -75,6 +75,9 @@ class CloudDataset final : public Dataset {
   [[nodiscard]] std::shared_ptr<const Trajectory> trajectory() const override {
     return source_->trajectory();
   }
+  [[nodiscard]] std::vector<MotionMeasurement> measurements() const override {
+    return source_->measurements();
+  }
 
   [[nodiscard]] LidarScan read(std::size_t k) const override {
     const Cloud cloud = source_->read(checked(k));

@@ -36,7 +36,7 @@ std::vector<MotionMeasurement> MotionMeasurementOptions::measurements(const Data
                                                                       std::size_t first,
                                                                       std::size_t count) const {
   const Time begin = dataset.scan_start(first), end = dataset.scan_end(first + count - 1);
-  std::vector<MotionMeasurement> out;
+  std::vector<MotionMeasurement> out = dataset.measurements();
   if (!initial_velocity_mps.empty()) {
     const Eigen::Vector3d value(initial_velocity_mps.data());
     out.push_back({begin, MeasuredMotion::velocity, value, std::nullopt});

@@ -17,8 +17,9 @@ struct MotionMeasurementOptions {
   std::filesystem::path speeds, angular_velocities;
 
   [[nodiscard]] bool any() const;
-  /// The measurements during scans first ... first + count - 1; the initial velocity holds at the start of
-  /// the first. Throws InputError for a file that cannot be used or has no row within these scans.
+  /// The measurements during scans first ... first + count - 1, after those of the recording itself; the
+  /// initial velocity holds at the start of the first. Throws InputError for a file that cannot be used or
+  /// has no row within these scans.
   [[nodiscard]] std::vector<MotionMeasurement> measurements(const Dataset& dataset, std::size_t first,
                                                             std::size_t count) const;
 };

@@ -81,9 +81,9 @@ std::size_t own_vehicle_from(const DetectOptions& options, const TrajectorySourc
 // Measurements are for the odometry.
 std::vector<MotionMeasurement> measurements_of(const DetectOptions& options, const Dataset& dataset,
                                                const TrajectorySource& motion, std::size_t count) {
-  if (motion.trajectory && options.measured.any()) {
-    throw ParameterError({"--initial-velocity, --speed, --imu", "", "given", "poses are given as well",
-                          "give --odometry to estimate the motion"});
+  if (motion.trajectory && (options.measured.any() || !dataset.measurements().empty())) {
+    throw ParameterError({"--initial-velocity, --speed, --imu or their topics", "", "given",
+                          "poses are given as well", "give --odometry to estimate the motion"});
   }
   return options.measured.measurements(dataset, options.first, count);
 }

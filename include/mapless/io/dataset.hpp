@@ -46,6 +46,8 @@ class Dataset {
   [[nodiscard]] virtual std::optional<std::vector<std::uint32_t>> read_labels(std::size_t k) const = 0;
   /// The trajectory of the recording itself; null if it has none. Throws InputError.
   [[nodiscard]] virtual std::shared_ptr<const Trajectory> trajectory() const { return nullptr; }
+  /// What other sensors of the recording measured of the motion, for the odometry; in any order.
+  [[nodiscard]] virtual std::vector<MotionMeasurement> measurements() const { return {}; }
   /// Where sensor model, times and trajectory() come from, one line each, for the user.
   [[nodiscard]] virtual std::vector<std::string> notes() const { return {}; }
 
@@ -119,6 +121,8 @@ class CloudSource {
   [[nodiscard]] virtual std::optional<std::vector<std::uint32_t>> read_labels(std::size_t k) const;
   /// Dataset::trajectory.
   [[nodiscard]] virtual std::shared_ptr<const Trajectory> trajectory() const { return nullptr; }
+  /// Dataset::measurements.
+  [[nodiscard]] virtual std::vector<MotionMeasurement> measurements() const { return {}; }
   /// Where times come from and the like, one line each, for the user.
   [[nodiscard]] virtual std::vector<std::string> notes() const { return {}; }
 };

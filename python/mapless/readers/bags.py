@@ -12,6 +12,7 @@ from mapless._fields import Fields
 from mapless._recording import CloudSource
 from mapless.readers.options import Options
 from mapless.readers import velodyne
+from mapless.readers.bag_motion import measurements_of_bag
 from mapless.readers.bag_poses import poses_of_bag
 from mapless.readers.clouds import fields_of_cloud, first_instant_ns
 from mapless.readers.point_cloud2 import cloud_of
@@ -98,10 +99,13 @@ class Bag(CloudSource):
         self._index()
         if self._packets is not None:
             self.sensor = self._packets.sensor
+        frame = str(self._first_message().header.frame_id)
         if options.pose_topic is not None:
-            frame = str(self._first_message().header.frame_id)
             self.trajectory, note = poses_of_bag(self._reader, self.path, options, frame)
             self.notes.append(note)
+        span_ns = (self.starts_ns[0], self.starts_ns[-1])
+        self.measurements, of_motion = measurements_of_bag(self._reader, self.path, options, frame, span_ns)
+        self.notes += of_motion
 
     def read(self, k: int) -> Fields:
         fields, _ = self._fields(self._message(k), k)

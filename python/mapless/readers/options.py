@@ -13,6 +13,10 @@ OPTIONS = {
     "--scene": "which drive of a data set of several: scene-0061 of nuScenes",
     "--pose-topic": "topic of the odometry, poses or transforms in a bag: its poses in place of own odometry",
     "--world-frame": "with --pose-topic: the frame of the poses; not needed where the transforms have one at the top",
+    "--imu-topic": "topic of sensor_msgs/Imu in a bag: its angular velocities for the odometry, as --imu; /tf_static places "
+    "its frame on that of the clouds",
+    "--speed-topic": "topic of geometry_msgs/TwistStamped or nav_msgs/Odometry in a bag: speed of the lidar by its twist for "
+    "the odometry, as --speed; /tf_static places its frame",
 }
 """Options of the command that readers take, by flag: an attribute of Options each."""
 
@@ -27,6 +31,8 @@ class Options:
     scene: str | None = None
     pose_topic: str | None = None
     world_frame: str | None = None
+    imu_topic: str | None = None
+    speed_topic: str | None = None
 
 
 FORMATS = (
