@@ -147,3 +147,16 @@ def test_a_sensor_that_turns_the_other_way_is_recovered(scans):
     for cloud, scan in zip(mirrored, scans):
         detector.push(cloud, stamp_ns=scan.stamp_ns)
     assert any("counter-clockwise" in note for note in detector.notes)
+
+
+def test_points_that_lie_on_no_beams_are_refused_with_their_distance(scans):
+    """Rings that are not what they were taken for, as where rows of five floats are read as four: the points are
+    metres off the beams, which a fit may not hide."""
+    mixed = [cloud_of(scans, k) for k in range(8)]
+    random = np.random.default_rng(9)
+    for cloud in mixed:
+        cloud["ring"] = random.integers(0, 16, len(cloud))
+    detector = mapless.OnlineDetector()
+    with pytest.raises(mapless.InputError, match=r"rings.* [0-9]{3,} mm.*from 16 beams \(RMS\).*name the sensor"):
+        for cloud, scan in zip(mixed, scans):
+            detector.push(cloud, stamp_ns=scan.stamp_ns)
