@@ -1,10 +1,12 @@
 """A small simulated drive, native and as a folder of PCD files."""
 
 import pathlib
+import shutil
 
 import pytest
 
 import mapless
+from comparison import without_empty_rays
 
 
 @pytest.fixture(scope="session")
@@ -29,6 +31,15 @@ def poses(drive) -> mapless.Trajectory:
 def native_result(drive, tmp_path_factory) -> mapless.Result:
     """Labels and probabilities of the native recording by the command, with own odometry."""
     return mapless.detect(drive, tmp_path_factory.mktemp("result") / "out", odometry=True, probability=True)
+
+
+@pytest.fixture(scope="session")
+def driver_result(drive, tmp_path_factory) -> mapless.Result:
+    """The same where no ray says that there is nothing within range: what a driver can publish of this drive."""
+    folder = tmp_path_factory.mktemp("driver")
+    shutil.copytree(drive, folder / "drive")
+    without_empty_rays(folder / "drive")
+    return mapless.detect(folder / "drive", folder / "out", odometry=True)
 
 
 @pytest.fixture(scope="session")
