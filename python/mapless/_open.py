@@ -40,7 +40,7 @@ def open_in_python(path: str, format: str, sensor: str, given: Mapping[str, str]
     for reader in READERS:
         if format in reader.formats or (not format and reader.fits(pathlib.Path(path))):
             source = opened(reader, pathlib.Path(path), options, format)
-            return _core.recording_of(source, sensor or source.sensor)
+            return _core.recording_of(source, "" if source.recovers_sensor else sensor or source.sensor)
     return None
 
 

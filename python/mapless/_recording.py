@@ -62,6 +62,9 @@ class CloudSource(abc.ABC):
     """what its other sensors measured of the motion, for the odometry"""
     sensor: str = ""
     """a named model or a calibration file, where the recording says which; empty: recovered from the points"""
+    recovers_sensor: bool = False
+    """its points do not lie on the beams of the calibration file that was given, which the reader has used: the sensor is
+    recovered from the points"""
 
     @abc.abstractmethod
     def read(self, k: int) -> Fields:

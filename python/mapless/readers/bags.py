@@ -98,7 +98,7 @@ class Bag(CloudSource):
         self.starts_ns = []
         self._index()
         if self._packets is not None:
-            self.sensor = self._packets.sensor
+            self.sensor, self.recovers_sensor = self._packets.sensor, self._packets.recovers_sensor
         frame = str(self._first_message().header.frame_id)
         if options.pose_topic is not None:
             self.trajectory, note = poses_of_bag(self._reader, self.path, options, frame)

@@ -24,7 +24,8 @@ def udp_packets(path: pathlib.Path) -> Iterator[tuple[float, int, bytes]]:
         import dpkt
     except ImportError:
         raise InputError(
-            f"{path}: Velodyne captures are read by the package velodyne-decoder: pip install 'mapless[velodyne]'"
+            f"{path}: Velodyne captures are read by the package velodyne-decoder: pip install 'mapless[velodyne]'; a "
+            "capture of an Ouster needs its metadata: --meta FILE.json"
         ) from None
     with path.open("rb") as file:
         try:

@@ -68,6 +68,12 @@ def hdl_64e_config(path: str, vd: Any, packets: list[bytes], calibrated: bool) -
     return {"model": model, "calibration": vd.Calibration.from_string(text)}
 
 
+def turns_beams(vd: Any, config: Any) -> bool:
+    """Whether the decoder turns the points of each laser by when it fires within a firing, up to a column, which the
+    calibration of an HDL-64E does not say: the beams are not those of the file."""
+    return config.model in (vd.Model.HDL64E_S1, vd.Model.HDL64E_S2, vd.Model.HDL64E_S3)
+
+
 def fields_of_decoded(stamp_s: float, cloud: Array) -> Fields:
     """A cloud of the decoder, whose times count from the stamp of its last packet."""
     x, y, z = (cloud[:, axis] for axis in range(3))
@@ -88,6 +94,7 @@ class PacketMessages:
         self._vd = import_decoder(path)
         self._config = decoder_config(path, (bytes(packet.data) for packet in packets), sensor)
         self.sensor = ""
+        self.recovers_sensor = turns_beams(self._vd, self._config)
 
     def fields(self, packets: Iterable[Any], name: str) -> tuple[Fields, list[str]]:
         vector = self._vd.PacketVector()
@@ -127,6 +134,7 @@ class VelodyneCapture(CloudSource):
             raise InputError(f"{path}: no complete packet of a Velodyne sensor")
         model = self._model()
         self.sensor = sensor_name(model)
+        self.recovers_sensor = turns_beams(import_decoder(self.path), self._config)
         self.notes = ["scans: turns; the first and the last may be a part of one", *notes_of(model)]
 
     def read(self, k: int) -> Fields:
