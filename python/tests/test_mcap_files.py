@@ -111,3 +111,15 @@ def test_a_file_of_returns_gives_the_labels_of_the_native_recording(dtype, fill,
     expected = np.concatenate([driver_result.moving(k)[compact(scans[k])] for k in result.scans])
     assert expected.any()
     assert iou(found, expected) > 0.99
+
+
+def test_a_destaggered_image_gives_the_same_labels(scans, driver_result, tmp_path):
+    """As ouster-ros publishes: organised, each row shifted so that a column of the image is an azimuth, not an instant."""
+    rows = 16
+    order = np.concatenate([np.roll(row, 7 * k) for k, row in enumerate(np.arange(len(scans[0])).reshape(rows, -1))])
+    clouds = ((cloud[order], stamp_ns) for cloud, stamp_ns in clouds_of(scans, OUSTER, ouster_as_columns, everything))
+    result = mapless.detect(write(tmp_path / "drive.mcap", clouds, height=rows), tmp_path / "out", sensor="VLP-16")
+    assert result.scans == driver_result.scans
+    for k in result.scans:
+        kept = compact(scans[k])[order]
+        np.testing.assert_array_equal(result.label(k)[kept], driver_result.label(k)[order][kept])
