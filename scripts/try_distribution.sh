@@ -26,6 +26,7 @@ jammy | noble) mirror=${MIRROR:-http://archive.ubuntu.com/ubuntu} components=mai
   configured=$(apt-get indextargets --format '$(REPO_URI)' 'Created-By: Packages' 2>/dev/null | grep -m 1 '/debian/*$' || true)
   mirror=${MIRROR:-${configured:-http://deb.debian.org/debian}} components=main ;;
 esac
+mirror=${mirror%/}  # some mirrors refuse //
 
 if [ ! -e "$tree/.complete" ]; then
   wget -q -T 20 -t 1 -O /dev/null "$mirror/dists/$suite/Release" ||
