@@ -14,8 +14,8 @@ help:
 	@echo 'make build     the release command alone: build/mapless'
 	@echo 'make lint      formatting, layers, documents, clang-tidy'
 	@echo 'make docs      the reference of the public headers: build/reference/index.html'
-	@echo 'make peers     KISS-ICP beside our odometry and DUFOMap beside our detection, their tables into docs/odometry.md,'
-	@echo '               docs/accuracy.md and docs/export.md; ARGS="--kitti DRIVE" for that drive too, in the odometry'
+	@echo 'make peers     KISS-ICP beside our odometry and DUFOMap beside our detection, their tables into'
+	@echo '               docs/notebook/odometry.md, docs/accuracy.md, docs/export.md; ARGS="--kitti DRIVE" for that drive too, in the odometry'
 	@echo 'make fuzz      fuzz every reader of files for 60 s (Clang, libFuzzer); ARGS="SECONDS READER...": others'
 	@echo 'make soak      one hour of detection at 10 Hz: memory, time per scan, open files; ARGS: see scripts/soak.py'
 	@echo 'make install   library, headers and command to PREFIX ($(PREFIX))'
@@ -53,7 +53,7 @@ docs:
 peers: build
 	@python3 -m venv build/peers/python
 	@build/peers/python/bin/pip install --quiet -r benchmarks/peers/requirements.txt
-	@build/peers/python/bin/python benchmarks/peers/compare_odometry.py $(ARGS) --write docs/odometry.md
+	@build/peers/python/bin/python benchmarks/peers/compare_odometry.py $(ARGS) --write docs/notebook/odometry.md
 	@build/peers/python/bin/python benchmarks/peers/compare_detection.py --write docs/accuracy.md
 	@build/peers/python/bin/python benchmarks/peers/compare_maps.py --duration-s 8 --write docs/export.md
 

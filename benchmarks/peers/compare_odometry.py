@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Runs KISS-ICP and `mapless odometry` on the same raw scans, one after the other, and evaluates both the same way.
 
-usage: compare_odometry.py [--mapless build/mapless] [--kitti DRIVE] [--duration-s 20] [--write docs/odometry.md]
+usage: compare_odometry.py [--mapless build/mapless] [--kitti DRIVE] [--duration-s 20] [--write docs/notebook/odometry.md]
 
 Makes short simulated recordings in --work where they are not there yet. KISS-ICP is the Python package of
 requirements.txt with its defaults: deskewing on, given the time of every point, one thread. Its poses are those of the

@@ -47,7 +47,7 @@ PlaneGrid::PlaneGrid(double cube_m, double offset_m, double sigma_m)
 void PlaneGrid::clear() {
   cubes_.clear();
   planes_.clear();
-  rebuild_table(kInitialSlots);
+  rebuild_table(table_.size());
 }
 
 Vector3d PlaneGrid::from_origin(const Vector3d& p_0) const { return (p_0.array() - offset_m_).matrix(); }
@@ -107,7 +107,7 @@ void PlaneGrid::find_cubes(std::span<Run> runs) {
   }
 }
 
-void PlaneGrid::find_runs(const std::vector<MapPoint>& points, double max_range_m) {
+void PlaneGrid::find_runs(std::span<const MapPoint> points, double max_range_m) {
   std::size_t found = 0;
   std::uint64_t last = kNoCube;
   for (std::uint32_t i = 0; i < points.size(); ++i) {
@@ -132,7 +132,7 @@ void PlaneGrid::find_runs(const std::vector<MapPoint>& points, double max_range_
 }
 
 // The cube of a run may lie anywhere in memory: it is prefetched some runs ahead.
-void PlaneGrid::insert(const std::vector<MapPoint>& points, double max_range_m, unsigned bit,
+void PlaneGrid::insert(std::span<const MapPoint> points, double max_range_m, unsigned bit,
                        std::vector<unsigned>& grids) {
   find_runs(points, max_range_m);
   for (std::size_t r = 0; r < runs_.size(); ++r) {
@@ -156,8 +156,7 @@ void PlaneGrid::insert(const std::vector<MapPoint>& points, double max_range_m, 
 }
 
 // Points of cubes without room for all of them, sorted by pass (counting sort, stable).
-void PlaneGrid::add_contested(const std::vector<MapPoint>& points, unsigned bit,
-                              std::vector<unsigned>& grids) {
+void PlaneGrid::add_contested(std::span<const MapPoint> points, unsigned bit, std::vector<unsigned>& grids) {
   std::vector<std::size_t> next;  // where the next point of each pass goes
   for (const Contested& one : contested_) {
     const std::size_t pass = points[one.point].pass;
@@ -177,7 +176,7 @@ void PlaneGrid::add_contested(const std::vector<MapPoint>& points, unsigned bit,
   contested_by_pass_.clear();
 }
 
-void PlaneGrid::add_run(const std::vector<MapPoint>& points, const Run& run, unsigned bit,
+void PlaneGrid::add_run(std::span<const MapPoint> points, const Run& run, unsigned bit,
                         std::vector<unsigned>& grids) {
   const auto number = static_cast<std::size_t>(run.cube);
   Cube& cube = cubes_[number];

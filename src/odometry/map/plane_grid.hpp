@@ -57,7 +57,7 @@ class PlaneGrid {
   /// Adds the points that are at most `max_range_m` from their sensor, and sets `bit` in `grids` of each
   /// point added. A point is not added if its cube is full, or farther than 2^20 cubes from the origin.
   /// Faster if consecutive points share a cube.
-  void insert(const std::vector<MapPoint>& points, double max_range_m, unsigned bit,
+  void insert(std::span<const MapPoint> points, double max_range_m, unsigned bit,
               std::vector<unsigned>& grids);
   /// Removes points that `insert` added, if their cubes still exist.
   void remove(const std::vector<Eigen::Vector3d>& points_0);
@@ -154,11 +154,10 @@ class PlaneGrid {
     std::uint32_t cube;
   };
   [[nodiscard]] std::int32_t open_cube(std::uint64_t key);
-  void find_runs(const std::vector<MapPoint>& points, double max_range_m);
+  void find_runs(std::span<const MapPoint> points, double max_range_m);
   void find_cubes(std::span<Run> runs);
-  void add_run(const std::vector<MapPoint>& points, const Run& run, unsigned bit,
-               std::vector<unsigned>& grids);
-  void add_contested(const std::vector<MapPoint>& points, unsigned bit, std::vector<unsigned>& grids);
+  void add_run(std::span<const MapPoint> points, const Run& run, unsigned bit, std::vector<unsigned>& grids);
+  void add_contested(std::span<const MapPoint> points, unsigned bit, std::vector<unsigned>& grids);
   void fit_planes();
   // The slot of the cube, or the empty slot where it belongs.
   [[nodiscard]] std::size_t slot_of(std::uint64_t key) const {

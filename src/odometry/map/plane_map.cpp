@@ -32,7 +32,7 @@ PlaneMap::PlaneMap(double sigma_m, double scale, std::size_t grids)
     grids_.emplace_back(scale * kCubes[g], scale * kOffsets_m[g], sigma_m);
 }
 
-std::vector<unsigned> PlaneMap::insert(const std::vector<MapPoint>& points) {
+std::vector<unsigned> PlaneMap::insert(std::span<const MapPoint> points) {
   std::vector<unsigned> grids(points.size(), 0);
   for (std::size_t g = 0; g < grids_.size(); ++g) {
     const double max_range_m =

@@ -42,7 +42,7 @@ class PlaneMap {
 
   /// Returns for each point the grids that accepted it, bit g for grid g. A fine grid does not accept points
   /// from far away, where they are too sparse for its cubes.
-  std::vector<unsigned> insert(const std::vector<MapPoint>& points);
+  std::vector<unsigned> insert(std::span<const MapPoint> points);
   struct InsertedPoint {
     Eigen::Vector3d p_0;
     unsigned grids;  ///< as insert() returned them

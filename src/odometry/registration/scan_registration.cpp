@@ -72,7 +72,7 @@ bool gauss_newton_step(const WindowPrior& prior, const TimeBins& bins, const Pla
     registration.inliers += bin.inliers;
     registration.soft_inliers += bin.soft_inliers;
   }
-  registration.converged = has_converged(solution->step);
+  registration.converged = has_converged(solution->step, settings.small_step);
   ++registration.iterations;
   return true;
 }

@@ -32,6 +32,7 @@ struct RegistrationSettings {
   double min_constraint_ratio;
   int max_iterations;
   const MotionMeasurements* measurements = nullptr;  ///< of other sensors; null: none
+  double small_step = 1;                             ///< scale of has_converged()
 };
 
 /// Adds what the prior of the window does not cover between knots k and k + 1: the motion prior, and the
@@ -55,8 +56,8 @@ struct Registration {
   bool converged = false;
 };
 
-/// Whether a step of all knots is too small to matter. `scale` is that of the map's cubes (PlaneMap).
-[[nodiscard]] bool has_converged(const std::vector<Vector12d>& steps, double scale = 1);
+/// Whether a step moves every knot by less than `scale` x 1 mm and 0.1 mrad.
+[[nodiscard]] bool has_converged(const std::vector<Vector12d>& steps, double scale);
 
 /// One Gauss-Newton step. `planes` caches the association of the step before; pass an empty vector if the map
 /// is another one. Returns false if there is no solution; `registration` is then as before.

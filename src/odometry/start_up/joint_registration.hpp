@@ -7,6 +7,11 @@
 
 namespace mapless::inline v1 {
 
+/// RegistrationSettings::small_step of the start: 5 mm and 0.5 mrad. Points change their planes from step to
+/// step, so that in a forest the steps stay at 1 to 5 mm for 25 steps. Measured: docs/notebook/odometry.md,
+/// "Cost of the start".
+inline constexpr double kSmallStartUpStep = 5;
+
 /// Registers a few consecutive scans at once, each to the map of all the others. Together they constrain a
 /// motion that the first two scans of a sparse sensor leave open. `knots` and `prior` cover the whole time;
 /// UsableScan::interval counts in `knots`. Inliers and degeneracy of the result are those of the last scan.
@@ -14,7 +19,7 @@ namespace mapless::inline v1 {
 [[nodiscard]] std::optional<Registration> register_jointly(std::vector<TrajectoryKnot> knots,
                                                            const WindowPrior& prior,
                                                            const std::vector<UsableScan>& scans,
-                                                           const RegistrationSettings& settings);
+                                                           RegistrationSettings settings);
 
 /// The same, but the initial guess is a sensor at rest at the mean of `prior`, and the maps begin coarse: for
 /// scans that no pairwise registration can solve. It finds walking speeds, not those of a car.

@@ -6,6 +6,7 @@
 #include <tbb/parallel_for.h>
 
 #include "odometry/map/points_in_world.hpp"
+#include "odometry/start_up/joint_registration.hpp"
 
 namespace mapless::inline v1 {
 namespace {
@@ -30,6 +31,9 @@ constexpr double kTurnRateSigma_radps = 1;
 // The same about a velocity that later scans have determined; they may be half a second apart.
 constexpr double kNearSpeedSigma_mps = 0.5;
 constexpr double kNearTurnRateSigma_radps = 0.5;
+// Most steps of a motion of the edges, first with a part of the first scan's points, then with all. Chosen:
+// from a right motion four to six steps suffice; a wrong one need not become accurate.
+constexpr int kEdgeSteps = 8;
 // The same along a direction in which the speed is imposed: far below the steps between these speeds.
 constexpr double kImposedSpeedSigma_mps = 0.02;
 // Fewest soft inliers of a motion. Measured without the limit on flying starts: one better, two worse
@@ -192,23 +196,24 @@ bool PairOfScans::iterate(double scale, int steps, bool coarse, const WindowPrio
                           Registration& registration) const {
   RegistrationSettings level = settings_;
   level.weights.gate_m *= scale;
+  level.small_step = kSmallStartUpStep;
   registration.converged = false;
+  PlaneMap map(scale * settings_.point_sigma_m, scale, kGrids);
   for (int i = 0; i < steps && !registration.converged; ++i) {
     std::vector<CachedPlane> planes;
-    const PlaneMap map = map_of(registration, scale, coarse);
+    map.clear();
+    fill(registration, scale, coarse, map);
     if (!gauss_newton_step(prior, second_.bins, map, level, planes, registration)) return false;
   }
   return true;
 }
 
-PlaneMap PairOfScans::map_of(const Registration& registration, double scale, bool coarse) const {
+void PairOfScans::fill(const Registration& registration, double scale, bool coarse, PlaneMap& map) const {
   const auto& points = coarse ? coarse_points_ : first_.points;
-  PlaneMap map(scale * settings_.point_sigma_m, scale, kGrids);
   auto points_0 = points_in_world(points, first_.start, registration.knots[first_interval_],
                                   registration.knots[first_interval_ + 1]);
   for (MapPoint& point : points_0) point.range_m /= scale;
   (void)map.insert(points_0);
-  return map;
 }
 
 bool PairOfScans::refine(Registration& registration) const {
@@ -276,19 +281,44 @@ void PairOfScans::add_along_weak_directions(std::vector<Registration>& all) cons
   }
 }
 
-std::optional<Registration> PairOfScans::register_near(const EdgeMotion& motion) const {
-  const Vector6d varpi = known_motion().applied_to(motion.varpi);
+WindowPrior PairOfScans::prior_of_edges(const EdgeMotion& motion) const {
   WindowPrior prior = prior_;
-  prior.mean.front().varpi = varpi;
+  prior.mean.front().varpi = known_motion().applied_to(motion.varpi);
   prior.diagonal.front().bottomRightCorner<6, 6>() = motion.information;
-  Registration out = constant_velocity(knots_, varpi);
-  if (!iterate(1, settings_.max_iterations, false, prior, out)) return std::nullopt;
+  return prior;
+}
+
+// The motions of the edges, registered to a part of the points. Of motions that came to be alike only the one
+// whose edges agree best is kept.
+std::vector<PairOfScans::EdgeCandidate> PairOfScans::edge_candidates() const {
+  const std::vector<EdgeMotion> motions = edge_motions(first_, second_);
+  std::vector<EdgeCandidate> found(motions.size());
+  tbb::parallel_for(std::size_t{0}, motions.size(), [&](std::size_t i) {
+    EdgeCandidate& one = found[i];
+    one.prior = prior_of_edges(motions[i]);
+    one.registration = constant_velocity(knots_, one.prior.mean.front().varpi);
+    one.solved = iterate(1, kEdgeSteps, true, one.prior, one.registration);
+  });
+  std::vector<EdgeCandidate> out;
+  double most = 0;
+  for (const EdgeCandidate& one : found) most = std::max(most, one.registration.soft_inliers);
+  for (EdgeCandidate& one : found) {
+    if (one.registration.soft_inliers < kMinInliersOfMost * most) continue;
+    const bool duplicate = std::any_of(out.begin(), out.end(), [&](const EdgeCandidate& other) {
+      return are_alike(one.registration.knots.back(), other.registration.knots.back());
+    });
+    if (one.solved && !duplicate) out.push_back(std::move(one));
+  }
   return out;
 }
 
 std::vector<Registration> PairOfScans::register_by_edges() const {
-  const std::vector<Registration> found = transform_parallel(
-      edge_motions(first_, second_), [&](const EdgeMotion& one) { return register_near(one); });
+  const std::vector<Registration> found =
+      transform_parallel(edge_candidates(), [&](EdgeCandidate one) -> std::optional<Registration> {
+        one.registration.iterations = 0;
+        if (!iterate(1, kEdgeSteps, false, one.prior, one.registration)) return std::nullopt;
+        return one.registration;
+      });
   std::vector<Registration> out;
   for (const Registration& registration : found) add_unless_duplicate(out, registration);
   keep_if_any(out, [&](const Registration& one) { return !is_contradicted(one.knots, settings_); });

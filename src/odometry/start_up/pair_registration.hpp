@@ -8,6 +8,10 @@
 
 namespace mapless::inline v1 {
 
+/// A motion with fewer soft inliers than this part of the most is dropped: it moves most of the scan to where
+/// the map is empty.
+inline constexpr double kMinInliersOfMost = 0.5;
+
 /// What other sensors measure during the first two scans: means, none where nothing is measured.
 struct KnownMotion {
   std::optional<Eigen::Vector3d> velocity, angular_velocity;  ///< in the sense of varpi
@@ -43,11 +47,17 @@ class PairOfScans {
   bool iterate(double scale, int steps, bool coarse, const WindowPrior& prior,
                Registration& registration) const;
   bool refine(Registration& registration) const;
-  [[nodiscard]] PlaneMap map_of(const Registration& registration, double scale, bool coarse) const;
+  void fill(const Registration& registration, double scale, bool coarse, PlaneMap& map) const;
   [[nodiscard]] std::optional<Registration> register_coarsely(const Vector6d& varpi) const;
   [[nodiscard]] std::optional<Registration> register_at_speed(const Vector6d& varpi,
                                                               const Eigen::Vector3d& direction) const;
-  [[nodiscard]] std::optional<Registration> register_near(const EdgeMotion& motion) const;
+  struct EdgeCandidate {
+    WindowPrior prior;  // the velocity of the edges
+    Registration registration;
+    bool solved = false;
+  };
+  [[nodiscard]] WindowPrior prior_of_edges(const EdgeMotion& motion) const;
+  [[nodiscard]] std::vector<EdgeCandidate> edge_candidates() const;
   [[nodiscard]] std::vector<Registration> coarse_registrations() const;
   [[nodiscard]] KnownMotion known_motion() const;
   void add_along_weak_directions(std::vector<Registration>& all) const;

@@ -21,9 +21,6 @@ constexpr double kEdgeWeight = 10;
 // The refined start replaces the best hypothesis if it has at least this part of its score. Chosen: the map
 // of a wrong first motion is blurred and has planes in more places, which gives it some inliers more.
 constexpr double kMinRefinedScoreRatio = 0.9;
-// A hypothesis with fewer soft inliers than this part of the most is dropped: it moves most of the scan to
-// where the map is empty.
-constexpr double kMinInliersOfMost = 0.5;
 // Without edges, the first two scans constrain their motion if the soft inliers are at least this part of the
 // keypoints. Measured: .04 to .09 with sixteen lasers above a hill and on motorways, .11 and more in forests,
 // towns and tunnels.

@@ -50,7 +50,8 @@ int next_fit(int count) {
 
 bool insert(PlaneGrid& grid, const Vector3d& p, unsigned laser) {
   std::vector<unsigned> taken = {0};
-  grid.insert({{p, laser, 1}}, 10, 1, taken);
+  const std::vector<MapPoint> points = {{p, laser, 1}};
+  grid.insert(points, 10, 1, taken);
   return taken[0] != 0;
 }
 
@@ -216,6 +217,26 @@ TEST(PlaneGrid, AFullCubeAcceptsNoMore) {
   EXPECT_FALSE(insert(grid, {0.5, 0.5, 0.5}, next_laser++));
 }
 
+// Cleared, a grid keeps its memory but none of its points: neither planes, nor cubes that are full, nor
+// lasers.
+TEST(PlaneGrid, AClearedGridIsAsANewOne) {
+  PlaneGrid grid(1, 0, kSigma);
+  for (int x = 0; x < 5000; ++x) (void)insert(grid, {x + 0.5, 0.5, 0.5}, next_laser++);
+  for (int i = 0; i < 200; ++i)
+    (void)insert(grid, {0.02 * (i % 40) + 0.1, 0.05 * (i % 16) + 0.1, 0.5}, next_laser++);
+  ASSERT_TRUE(grid.plane_at({0.5, 0.5, 0.5}));
+  grid.clear();
+  EXPECT_EQ(grid.cubes(), 0u);
+  EXPECT_FALSE(grid.plane_at({0.5, 0.5, 0.5}));
+  for (int i = 0; i < 10; ++i) EXPECT_TRUE(insert(grid, {0.1 * i + 0.05, 0.1 * (i * 3 % 10) + 0.05, 0.5}, 1));
+  EXPECT_FALSE(grid.plane_at({0.5, 0.5, 0.5})) << "of one laser";
+  EXPECT_TRUE(insert(grid, {0.5, 0.1, 0.5}, 2) && insert(grid, {0.1, 0.6, 0.5}, 2) &&
+              insert(grid, {0.8, 0.6, 0.5}, 2));
+  const auto plane = grid.plane_at({0.5, 0.5, 0.5});
+  ASSERT_TRUE(plane);
+  EXPECT_NEAR(std::abs(plane->normal_0.z()), 1, 1e-6);
+}
+
 TEST(PlaneGrid, RemovesCubesThatAreFar) {
   PlaneGrid grid(1, 0, kSigma);
   for (int x = 0; x < 3000; ++x) (void)insert(grid, {x + 0.5, 0.5, 0.5}, next_laser++);
@@ -251,7 +272,8 @@ TEST(PlaneMap, ACachedPlaneEqualsTheOneFoundAgain) {
   std::vector<Vector3d> queries;
   for (int i = 0; i < 40; ++i) {
     const Patch patch = random_patch(generator, 6 * Vector3d(uniform(generator), uniform(generator), 0.1));
-    for (const Vector3d& p : points_on(patch, 300, 1, generator)) (void)map.insert({{p, next_laser++, 10}});
+    for (const Vector3d& p : points_on(patch, 300, 1, generator))
+      (void)map.insert(std::vector<MapPoint>{{p, next_laser++, 10}});
     for (const Vector3d& p : points_on(patch, 30, 1, generator)) queries.push_back(p);
   }
   std::vector<CachedPlane> kept(queries.size());
@@ -283,10 +305,10 @@ TEST(PlaneMap, AFarSparseWallHasACoarsePlaneAndANearOneAFinePlane) {
   PlaneMap map(kSigma);
   const Patch wall = {{41.8, 1.8, 1.8}, {0, 1, 0}, {0, 0, 1}, {1, 0, 0}};
   for (const Vector3d& p : points_on(wall, 8, 0.8, generator))
-    EXPECT_EQ(map.insert({{p, next_laser++, 90}}), std::vector{12u});
+    EXPECT_EQ(map.insert(std::vector<MapPoint>{{p, next_laser++, 90}}), std::vector{12u});
   EXPECT_TRUE(plane_near(map, wall.centre));
   for (const Vector3d& p : points_on(wall, 60, 0.8, generator))
-    EXPECT_EQ(map.insert({{p, next_laser++, 10}}), std::vector{15u});
+    EXPECT_EQ(map.insert(std::vector<MapPoint>{{p, next_laser++, 10}}), std::vector{15u});
   const auto plane = plane_near(map, wall.centre);
   ASSERT_TRUE(plane);
   EXPECT_LT(plane->variance, 2.25 * kSigma * kSigma);
