@@ -6,17 +6,23 @@
 namespace mapless::inline v1 {
 namespace {
 
-// Between two key scans a static surface moves in the sensor frame by this much, or by this angle: several
-// tolerances at a metre. Chosen.
-constexpr double kKeyDistance_m = 0.5;
-constexpr double kKeyAngle_rad = 0.2;
+// Between two key scans a static surface moves in the sensor frame by this much, or by this angle: over
+// kFewestKeyScans, by several tolerances at a metre. Chosen.
+constexpr double kKeyDistance_m = 0.1;
+constexpr double kKeyAngle_rad = 0.05;
 
 // Chosen: the roof and the bonnet of a car, seen from its roof, are nearer. The side of a car alongside,
 // 2.6 m away, reaches beyond it, and so does not end freely.
 constexpr float kLargestRange_m = 4;
 
-// Chosen: 5 m of motion, or a second at 5 m/s and more with ten scans a second.
+// Chosen: a metre of motion, and a second with ten scans a second. In less, what keeps pace with the sensor
+// looks constant.
 constexpr int kFewestKeyScans = 10;
+
+// In the first second this suffices nearer than kNear_m, where hardly anything but the own vehicle keeps pace
+// with the sensor: a car in the next lane is farther away. The first labels wait for five scans, too.
+constexpr int kFewestFirstKeyScans = 5;
+constexpr float kNear_m = 2;
 
 // Chosen: one range in ten may be an outlier, or that of something in front of the own vehicle.
 constexpr int kSamePerOther = 9;
@@ -51,7 +57,10 @@ float nearest(const LidarScan& scan, const LidarReturn& r, float range_m) {
 
 }  // namespace
 
-bool OwnVehicle::Cell::constant() const { return same >= kFewestKeyScans && same >= kSamePerOther * others; }
+bool OwnVehicle::Cell::constant(int key_scans) const {
+  const int first = range_m < kNear_m ? kFewestFirstKeyScans : kFewestKeyScans;
+  return same >= std::clamp(key_scans, first, kFewestKeyScans) && same >= kSamePerOther * others;
+}
 
 void OwnVehicle::Cell::add(float seen_m, float tolerance_m) {
   if (range_m > 0 && std::abs(seen_m - range_m) <= tolerance_m) {
@@ -89,7 +98,9 @@ void OwnVehicle::count_ranges(const LidarScan& scan, float tolerance_m) {
   if (model_ != scan.model) {
     model_ = scan.model;
     cells_.assign(model_->lasers.size() * static_cast<std::size_t>(model_->columns), {});
+    key_scans_ = 0;
   }
+  ++key_scans_;
   for (const LidarReturn& r : scan.returns) {
     if (r.column >= model_->columns) continue;
     Cell& cell = cells_[cell_index(r.laser, r.column)];
@@ -125,7 +136,7 @@ std::vector<std::vector<int>> OwnVehicle::constant_runs(int row) const {
            std::abs(range_m(c) - range_m(run.back())) <= kLinked_m;
   };
   for (int c = 0; c < columns; ++c) {
-    if (!cells_[cell_index(row, c)].constant()) continue;
+    if (!cells_[cell_index(row, c)].constant(key_scans_)) continue;
     if (runs.empty() || !follows(runs.back(), c)) runs.emplace_back();
     runs.back().push_back(c);
   }
@@ -154,9 +165,8 @@ void OwnVehicle::learn(const LidarScan& scan, const SE3& T_v0, double tolerance_
   find_own_cells(scan);
 }
 
-std::vector<std::int32_t> OwnVehicle::find(const LidarScan& scan, const SE3& T_v0, double tolerance_m) {
+std::vector<std::int32_t> OwnVehicle::find(const LidarScan& scan, double tolerance_m) const {
   const auto tolerance = static_cast<float>(tolerance_m);
-  learn(scan, T_v0, tolerance_m);
   std::vector<std::int32_t> found;
   if (model_ != scan.model) return found;
   const auto is_own = [&](const LidarReturn& r) {

@@ -17,8 +17,9 @@ namespace mapless::inline v1 {
 ///
 /// - Key scans: the sensor has moved by kKeyDistance_m or turned by kKeyAngle_rad since the one before.
 /// - A cell is constant if its range was the same, within the tolerance, in at least kFewestKeyScans key
-///   scans, and in nine tenths of those with a return. A return in a column beside it counts, too. Only
-///   ranges below kLargestRange_m are learnt.
+///   scans, and in nine tenths of those with a return. While there are fewer key scans, it has to be the
+///   same in all of them, and below kNear_m in kFewestFirstKeyScans. A return in a column beside it counts,
+///   too. Only ranges below kLargestRange_m are learnt.
 /// - Consecutive constant cells of a row, of one surface, are on the own vehicle if they end freely on both
 ///   sides: beside something nearer or farther, or nothing; or if they go all around. The side of a lorry
 ///   that passes slides along itself, so its ranges are constant; but its ends move, and next to the constant
@@ -33,15 +34,15 @@ class OwnVehicle {
   /// Takes the next scan. `T_v0`: pose of the sensor at the start of the scan; `tolerance_m`: largest
   /// difference between two ranges of one surface [m].
   void learn(const LidarScan& scan, const SE3& T_v0, double tolerance_m);
-  /// Takes the next scan; returns its returns on the own vehicle, by increasing index.
-  [[nodiscard]] std::vector<std::int32_t> find(const LidarScan& scan, const SE3& T_v0, double tolerance_m);
+  /// The returns of a scan on the own vehicle as learnt so far, by increasing index.
+  [[nodiscard]] std::vector<std::int32_t> find(const LidarScan& scan, double tolerance_m) const;
 
  private:
   struct Cell {
     float range_m = 0;        // 0: none below kLargestRange_m
     std::uint8_t same = 0;    // key scans with this range
     std::uint8_t others = 0;  // with another
-    [[nodiscard]] bool constant() const;
+    [[nodiscard]] bool constant(int key_scans) const;
     void add(float seen_m, float tolerance_m);
   };
   [[nodiscard]] std::size_t cell_index(int row, int column) const;
@@ -55,6 +56,7 @@ class OwnVehicle {
   std::vector<Cell> cells_;      // row-major, one per laser and column of the model
   std::vector<bool> own_;        // of each cell
   std::optional<SE3> key_T_v0_;  // of the last key scan
+  int key_scans_ = 0;            // so far
 };
 
 }  // namespace mapless

@@ -25,11 +25,12 @@ FreespaceVerdict sign_of(int votes) {
   return votes > 0 ? FreespaceVerdict::inside : FreespaceVerdict::border;
 }
 
-// Of a point at which every reference scan saw a surface.
-PointEvidence of_static_point(std::size_t references) {
+// Of a point on the own vehicle: as if every reference scan saw a surface there.
+PointEvidence of_own_vehicle(std::size_t references) {
   PointEvidence evidence;
   evidence.past = static_cast<std::int16_t>(-kMaxSurfaceVotes * static_cast<int>(references));
   evidence.surface_seen = true;
+  evidence.own_vehicle = true;
   return evidence;
 }
 
@@ -60,9 +61,8 @@ class VotingPipeline final : public DetectionPipeline {
     std::shared_ptr<const LidarScan> scan;
     LocalPoints points;
     std::vector<TrajectoryState> column_states;
-    std::vector<std::int32_t> own_vehicle;  // returns on it
-    VotingParameters parameters;            // with the tolerance for its noise
-    StageSeconds seconds;                   // of its preparation
+    VotingParameters parameters;  // with the tolerance for its noise
+    StageSeconds seconds;         // of its preparation
   };
   [[nodiscard]] const RayImage& image(std::size_t number) const { return *images_.at(number - first_image_); }
   [[nodiscard]] std::shared_ptr<const RayImage> rays_at(std::size_t number, int gap) const {
@@ -100,8 +100,7 @@ void VotingPipeline::add(std::shared_ptr<const LidarScan> scan, const Trajectory
   pending.column_states = std::move(compensated.column_states);
   pending.parameters = with_tolerance_for_noise(parameters_, *pending.scan);
   if (!pending.column_states.empty()) {
-    pending.own_vehicle =
-        own_vehicle_.find(*pending.scan, pending.column_states.front().T_v0, pending.parameters.tolerance_m);
+    own_vehicle_.learn(*pending.scan, pending.column_states.front().T_v0, pending.parameters.tolerance_m);
   }
   pending_.push_back(std::move(pending));
 }
@@ -152,11 +151,14 @@ ObjectProposals VotingPipeline::run_stages(PendingScan query, const std::vector<
     if (out.explanation->points_recorded) recorded = out.explanation.get();
   }
 
+  const std::vector<std::int32_t> own_vehicle =
+      own_vehicle_.find(*out.scan, query.parameters.tolerance_m);  // returns on it
+
   // 2., 3. Comparison and freespace check of every point, against several earlier scans and a later one.
   auto evidence = timed(out.seconds.evidence, [&] {
     auto of_points = collect_evidence(*out.scan, query.points, references, own, query.parameters, recorded);
-    for (const std::int32_t i : query.own_vehicle)
-      of_points[static_cast<std::size_t>(i)] = of_static_point(references.size());
+    for (const std::int32_t i : own_vehicle)
+      of_points[static_cast<std::size_t>(i)] = of_own_vehicle(references.size());
     return of_points;
   });
   // 4. Border effects: points whose linked neighbours do not have evidence too.
@@ -167,8 +169,7 @@ ObjectProposals VotingPipeline::run_stages(PendingScan query, const std::vector<
                        [&] { return grow_evidence(*out.scan, query.points, evidence, seeds, parameters_); });
   if (recorded) {
     explain_segmentation(*out.scan, query.points, evidence, regions, parameters_, *recorded);
-    for (const std::int32_t i : query.own_vehicle)
-      recorded->points[static_cast<std::size_t>(i)].own_vehicle = true;
+    for (const std::int32_t i : own_vehicle) recorded->points[static_cast<std::size_t>(i)].own_vehicle = true;
   }
   out.trace = trace_of(evidence, seeds, regions.verdict);
   out.object = std::move(regions.object);

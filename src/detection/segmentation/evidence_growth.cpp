@@ -147,10 +147,11 @@ class EvidenceGrowth {
     std::sort(dynamic_.begin(), dynamic_.end());
   }
 
-  // In the first scans no point is known to be static, and tangential surfaces would extend over all of them.
+  // In the first scans no point of the world is known to be static, and tangential surfaces would extend over
+  // all of them.
   [[nodiscard]] bool any_static() const {
     return std::any_of(votes_.begin(), votes_.end(),
-                       [](const PointEvidence& v) { return v.total() < kTangentialVotes; });
+                       [](const PointEvidence& v) { return v.total() < kTangentialVotes && !v.own_vehicle; });
   }
 
   // Adds those of one object after another; returns whether there are any. The marks are on labelled points.

@@ -51,6 +51,12 @@ TEST_F(BusSide, BelongsToTheEndsThatMove) {
   EXPECT_EQ(found(), kFound);
 }
 
+// In the first scans only the own vehicle is known to be static, and sides would extend over all else.
+TEST_F(BusSide, IsNotEvaluatedWhereOnlyTheOwnVehicleIsKnownToBeStatic) {
+  for (PointEvidence& v : votes_) v.own_vehicle = v.total() == -9;  // the wall
+  EXPECT_EQ(found(), kFound);
+}
+
 // For one end that continues into static points there must be more than three in front of something farther.
 TEST_F(BusSide, IsStaticIfItContinuesIntoStaticPoints) {
   put(0, kLast + 1, 5, -9);
