@@ -1,6 +1,6 @@
 #!/bin/sh
-# Checks the page of `mapless view`: its sources are typed correctly and give the committed page byte for byte, and
-# the page works in a headless Chromium (viewer/test/page_test.mjs). Exit code 77: skipped, because something is missing.
+# Checks the pages of `mapless view` and `mapless benchmark`: their sources are typed correctly and give the committed
+# files byte for byte, and the pages work in a headless Chromium (viewer/test/page_test.mjs). Exit code 77: skipped, because something is missing.
 # usage: scripts/check_viewer.sh MAPLESS BUILD_FOLDER
 set -eu
 mapless=$1
@@ -24,11 +24,13 @@ if ! cmp -s package-lock.json node_modules/installed-lock.json; then
   cp package-lock.json node_modules/installed-lock.json
 fi
 node_modules/.bin/tsc --noEmit
-node build.mjs page.html
-cmp page.html "$root/apps/mapless/view/page.html" || {
-  echo "apps/mapless/view/page.html is not what viewer/ gives: run 'npm ci && node build.mjs' in viewer/" >&2
-  exit 1
-}
+node build.mjs page.html plots.html
+for file in view/page.html benchmark/page/plots.html; do
+  cmp "$(basename "$file")" "$root/apps/mapless/$file" || {
+    echo "apps/mapless/$file is not what viewer/ gives: run 'npm ci && node build.mjs' in viewer/" >&2
+    exit 1
+  }
+done
 "$mapless" simulate --help >/dev/null 2>&1 || skip "the page is not tried: this build has no simulator"
 browser=${CHROMIUM:-$(command -v chromium || command -v chromium-browser || true)}
 [ -n "$browser" ] || skip "the page is not tried: Chromium is not installed"

@@ -77,7 +77,7 @@ bool run_missing(const std::vector<const Job*>& jobs, const RecordingStore& stor
   for (const Job* job : jobs) {
     scans += scans_of(*job);
     tasks.emplace_back([&store, &folder, job](const auto& step_done) {
-      const auto result = run_job(*job, store.path(job->recording), folder.pictures(), step_done);
+      const auto result = run_job(*job, store.path(job->recording), folder, step_done);
       if (result) folder.finish(job->stem(), job->json(), *result);
       return result.has_value();
     });

@@ -46,7 +46,7 @@ void BenchmarkFolder::open() const {
   if (is_empty) {
     write_file_atomically(figures(), json_text({{"program", kBenchmarkName}, {"complete", false}}));
   }
-  for (const fs::path& folder : {path_ / "rows", pictures(), plots()}) make_folder(folder);
+  for (const fs::path& folder : {path_ / "rows", pictures(), plots(), views()}) make_folder(folder);
 }
 
 fs::path BenchmarkFolder::row_file(const std::string& stem) const {
@@ -69,6 +69,8 @@ std::optional<Json> BenchmarkFolder::finished(const std::string& stem, const Jso
   for (const Json& picture : row["result"].value("pictures", Json::array())) {
     if (!fs::is_regular_file(pictures() / picture.value("file", "?"))) return std::nullopt;
   }
+  const std::string view = row["result"].value("view", "");
+  if (!view.empty() && !fs::is_regular_file(views() / view)) return std::nullopt;
   return std::make_optional<Json>(row["result"]);  // nlohmann-json 3.10 takes a conversion for ambiguous
 }
 

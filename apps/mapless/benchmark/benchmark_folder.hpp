@@ -10,10 +10,11 @@ namespace mapless::app {
 
 /// The folder of a benchmark:
 ///
-///     index.html       the page, with all its pictures in it
+///     index.html       the page, with all its pictures in it; its drives in 3D are in views/
 ///     benchmark.json   all figures; begins as kBenchmarkBegin
 ///     plots/*.png      the page's plots
 ///     pictures/*.png   views of movers
+///     views/*.html     drives in 3D (MiddleView)
 ///     rows/*.json      one finished run each: its job and its result
 ///     recordings/      RecordingStore, unless elsewhere
 ///
@@ -27,6 +28,7 @@ class BenchmarkFolder {
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
   [[nodiscard]] std::filesystem::path pictures() const { return path_ / "pictures"; }
   [[nodiscard]] std::filesystem::path plots() const { return path_ / "plots"; }
+  [[nodiscard]] std::filesystem::path views() const { return path_ / "views"; }
   [[nodiscard]] std::filesystem::path recordings() const { return path_ / "recordings"; }
   [[nodiscard]] std::filesystem::path page() const { return path_ / "index.html"; }
   [[nodiscard]] std::filesystem::path figures() const { return path_ / "benchmark.json"; }
@@ -35,8 +37,8 @@ class BenchmarkFolder {
   /// file, cannot be made, or holds anything but a benchmark.
   void open() const;
 
-  /// The result of a finished run; absent if the run or one of its pictures is missing. `stem` names its
-  /// file; `job` has all settings that determine its figures.
+  /// The result of a finished run; absent if the run, one of its pictures or its drive in 3D is missing.
+  /// `stem` names its file; `job` has all settings that determine its figures.
   [[nodiscard]] std::optional<Json> finished(const std::string& stem, const Json& job) const;
   void finish(const std::string& stem, const Json& job, const Json& result) const;
 

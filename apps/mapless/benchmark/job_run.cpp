@@ -10,6 +10,7 @@
 #include <tbb/task_arena.h>
 
 #include "benchmark/ablated_motion.hpp"
+#include "benchmark/middle_view.hpp"
 #include "benchmark/movers/mover_gallery.hpp"
 #include "benchmark/movers/mover_views.hpp"
 #include "pictures/scan_picture.hpp"
@@ -36,7 +37,8 @@ class JobRun {
         online_({job.parameters, {}}),
         evaluator_(objects),
         delays_(objects),
-        scan_done_(scan_done) {}
+        scan_done_(scan_done),
+        middle_(dataset.size()) {}
 
   /// False where interrupted.
   bool run() {
@@ -70,6 +72,7 @@ class JobRun {
     return out;
   }
   [[nodiscard]] const MoverViews& views() const { return views_; }
+  [[nodiscard]] const MiddleView& middle() const { return middle_; }
   /// The scan in the middle of the recording.
   [[nodiscard]] const std::optional<Canvas>& scan_picture() const { return scan_picture_; }
 
@@ -109,6 +112,7 @@ class JobRun {
                const std::vector<std::uint32_t>& truth) {
     const std::size_t k = detection.sequence_number;
     views_.add(k, detection, truth);
+    middle_.add(detection);
     if (k != dataset_.size() / 2) return;
     PictureOptions how;
     how.extent_m = 40;
@@ -137,30 +141,34 @@ class JobRun {
   std::array<PrecisionRecall, kStageCount> after_stage_;
   std::vector<StageSeconds> seconds_;
   MoverViews views_;
+  MiddleView middle_;
   std::optional<Canvas> scan_picture_;
 };
 
 }  // namespace
 
 std::optional<Json> run_job(const Job& job, const std::filesystem::path& recording,
-                            const std::filesystem::path& pictures, const std::function<void()>& scan_done) {
+                            const BenchmarkFolder& folder, const std::function<void()>& scan_done) {
   const auto dataset = open_dataset(recording);
   const ObjectTruth objects = read_object_truth(recording);
   JobRun run(job, *dataset, objects, scan_done);
   if (!run.run()) return std::nullopt;
   Json result = run.result();
   if (!job.pictures) return std::make_optional(std::move(result));
+  const std::string name = job.recording.name();
+  result["view"] = name + ".html";
+  run.middle().write(*dataset, name, folder.views() / (name + ".html"));
   result["pictures"] =
-      draw_gallery(run.views(), stage_names(job.parameters.method), objects, pictures, job.recording.name());
+      draw_gallery(run.views(), stage_names(job.parameters.method), objects, folder.pictures(), name);
   if (run.scan_picture()) {
-    const std::string file = job.recording.name() + ".scan.png";
-    run.scan_picture()->write_png(pictures / file);
+    const std::string file = name + ".scan.png";
+    run.scan_picture()->write_png(folder.pictures() / file);
     result["pictures"].push_back({{"file", file},
                                   {"kind", "scan"},
                                   {"caption",
                                    "The scan in the middle of the recording, as the sensor sees it and "
                                    "from above: moving points found green, missed blue, static ones "
-                                   "called dynamic red"}});
+                                   "called dynamic orange"}});
   }
   return std::make_optional(std::move(result));
 }

@@ -18,7 +18,8 @@ constexpr double kTextSize = 18;
 constexpr int kRangeImageHeight = 256;
 constexpr Color kBackground{13, 16, 22}, kPanel{20, 25, 33}, kText{205, 212, 222}, kFaint{96, 108, 124},
     kLabel{159, 165, 174};
-constexpr Color kHit{64, 220, 120}, kFalse{255, 76, 66}, kMissed{72, 150, 255}, kUnjudged{250, 190, 60};
+// As in the page of `mapless view`: colours that colour-blind people tell apart (Okabe and Ito 2008).
+constexpr Color kHit{0, 178, 130}, kFalse{235, 100, 20}, kMissed{86, 180, 233}, kUnjudged{204, 121, 167};
 
 struct Rectangle {
   int x, y, width, height;

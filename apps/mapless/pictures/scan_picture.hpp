@@ -27,9 +27,9 @@ struct PictureOptions {
 };
 
 /// A labelled scan as a picture. Static points are grey. Dynamic ones have the colour of their object; with
-/// `truth`, true positives are green, false positives red and false negatives blue. The range image is laid
-/// out by azimuth, straight ahead (x) in its middle; the bird's-eye view looks down the sensor's spin axis, x
-/// to the right. `labels` and `truth` have one element per input record of the scan.
+/// `truth`, true positives are green, false positives orange and false negatives blue. The range image is
+/// laid out by azimuth, straight ahead (x) in its middle; the bird's-eye view looks down the sensor's spin
+/// axis, x to the right. `labels` and `truth` have one element per input record of the scan.
 [[nodiscard]] Canvas draw_scan(const LidarScan& scan, const std::vector<std::uint32_t>& labels,
                                const std::optional<std::vector<std::uint32_t>>& truth,
                                const PictureOptions& options);

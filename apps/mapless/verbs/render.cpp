@@ -108,7 +108,7 @@ void add_render(CLI::App& app, int& exit_code) {
   auto* verb = app.add_subcommand(
       "render",
       "Draw a labelled scan as a picture: static points grey, dynamic points coloured by object; where the "
-      "recording has true labels, true positives green, false positives red, false negatives blue");
+      "recording has true labels, true positives green, false positives orange, false negatives blue");
   const auto options = std::make_shared<RenderOptions>();
   add_recording_options(*verb, options->recording);
   add_labels_option(*verb, options->result);

@@ -99,12 +99,4 @@ DriveEncoder::EncodedScan DriveEncoder::encode(std::size_t scan) const {
   return out;
 }
 
-std::string json_for_script(const Json& json) {
-  const std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
-  std::string out;
-  out.reserve(text.size());
-  for (const char c : text) c == '<' ? out += "\\u003c" : out += c;
-  return out;
-}
-
 }  // namespace mapless::app

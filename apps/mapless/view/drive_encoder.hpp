@@ -46,7 +46,4 @@ class DriveEncoder {
   bool with_truth_ = false;
 };
 
-/// JSON that can stand in a script element: that ends at the first "</", and "<!--" begins a comment.
-[[nodiscard]] std::string json_for_script(const Json& json);
-
 }  // namespace mapless::app

@@ -7,6 +7,7 @@
 #include <tbb/parallel_for.h>
 
 #include "reports/base64.hpp"
+#include "reports/json_text.hpp"
 #include "view/scan_block.hpp"
 
 namespace mapless::app {

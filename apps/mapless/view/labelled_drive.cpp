@@ -64,7 +64,19 @@ LabelledDrive::LabelledDrive(const Dataset& dataset, const fs::path& result) : d
       for (ObjectRow& row : read_object_table(result_->objects())) objects_[row.scan].push_back(row);
     }
   }
-  trajectory_ = trajectory_of(dataset, result_);
+  place();
+}
+
+LabelledDrive::LabelledDrive(const Dataset& dataset, std::map<std::size_t, std::vector<std::uint32_t>> labels,
+                             const std::vector<ObjectRow>& objects)
+    : dataset_(dataset), given_(std::move(labels)) {
+  for (const auto& [k, of_scan] : given_) scans_.push_back(k);
+  for (const ObjectRow& row : objects) objects_[row.scan].push_back(row);
+  place();
+}
+
+void LabelledDrive::place() {
+  trajectory_ = trajectory_of(dataset_, result_);
   has_poses_ = trajectory_ != nullptr;
   if (!has_poses_) trajectory_ = std::make_shared<StationaryTrajectory>();
 }
@@ -80,6 +92,8 @@ LabelledCloud LabelledDrive::read(std::size_t k) const {
       out.stages = read_stage_file(result_->stage_file(k), out.scan->input_size);
     if (fs::exists(result_->probability_file(k)))
       out.probability = read_probability_file(result_->probability_file(k), out.scan->input_size);
+  } else if (given_.contains(k)) {
+    out.labels = given_.at(k);
   } else if (out.truth) {
     out.labels = *std::exchange(out.truth, std::nullopt);
   } else {

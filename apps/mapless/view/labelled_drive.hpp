@@ -41,6 +41,9 @@ class LabelledDrive {
   /// `dataset` outlives the drive. `result` empty: none. Throws InputError for a result that cannot be read,
   /// ParameterError if there is neither a result nor a true label.
   LabelledDrive(const Dataset& dataset, const std::filesystem::path& result);
+  /// Labels of some scans, in place of a result, by number of the scan: one per input record.
+  LabelledDrive(const Dataset& dataset, std::map<std::size_t, std::vector<std::uint32_t>> labels,
+                const std::vector<ObjectRow>& objects);
 
   /// Numbers of the scans that have labels, increasing.
   [[nodiscard]] const std::vector<std::size_t>& scans() const { return scans_; }
@@ -56,8 +59,11 @@ class LabelledDrive {
   [[nodiscard]] bool has_poses() const { return has_poses_; }
 
  private:
+  void place();  // by its trajectory
+
   const Dataset& dataset_;
   std::optional<ResultFolder> result_;
+  std::map<std::size_t, std::vector<std::uint32_t>> given_;  // labels
   std::vector<std::size_t> scans_;
   std::shared_ptr<const Trajectory> trajectory_;
   bool has_poses_ = true;

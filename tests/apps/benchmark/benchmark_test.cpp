@@ -75,16 +75,45 @@ TEST_F(BenchmarkTest, GivesPagePlotsAndFiguresOfEveryRun) {
   EXPECT_EQ(open_dataset(finished() / "recordings" / kRecording)->size(), kScans);
 }
 
-TEST_F(BenchmarkTest, ThePageNeedsNothingElse) {
+// The values of an attribute, but pictures in the page.
+std::vector<std::string> values_of(const std::string& page, const std::string& attribute) {
+  std::vector<std::string> out;
+  for (std::size_t at = page.find(attribute + "=\""); at != std::string::npos;
+       at = page.find(attribute + "=\"", at)) {
+    at += attribute.size() + 2;
+    if (page.compare(at, 5, "data:") != 0) out.push_back(page.substr(at, page.find('"', at) - at));
+  }
+  return out;
+}
+
+TEST_F(BenchmarkTest, ThePageNeedsNothingButItsDriveIn3d) {
   const std::string page = read_whole_file(finished() / "index.html");
+  const std::string view = "views/" + kRecording + ".html";
+  EXPECT_THAT(values_of(page, "href"), testing::ElementsAre(view));
+  EXPECT_THAT(values_of(page, "src"), testing::ElementsAre(view));
   // Not by matchers, which would print the whole page.
   const auto has = [&page](const std::string& text) { return page.find(text) != std::string::npos; };
   EXPECT_TRUE(has("data:image/png;base64,"));
-  for (const char* outside : {"<script", "<link", "src=\"http", "href=", "src=\"pictures", "url("})
-    EXPECT_FALSE(has(outside)) << outside;
-  for (const char* section : {"Results", "error threshold", "range limit", "stage by stage", "Movers",
-                              "By class", "Ablations", "Milliseconds"})
+  for (const char* outside : {"<link", "url(", "@import"}) EXPECT_FALSE(has(outside)) << outside;
+  for (const char* section : {"Results", "In 3D", "error threshold", "range limit", "stage by stage",
+                              "Movers", "By class", "Ablations", "Milliseconds"})
     EXPECT_TRUE(has(section)) << section;
+}
+
+TEST_F(BenchmarkTest, ItsDriveIn3dHasTheLabelsThatWereEvaluated) {
+  const std::string view = read_whole_file(finished() / "views" / (kRecording + ".html"));
+  const std::string begin = R"(<script type="application/json" id="drive">)";
+  const std::size_t from = view.find(begin) + begin.size();
+  const auto drive = nlohmann::json::parse(view.substr(from, view.find("</script>", from) - from));
+  const auto final = figures(finished())["rows"][0]["result"]["final"];
+  std::map<std::string, std::int64_t> sums;
+  for (const auto& scan : drive["scans"]) {
+    for (const char* kind : {"hits", "false", "missed"}) sums[kind] += scan[kind].get<std::int64_t>();
+  }
+  EXPECT_EQ(drive["scans"].size(), kScans);  // fewer than the view may have
+  EXPECT_EQ(sums["hits"], final["tp"]);
+  EXPECT_EQ(sums["false"], final["fp"]);
+  EXPECT_EQ(sums["missed"], final["fn"]);
 }
 
 TEST_F(BenchmarkTest, SameFiguresFromKeptRecordingsOnAnotherNumberOfThreads) {

@@ -2,10 +2,20 @@
 
 #include <fmt/format.h>
 
+#include "benchmark/page/page_style.hpp"
+#include "benchmark/page/plot.hpp"
 #include "reports/base64.hpp"
 #include <mapless/io/files.hpp>
 
 namespace mapless::app {
+
+std::string html_page(std::string_view title, std::string_view body) {
+  return fmt::format(
+      "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{}</title>\n"
+      "<style>{}</style>\n</head>\n<body>\n<main>\n{}</main>\n{}</body>\n</html>\n",
+      escaped(title), kPageStyle, body, plots_html());
+}
 
 std::string escaped(std::string_view text) {
   std::string out;

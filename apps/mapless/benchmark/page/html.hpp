@@ -7,7 +7,11 @@
 
 namespace mapless::app {
 
-/// Escapes text and attribute values for HTML and SVG.
+/// A page that loads nothing, in the style of all pages of the benchmark. `title` is text, `body` HTML, in
+/// which the figures of plots are drawn (plot.hpp).
+[[nodiscard]] std::string html_page(std::string_view title, std::string_view body);
+
+/// Escapes text and attribute values for HTML.
 [[nodiscard]] std::string escaped(std::string_view text);
 
 /// An <img> with the file inside it. Throws InputError.

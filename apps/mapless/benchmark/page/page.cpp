@@ -4,7 +4,6 @@
 
 #include "benchmark/page/html.hpp"
 #include "benchmark/page/page_parts.hpp"
-#include "benchmark/page/page_style.hpp"
 #include <mapless/io/files.hpp>
 
 namespace mapless::app {
@@ -15,14 +14,28 @@ std::string section(const std::string& title, const std::string& text, const std
   return fmt::format("<h2>{}</h2>\n{}{}", title, text, body);
 }
 
-std::string plots_html(const std::vector<NamedPlot>& plots) {
+std::string plot_figures(const std::vector<NamedPlot>& plots) {
   std::string out;
-  for (const NamedPlot& plot : plots) out += plot.plot.svg();
+  for (const NamedPlot& plot : plots) out += plot.plot.figure();
   return out.empty() ? out : "<div class=\"plots\">\n" + out + "</div>\n";
 }
 
 std::string folded(const std::string& summary, const std::string& body) {
   return fmt::format("<details><summary>{}</summary>\n{}</details>\n", summary, body);
+}
+
+// Of every recording that has one. The browser loads a drive once it is unfolded.
+std::string views_html(const Json& figures) {
+  std::string out;
+  for (const Json& row : rows_of(figures, "table")) {
+    const std::string view = escaped(row["result"].value("view", "")), name = escaped(run_name(row["job"]));
+    if (view.empty()) continue;
+    out += folded(name,
+                  fmt::format("<p><a href=\"views/{0}\">in a window of its own</a></p>\n"
+                              "<iframe loading=\"lazy\" src=\"views/{0}\" title=\"{1}, in 3D\"></iframe>\n",
+                              view, name));
+  }
+  return out;
 }
 
 std::string headline(const Json& figures) {
@@ -59,10 +72,14 @@ std::string opening(const Json& figures) {
 }
 
 constexpr const char* kKey =
-    "<ul class=\"key\"><li><i style=\"background:#16a354\"></i>moving, found</li>"
-    "<li><i style=\"background:#2d78eb\"></i>moving, missed</li>"
-    "<li><i style=\"background:#e23a2e\"></i>static, called dynamic</li>"
+    "<ul class=\"key\"><li><i style=\"background:#009e73\"></i>moving, found</li>"
+    "<li><i style=\"background:#0072b2\"></i>moving, missed</li>"
+    "<li><i style=\"background:#d55e00\"></i>static, called dynamic</li>"
     "<li><i style=\"background:#b0b7c1\"></i>static</li></ul>\n";
+
+constexpr const char* kViewText =
+    "<p>Scans from the middle of each recording. Play, turn, step, and colour them by truth, object or "
+    "height.</p>\n";
 
 constexpr const char* kSweepText =
     R"(<p>The error threshold of the pointcloud comparison is swept, as in the paper.
@@ -106,10 +123,11 @@ std::string body(const Json& figures, const BenchmarkFolder& folder, const std::
   const auto swept = fmt::format(kSweepText, stretch);
   const auto ablated = fmt::format(kAblationText, stretch);
   std::string out = opening(figures) + headline(figures) + pictures(figures, folder, "scan", 1);
+  out += section("In 3D", kViewText, views_html(figures));
   out += section("Results", "", results_table(figures) + folded("after each stage", stages_table(figures)));
   out += section("Precision and recall over the error threshold", swept,
-                 sweeps.empty() ? "" : plots_html(sweeps) + folded("as a table", sweep_table(figures)));
-  out += section("Recall within a range limit", "", plots_html(ranges));
+                 sweeps.empty() ? "" : plot_figures(sweeps) + folded("as a table", sweep_table(figures)));
+  out += section("Recall within a range limit", "", plot_figures(ranges));
   out += section("One mover, stage by stage", std::string(kCascadeText) + kKey,
                  pictures(figures, folder, "cascade", 1));
   out += section(
@@ -136,13 +154,8 @@ void write_page(const Json& figures, const BenchmarkFolder& folder) {
   for (const auto* plots : {&sweeps, &ranges}) {
     for (const NamedPlot& plot : *plots) plot.plot.png().write_png(folder.plots() / (plot.file + ".png"));
   }
-  const std::string page = fmt::format(
-      "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>mapless: "
-      "benchmark</title>\n"
-      "<style>{}</style>\n</head>\n<body>\n<main>\n{}</main>\n</body>\n</html>\n",
-      kPageStyle, body(figures, folder, sweeps, ranges));
-  write_file_atomically(folder.page(), page);
+  write_file_atomically(folder.page(),
+                        html_page("mapless: benchmark", body(figures, folder, sweeps, ranges)));
 }
 
 std::string results_text(const Json& figures) {

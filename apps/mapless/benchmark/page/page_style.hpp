@@ -4,7 +4,10 @@ namespace mapless::app {
 
 /// The style sheet of the page.
 inline constexpr const char* kPageStyle = R"css(
-:root { color-scheme: light; --ink: #22262e; --soft: #5b6472; --line: #e2e5ea; --paper: #fafaf8; }
+:root { color-scheme: light dark; --ink: #22262e; --soft: #5b6472; --line: #e2e5ea; --paper: #fafaf8; --card: #fff; }
+@media (prefers-color-scheme: dark) {
+  :root { --ink: #e4e7ec; --soft: #9aa4b2; --line: #2e343e; --paper: #12151a; --card: #181c22; }
+}
 * { box-sizing: border-box; }
 body { margin: 0; background: var(--paper); color: var(--ink);
   font: 16px/1.55 system-ui, -apple-system, "Segoe UI", Roboto, "Helvetica Neue", Arial, sans-serif; }
@@ -21,13 +24,14 @@ p, li { max-width: 44rem; }
 .scroll { overflow-x: auto; margin: .8rem 0; }
 table { border-collapse: collapse; font-size: .85rem; font-variant-numeric: tabular-nums; }
 th, td { padding: .32rem .6rem; text-align: right; white-space: nowrap; border-bottom: 1px solid var(--line); }
-th { color: var(--soft); font-weight: 500; border-bottom-color: #b6bcc6; }
+th { color: var(--soft); font-weight: 500; border-bottom-color: var(--soft); }
 th.w, td.w { text-align: left; }
-tbody tr:hover { background: #f1f2ef; }
+tbody tr:hover { background: var(--card); }
 figure { margin: 0; }
 figcaption { margin-top: .35rem; }
-img, svg { display: block; width: 100%; height: auto; background: #fff; border: 1px solid var(--line); border-radius: 4px; }
-svg { padding: .4rem; max-width: 48rem; font-family: inherit; }
+img, iframe { display: block; width: 100%; height: auto; border: 1px solid var(--line); border-radius: 4px; }
+iframe { height: 36rem; }
+a { color: inherit; }
 .plots { display: grid; gap: 1rem; margin: 1rem 0; }
 .gallery, .cascade { display: grid; grid-template-columns: repeat(auto-fill, minmax(13.5rem, 1fr)); gap: 1rem; }
 .cascade { grid-template-columns: repeat(auto-fit, minmax(11rem, 1fr)); }

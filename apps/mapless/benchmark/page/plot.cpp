@@ -6,19 +6,30 @@
 
 #include <fmt/format.h>
 
+#include "reports/json_text.hpp"
+
 namespace mapless::app {
 namespace {
 
 constexpr double kLeft = 56, kRight = 216, kTop = 64, kBottom = 48;  // margins [px]
+constexpr double kTextSize = 13, kTitleSize = 16, kDash = 6;         // [px]
+constexpr int kPixelsPerUnit = 2;
 constexpr Color kInk{34, 38, 46}, kFaint{107, 114, 128}, kGrid{226, 229, 234};
-constexpr std::array<Color, 8> kPalette = {{{31, 95, 191},
-                                            {214, 90, 24},
-                                            {20, 134, 90},
-                                            {150, 60, 160},
-                                            {176, 134, 0},
-                                            {196, 40, 70},
-                                            {70, 130, 150},
-                                            {110, 110, 110}}};
+// Colours that colour-blind people tell apart (Okabe and Ito 2008), a little darker where they are light.
+constexpr std::array<Color, 8> kPalette = {{{0, 114, 178},
+                                            {213, 94, 0},
+                                            {0, 158, 115},
+                                            {204, 121, 167},
+                                            {200, 140, 0},
+                                            {66, 160, 213},
+                                            {110, 110, 110},
+                                            {150, 80, 40}}};
+
+Color color_of(const PlotLine& line) { return kPalette.at(line.color % kPalette.size()); }
+
+std::string hex(Color c) {
+  return fmt::format("#{:02x}{:02x}{:02x}", std::lround(c.red), std::lround(c.green), std::lround(c.blue));
+}
 
 bool inside(const Axis& axis, double value) { return value >= axis.from - 1e-9 && value <= axis.to + 1e-9; }
 
@@ -29,49 +40,62 @@ std::vector<double> ticks(const Axis& axis) {
   return out;
 }
 
-void draw_axes(const Plot& plot, Drawing& drawing) {
+// Without the points beyond the axes.
+PlotLine shown(const Plot& plot, const PlotLine& line) {
+  PlotLine out{line.name, {}, {}, line.color, line.dashed};
+  for (std::size_t i = 0; i < line.points.size(); ++i) {
+    if (!inside(plot.x, line.points[i].first) || !inside(plot.y, line.points[i].second)) continue;
+    out.points.push_back(line.points[i]);
+    if (i < line.point_names.size()) out.point_names.push_back(line.point_names[i]);
+  }
+  return out;
+}
+
+void draw_axes(const Plot& plot, Canvas& canvas) {
   for (const double x : ticks(plot.x)) {
     const auto [px, bottom] = plot.pixel(x, plot.y.from);
-    drawing.line(px, kTop, px, bottom, {kGrid});
-    drawing.text(px, bottom + 14, fmt::format("{:.4g}", x), Anchor::middle, TextSize::normal, kFaint);
+    canvas.line(px, kTop, px, bottom, 1, kGrid);
+    canvas.text(px, bottom + 14, fmt::format("{:.4g}", x), kTextSize, kFaint, Anchor::middle);
   }
   for (const double y : ticks(plot.y)) {
     const auto [left, py] = plot.pixel(plot.x.from, y);
-    drawing.line(left, py, Plot::kWidth - kRight, py, {kGrid});
-    drawing.text(left - 8, py, fmt::format("{:.4g}", y), Anchor::right, TextSize::normal, kFaint);
+    canvas.line(left, py, Plot::kWidth - kRight, py, 1, kGrid);
+    canvas.text(left - 8, py, fmt::format("{:.4g}", y), kTextSize, kFaint, Anchor::right);
   }
   const auto [left, bottom] = plot.pixel(plot.x.from, plot.y.from);
-  drawing.line(left, bottom, Plot::kWidth - kRight, bottom, {kFaint, 1.4});
-  drawing.line(left, kTop, left, bottom, {kFaint, 1.4});
-  drawing.text((left + Plot::kWidth - kRight) / 2, bottom + 34, plot.x.name, Anchor::middle, TextSize::normal,
-               kInk);
-  drawing.text(12, kTop - 18, plot.y.name, Anchor::left, TextSize::normal, kInk);
-  drawing.text(12, 18, plot.title, Anchor::left, TextSize::title, kInk);
+  canvas.line(left, bottom, Plot::kWidth - kRight, bottom, 1.4, kFaint);
+  canvas.line(left, kTop, left, bottom, 1.4, kFaint);
+  canvas.text((left + Plot::kWidth - kRight) / 2, bottom + 34, plot.x.name, kTextSize, kInk, Anchor::middle);
+  canvas.text(12, kTop - 18, plot.y.name, kTextSize, kInk);
+  canvas.text(12, 18, plot.title, kTitleSize, kInk);
 }
 
-void draw_line(const Plot& plot, const PlotLine& line, Drawing& drawing) {
-  const Color color = kPalette.at(line.color % kPalette.size());
+void draw_line(const Plot& plot, const PlotLine& line, Canvas& canvas) {
+  const Color color = color_of(line);
   for (std::size_t i = 0; i + 1 < line.points.size(); ++i) {
     const auto [x1, y1] = plot.pixel(line.points[i].first, line.points[i].second);
     const auto [x2, y2] = plot.pixel(line.points[i + 1].first, line.points[i + 1].second);
-    drawing.line(x1, y1, x2, y2, {color, 2, line.dashed});
+    canvas.line(x1, y1, x2, y2, 2, color, line.dashed ? kDash : 0);
   }
   for (std::size_t i = 0; i < line.points.size(); ++i) {
     const auto [x, y] = plot.pixel(line.points[i].first, line.points[i].second);
-    drawing.disc(x, y, line.dashed ? 2.2 : 3.2, color);
-    if (i < line.point_names.size())
-      drawing.text(x + 7, y - 9, line.point_names[i], Anchor::left, TextSize::normal, color);
+    canvas.disc(x, y, line.dashed ? 2.2 : 3.2, color);
+    if (i < line.point_names.size()) canvas.text(x + 7, y - 9, line.point_names[i], kTextSize, color);
   }
 }
 
-void draw_legend(const std::vector<PlotLine>& lines, Drawing& drawing) {
+void draw_legend(const std::vector<PlotLine>& lines, Canvas& canvas) {
   double y = kTop + 8;
   const double x = Plot::kWidth - kRight + 18;
   for (const PlotLine& line : lines) {
-    drawing.line(x, y, x + 24, y, {kPalette.at(line.color % kPalette.size()), 2, line.dashed});
-    drawing.text(x + 32, y, line.name, Anchor::left, TextSize::normal, kInk);
+    canvas.line(x, y, x + 24, y, 2, color_of(line), line.dashed ? kDash : 0);
+    canvas.text(x + 32, y, line.name, kTextSize, kInk);
     y += 22;
   }
+}
+
+Json axis_json(const Axis& axis) {
+  return {{"name", axis.name}, {"from", axis.from}, {"to", axis.to}, {"step", axis.step}};
 }
 
 }  // namespace
@@ -82,33 +106,26 @@ std::pair<double, double> Plot::pixel(double x_value, double y_value) const {
           kTop + height * (1 - (y_value - y.from) / (y.to - y.from))};
 }
 
-void Plot::draw(Drawing& drawing) const {
-  draw_axes(*this, drawing);
-  for (PlotLine line : lines) {
-    std::vector<std::string> names;
-    std::vector<std::pair<double, double>> points;
-    for (std::size_t i = 0; i < line.points.size(); ++i) {
-      if (!inside(x, line.points[i].first) || !inside(y, line.points[i].second)) continue;
-      points.push_back(line.points[i]);
-      if (i < line.point_names.size()) names.push_back(line.point_names[i]);
-    }
-    line.points = std::move(points);
-    line.point_names = std::move(names);
-    draw_line(*this, line, drawing);
+std::string Plot::figure() const {
+  Json json = {{"title", title}, {"x", axis_json(x)}, {"y", axis_json(y)}, {"lines", Json::array()}};
+  for (const PlotLine& whole : lines) {
+    const PlotLine line = shown(*this, whole);
+    json["lines"].push_back({{"name", line.name},
+                             {"colour", hex(color_of(line))},
+                             {"dashed", line.dashed},
+                             {"points", line.points},
+                             {"names", line.point_names}});
   }
-  draw_legend(lines, drawing);
-}
-
-std::string Plot::svg() const {
-  SvgDrawing drawing(kWidth, kHeight);
-  draw(drawing);
-  return drawing.svg(title);
+  return "<figure class=\"plot\"><script type=\"application/json\">" + json_for_script(json) +
+         "</script></figure>\n";
 }
 
 Canvas Plot::png() const {
-  PngDrawing drawing(kWidth, kHeight);
-  draw(drawing);
-  return drawing.canvas();
+  Canvas canvas(kWidth, kHeight, {255, 255, 255}, kPixelsPerUnit);
+  draw_axes(*this, canvas);
+  for (const PlotLine& line : lines) draw_line(*this, shown(*this, line), canvas);
+  draw_legend(lines, canvas);
+  return canvas;
 }
 
 Axis axis_from_zero(std::string name, double largest) {

@@ -6,7 +6,6 @@
 
 #include "benchmark/page/html.hpp"
 #include "benchmark/page/page_parts.hpp"
-#include "benchmark/page/page_style.hpp"
 #include "benchmark/paper/paper_plots.hpp"
 #include "reports/json.hpp"
 #include <mapless/io/files.hpp>
@@ -30,15 +29,15 @@ constexpr const char* kPaperStagesText =
     R"(<p>The published method after each of its stages, over the same thresholds.
 The default method has other stages; its final labels are drawn. The pictures show the stages around the vehicle with
 most visible points in the first scans of each town, at the method's own threshold: moving points found green, missed
-blue, static ones called dynamic red.</p>
+blue, static ones called dynamic orange.</p>
 )";
 
 std::string heading(const std::string& title) { return fmt::format("<h2>{}</h2>\n", title); }
 
-std::string svgs(const std::vector<NamedPlot>& plots, std::string_view prefix) {
+std::string plot_figures(const std::vector<NamedPlot>& plots, std::string_view prefix) {
   std::string out;
   for (const NamedPlot& plot : plots) {
-    if (plot.file.starts_with(prefix)) out += plot.plot.svg();
+    if (plot.file.starts_with(prefix)) out += plot.plot.figure();
   }
   return "<div class=\"plots\">\n" + out + "</div>\n";
 }
@@ -144,27 +143,20 @@ void write_paper_page(const Json& figures, const BenchmarkFolder& folder) {
   std::string body = kOpening + provenance(figures);
   body += heading("Every scan") + every_scan_table(figures);
   body += heading("Precision and recall over the error threshold");
-  body += fmt::format(kPaperSweepText, swept_scans(figures)) + svgs(plots, "precision_recall_") +
+  body += fmt::format(kPaperSweepText, swept_scans(figures)) + plot_figures(plots, "precision_recall_") +
           whole_sweep_table(figures);
-  body += heading("After each stage") + kPaperStagesText + svgs(plots, "stages_") + stage_rows(figures) +
-          cascades(figures, folder);
-  body += heading("Recall within a range limit") + svgs(plots, "recall_range_");
+  body += heading("After each stage") + kPaperStagesText + plot_figures(plots, "stages_") +
+          stage_rows(figures) + cascades(figures, folder);
+  body += heading("Recall within a range limit") + plot_figures(plots, "recall_range_");
   body += heading("Without motion compensation, without forward check");
   body += "<p>Not compensated: rays and points have the pose of the middle of the scan.</p>\n" +
-          svgs(plots, "parts_taken_away_");
+          plot_figures(plots, "parts_taken_away_");
   body += heading("Milliseconds a scan");
   body +=
       "<p>Median / 95 % of the scans, median over the units of 300 scans; wall time, other runs side by "
       "side.</p>\n" +
       stage_times(figures);
-  write_file_atomically(
-      folder.page(),
-      fmt::format(
-          "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-          "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-          "<title>mapless: the paper's evaluation</title>\n<style>{}</style>\n</head>\n<body>\n<main>\n"
-          "{}</main>\n</body>\n</html>\n",
-          kPageStyle, body));
+  write_file_atomically(folder.page(), html_page("mapless: the paper's evaluation", body));
 }
 
 std::string paper_text(const Json& figures) {
