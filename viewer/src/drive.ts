@@ -32,6 +32,7 @@ export interface ScanHeader {
 
 export interface DriveHeader {
   explanations?: ExplanationTexts; // undefined: the page explains no point
+  explained?: boolean; // by mapless view --serve, on a click
   served?: boolean; // by mapless view --serve: scans are loaded from there, and their headers are whole only then
   version: number;
   program: string;
@@ -94,6 +95,20 @@ function bytesOfBase64(text: string): Uint8Array<ArrayBuffer> {
 async function inflate(bytes: Uint8Array<ArrayBuffer>): Promise<Uint8Array> {
   const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
   return new Uint8Array(await new Response(stream).arrayBuffer());
+}
+
+async function fromServer(path: string, problem: string): Promise<Response> {
+  try {
+    return await fetch(path);
+  } catch {
+    throw new DriveError(`${problem}: mapless view --serve has ended. Start it again and load this page anew.`);
+  }
+}
+
+// apps/mapless/view/drive_page.hpp has the other end.
+async function parted(answer: Response): Promise<{ json: object; bytes: Uint8Array<ArrayBuffer> }> {
+  const bytes = await answer.arrayBuffer(), size = new DataView(bytes).getUint32(0, true);
+  return { json: JSON.parse(new TextDecoder().decode(new Uint8Array(bytes, 4, size))) as object, bytes: new Uint8Array(bytes, 4 + size) };
 }
 
 // Reads one plane after another; numbers are zigzag coded differences, low bytes first.
@@ -195,7 +210,9 @@ export class Drive {
   }
 
   // null: the page has none of this scan, or not at all. Decoded at each call: a click is rare, and they are large.
-  async explanation(scan: Scan): Promise<ScanExplanation | null> {
+  // `wait` gets what the server says as long as it has none, and returns whether it is wanted still.
+  async explanation(scan: Scan, wait: (note: string) => boolean): Promise<ScanExplanation | null> {
+    if (this.header.explained) return this.fetchedExplanation(scan, wait);
     const texts = this.header.explanations;
     if (!texts) return null;
     const id = `explain-${scan.header.number}`;
@@ -215,18 +232,24 @@ export class Drive {
     }
   }
 
-  // apps/mapless/view/drive_page.hpp has the other end.
   private async fetched(header: ScanHeader): Promise<Uint8Array> {
-    let answer: Response;
-    try {
-      answer = await fetch(`scan/${header.number}`);
-    } catch {
-      throw new DriveError(`Scan ${header.number} cannot be loaded: mapless view --serve has ended. Start it again and load this page anew.`);
-    }
+    const answer = await fromServer(`scan/${header.number}`, `Scan ${header.number} cannot be loaded`);
     if (!answer.ok) throw new DriveError(`Scan ${header.number} cannot be loaded: ${await answer.text()}`);
-    const bytes = await answer.arrayBuffer(), size = new DataView(bytes).getUint32(0, true);
-    Object.assign(header, JSON.parse(new TextDecoder().decode(new Uint8Array(bytes, 4, size))));
-    return new Uint8Array(bytes, 4 + size);
+    const { json, bytes } = await parted(answer);
+    Object.assign(header, json);
+    return bytes;
+  }
+
+  private async fetchedExplanation(scan: Scan, wait: (note: string) => boolean): Promise<ScanExplanation | null> {
+    for (;;) {
+      const answer = await fromServer(`explain/${scan.header.number}`, "The point cannot be explained");
+      if (answer.status === 200) {
+        const { json, bytes } = await parted(answer);
+        return new ScanExplanation(await inflate(bytes), scan, this.header, json as ExplanationTexts);
+      }
+      if (!wait(await answer.text()) || answer.status !== 202) return null;
+      await new Promise((done) => setTimeout(done, 200));
+    }
   }
 
   private async load(index: number): Promise<Scan> {

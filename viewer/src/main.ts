@@ -245,8 +245,13 @@ class Viewer {
     const place = this.stage.placeOf(scan, i);
     this.stage.choose(place, []);
     panel.innerHTML = pointPanel(this.header, scan, i, null);
-    this.drive.explanation(scan).then((found) => {
-      if (!found || this.chosen !== i || this.current !== scan) return;
+    const here = (): boolean => this.chosen === i && this.current === scan;
+    const wait = (note: string): boolean => {
+      if (here()) panel.querySelector(".note")!.textContent = note;
+      return here();
+    };
+    this.drive.explanation(scan, wait).then((found) => {
+      if (!found || !here()) return;
       const explanation = found.of(i);
       this.stage.choose(place, raysOf(explanation, place, this.header));
       panel.innerHTML = pointPanel(this.header, scan, i, explanation);

@@ -79,7 +79,7 @@ ${o.std.map((s) => s.toFixed(2)).join(", ")} m/s; ${o.points} points; followed f
 export function pointPanel(header: DriveHeader, scan: Scan, i: number, explanation: PointExplanation | null): string {
   const s = scan.header.step_m, place = [0, 1, 2].map((a) => scan.xyz[3 * i + a] * s), range = Math.hypot(...place);
   const command = `mapless explain ${header.recording} ${header.result || "OUT"} --scan ${scan.header.number} --point ${scan.record[i]}`;
-  const why = explanation ? `${reasons(explanation, scan)}${rays(explanation, scan, i)}` : "";
+  const why = explanation ? `${reasons(explanation, scan)}${rays(explanation, scan, i)}` : '<p class="faint note"></p>';
   return `<button class="close" aria-label="Close" title="Close (Esc)">&times;</button><h2>Point ${scan.record[i]} of scan ${scan.header.number}</h2>
 <p>${verdict(scan, i)}</p><p class="faint">laser ${scan.laser[i]}, column ${scan.column[i]}, ${range.toFixed(2)} m from the sensor</p>
 ${why}${objectPart(header, scan, i)}${stepsTable(scan, i, header.stages)}

@@ -1,4 +1,4 @@
-// The page of `mapless view` in a real browser without a screen.
+// The pages of `mapless view` and `mapless benchmark` in a real browser without a screen.
 // usage: CHROMIUM=/usr/bin/chromium MAPLESS=build/mapless node --test test/page_test.mjs
 import assert from "node:assert/strict";
 import { execFileSync, spawn } from "node:child_process";
@@ -42,9 +42,9 @@ async function open(name, hash = "") {
 const state = (page) => page.evaluate(() => window.maplessState);
 const shown = (page, scan) => page.waitForFunction((k) => window.maplessState?.scan === k, scan, { timeout: 20000 });
 
-// Number of pixels of the 3D view near each colour.
-async function pixels(page, colours) {
-  const png = (await page.locator("#view").screenshot()).toString("base64");
+// Number of pixels of an element, else of the 3D view, near each colour.
+async function pixels(page, colours, element = page.locator("#view")) {
+  const png = (await element.screenshot()).toString("base64");
   return page.evaluate(async ([data, wanted]) => {
     const bytes = Uint8Array.from(atob(data), (c) => c.charCodeAt(0));
     const bitmap = await createImageBitmap(new Blob([bytes], { type: "image/png" }));
@@ -134,25 +134,34 @@ test("a click explains the point under it, in the view and in the range image", 
   await page.close();
 });
 
+// What the page says of its chosen point, against the command.
+async function explainedAsByTheCommand(page, scan, record) {
+  const said = JSON.parse(mapless("explain", file("town"), file("out"), "--scan", String(scan), "--point", String(record), "--json"));
+  await page.waitForFunction(([k, n]) => new RegExp(`Point ${n} of scan ${k}[^]*Decided by`).test(document.getElementById("point").innerText), [scan, record], { timeout: 60000 });
+  const text = await page.locator("#point").innerText();
+  assert.match(text, new RegExp(`Point ${record} of scan ${scan}\\s+labelled ${said.label}`));
+  for (const part of [said.step_text, ...(said.object ? [said.object.text] : []), ...said.observations.map((o) => o.text)])
+    assert.ok(text.includes(part), `${part}\nis not in\n${text}`);
+  const coloured = await page.locator("#point .rays .dot[style]").count();
+  assert.equal(coloured, said.observations.filter((o) => !["not queried", "no ray", "faulty", "edge"].includes(o.kind)).length);
+  const votes = await page.locator("#point .rays .votes").allInnerTexts();
+  const number = (t) => Number(t.replace("\u2212", "-"));
+  assert.deepEqual(votes.slice(0, -1).map(number), said.observations.map((o) => o.votes));
+  assert.equal(number(votes.at(-1)), said.votes.total);
+}
+
+// Numbers of the points of a scan with a label.
+function labelled(scan, wanted) {
+  const labels = readFileSync(file(`out/labels/${String(scan).padStart(6, "0")}.label`));
+  return Array.from({ length: labels.length / 4 }, (_, i) => i).filter((i) => labels.readUInt16LE(4 * i) === wanted);
+}
+
 test("the page explains points as mapless explain does", async () => {
-  const labels = readFileSync(file("out/labels/000020.label"));
-  const of = (wanted) => Array.from({ length: labels.length / 4 }, (_, i) => i).filter((i) => labels.readUInt16LE(4 * i) === wanted);
-  const dynamic = of(251), still = of(9);
+  const dynamic = labelled(20, 251), still = labelled(20, 9);
   assert.ok(dynamic.length > 0, "the scene has no dynamic point");
   for (const record of [dynamic[0], dynamic[dynamic.length >> 1], still[0], still[still.length >> 1], still[still.length - 1]]) {
-    const said = JSON.parse(mapless("explain", file("town"), file("out"), "--scan", "20", "--point", String(record), "--json"));
     const { page, noted } = await open("drive.html", `#scan=20&point=${record}`);
-    await page.waitForFunction(() => /Decided by/.test(document.getElementById("point").innerText), null, { timeout: 20000 });
-    const text = await page.locator("#point").innerText();
-    assert.match(text, new RegExp(`Point ${record} of scan 20\\s+labelled ${said.label}`));
-    for (const part of [said.step_text, ...(said.object ? [said.object.text] : []), ...said.observations.map((o) => o.text)])
-      assert.ok(text.includes(part), `${part}\nis not in\n${text}`);
-    const coloured = await page.locator("#point .rays .dot[style]").count();
-    assert.equal(coloured, said.observations.filter((o) => !["not queried", "no ray", "faulty", "edge"].includes(o.kind)).length);
-    const votes = await page.locator("#point .rays .votes").allInnerTexts();
-    const number = (t) => Number(t.replace("\u2212", "-"));
-    assert.deepEqual(votes.slice(0, -1).map(number), said.observations.map((o) => o.votes));
-    assert.equal(number(votes.at(-1)), said.votes.total);
+    await explainedAsByTheCommand(page, 20, record);
     assert.deepEqual(noted, []);
     await page.close();
   }
@@ -295,8 +304,9 @@ test("the keyboard reaches points, camera and both themes", async () => {
 // Only the browser's own choice of a host differs from a foreign page's request.
 const status = (url, path, headers = {}) => new Promise((done) => get(`${url}${path}`, { headers }, (r) => done(r.resume().statusCode)));
 
-test("a served page reads scans as they are shown, from its own address alone", async () => {
+test("a served page reads scans as they are shown, from its own address alone", async (t) => {
   const server = spawn(process.env.MAPLESS, ["view", file("town"), file("out"), "--serve"], { stdio: ["ignore", "pipe", "ignore"] });
+  t.after(() => server.kill("SIGKILL")); // where the test fails
   const ended = new Promise((done) => server.on("exit", done));
   const line = await new Promise((done) => server.stdout.once("data", (data) => done(String(data))));
   const url = line.match(/http:\/\/127\.0\.0\.1:\d+\//)[0];
@@ -314,11 +324,16 @@ test("a served page reads scans as they are shown, from its own address alone", 
   await page.locator("#range").evaluate((e) => e.classList.remove("off"));
   await page.locator("#image").check();
   await page.locator("#range").click({ position: { x: 430, y: 60 } });
-  assert.match(await page.locator("#point").innerText(), /mapless explain \S+ \S+ --scan 19 --point \d+/);
+  const [, record] = (await page.locator("#point").innerText()).match(/mapless explain \S+ \S+ --scan 19 --point (\d+)/);
+  await explainedAsByTheCommand(page, 19, record);
+  // An earlier scan: the detector begins anew.
+  const early = labelled(4, 9)[100];
+  await page.goto(`${url}#scan=4&point=${early}`);
+  await explainedAsByTheCommand(page, 4, early);
   assert.deepEqual(noted, []);
   assert.ok(asked.every((a) => a.startsWith(url)) && asked.filter((a) => a.includes("/scan/")).length < 10, asked.join(" "));
   const { host } = new URL(url);
-  for (const [path, code] of [["scan/20", 200], ["scan/25", 404], ["scan/", 404], ["scan/2x", 404], ["labels/000020.label", 404], ["..%2f..%2fetc/passwd", 404]])
+  for (const [path, code] of [["scan/20", 200], ["scan/25", 404], ["scan/", 404], ["scan/2x", 404], ["explain/4", 200], ["explain/25", 404], ["explain/4/1", 404], ["labels/000020.label", 404], ["..%2f..%2fetc/passwd", 404]])
     assert.equal(await status(url, path), code, path);
   assert.equal(await status(url, "", { host: "mapless.example" }), 403);
   assert.equal(await status(url, "", { host: host.replace("127.0.0.1", "localhost") }), 200);
@@ -344,4 +359,25 @@ test("damaged files give a message", async () => {
     assert.match(await page.locator("#message").innerText(), message);
     await page.close();
   }
+});
+
+test("the page of mapless benchmark draws its plots and shows its drives", async () => {
+  mapless("benchmark", "--quick", "--scenes", "town1", "--sensors", "VLP-16", "--duration-s", "1", "-o", file("bench"));
+  const { page, noted } = await open("bench/index.html");
+  const plots = page.locator("figure.plot"), blue = [[0, 114, 178]];
+  assert.equal(await plots.count(), 3); // of the threshold, and of the range limit, total and average
+  for (const plot of await plots.all()) {
+    await plot.scrollIntoViewIfNeeded();
+    const canvas = plot.locator("canvas");
+    assert.ok((await pixels(page, blue, canvas))[0] > 50);
+    await plot.locator(".u-over").focus();
+    await page.keyboard.press("ArrowRight");
+    assert.match(await plot.locator(".tip").innerText(), /: (recall|range limit \[m\]) [\d.]+, (precision|recall) [\d.]+$/);
+    for (const name of await plot.locator(".u-legend th").all()) await name.press("Enter");
+    assert.deepEqual(await pixels(page, blue, canvas), [0]);
+  }
+  await page.locator("summary", { hasText: "town1, VLP-16" }).first().click();
+  await page.frameLocator("iframe").locator("#clock").filter({ hasText: /scan \d+/ }).waitFor({ timeout: 20000 });
+  assert.deepEqual(noted, []);
+  await page.close();
 });

@@ -4,10 +4,12 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -23,6 +25,7 @@
 #include "verbs/verbs.hpp"
 #include "view/drive_page.hpp"
 #include "view/explanation_block.hpp"
+#include "view/explanation_replay.hpp"
 #include "view/labelled_drive.hpp"
 #include "view/loopback_server.hpp"
 #include <mapless/core/errors.hpp>
@@ -43,12 +46,16 @@ struct ViewOptions {
   std::uint16_t port = 0;
 };
 
+bool can_explain(const ViewOptions& options, const LabelledDrive& drive) {
+  return !options.no_explanations && drive.result() && fs::exists(drive.result()->summary());
+}
+
 // Runs the detector again, which takes as long as the first time. A result that cannot be computed again
 // gives a page all the same.
 ExplainedDrive explanations_of(const ViewOptions& options, const LabelledDrive& drive,
                                const std::vector<std::size_t>& scans) {
   ExplainedDrive out;
-  if (options.no_explanations || !drive.result() || !fs::exists(drive.result()->summary())) return out;
+  if (!can_explain(options, drive)) return out;
   const std::set<std::size_t> wanted(scans.begin(), scans.end());
   Progress progress("scans explained");
   try {
@@ -83,31 +90,72 @@ int write(const ViewOptions& options, const LabelledDrive& drive, const DriveEnc
   return kSuccess;
 }
 
-HttpAnswer answer(std::string_view path, const DriveEncoder& encoder, const std::string& page) {
-  if (path == "/") return {200, "text/html; charset=utf-8", page};
-  // No file is named by a path: it has the number of a scan, or there is nothing.
-  constexpr std::string_view kScan = "/scan/";
-  std::size_t number = 0;
-  const char* const end = path.data() + path.size();
-  if (!path.starts_with(kScan)) return {404, {}, "There is no such page.\n"};
-  const auto [rest, error] = std::from_chars(path.data() + kScan.size(), end, number);
-  if (error != std::errc() || rest != end || !std::ranges::binary_search(encoder.scans(), number))
-    return {404, {}, "There is no such scan.\n"};
-  try {
-    return {200, "application/octet-stream", served_scan(encoder, number)};
-  } catch (const Error& problem) {
-    return {500, {}, problem.what()};
-  }
+// For the page that is served, by running the detector again once a point is clicked.
+ExplanationReplay::Replay replay_of(const ViewOptions& options, const LabelledDrive& drive) {
+  return [&](const ExplanationReplay::Explained& explained, const ExplanationReplay::Take& take) {
+    const ReplayedRun run(drive.dataset(), *drive.result(), options.given);
+    std::set<std::size_t> wanted;
+    run.run(
+        run.first() + run.count() - 1, [&](std::size_t k) { return explained(k) && wanted.insert(k).second; },
+        [&](std::size_t k, const LabelledScan& scan) {
+          if (wanted.erase(k) == 0) return;
+          const auto& e = scan.detection.explanation;
+          const bool known = e && e->points_recorded;
+          take(k, known ? served_explanation(explanation_header(run.parameters().detector.voting, e->limits),
+                                             encode_explanation(*e))
+                        : "");
+        });
+  };
 }
 
-int serve(const ViewOptions& options, const DriveEncoder& encoder, const PageTitle& title) {
+// What a path asks for: the page, or something of one scan. No file is named by a path.
+class ServedDrive {
+ public:
+  ServedDrive(const DriveEncoder& encoder, std::string page, ExplanationReplay* explanations)
+      : encoder_(encoder), page_(std::move(page)), explanations_(explanations) {}
+
+  [[nodiscard]] HttpAnswer answer(std::string_view path) const {
+    if (path == "/") return {200, "text/html; charset=utf-8", page_};
+    try {
+      if (const auto scan = number_after("/scan/", path))
+        return {200, "application/octet-stream", served_scan(encoder_, *scan)};
+      if (const auto scan = number_after("/explain/", path); scan && explanations_ != nullptr)
+        return explanations_->answer(*scan);
+    } catch (const Error& problem) {
+      return {500, {}, problem.what()};
+    }
+    return {404, {}, "There is no such page.\n"};
+  }
+
+ private:
+  // Of a scan that is served.
+  [[nodiscard]] std::optional<std::size_t> number_after(std::string_view start, std::string_view path) const {
+    if (!path.starts_with(start)) return std::nullopt;
+    std::size_t number = 0;
+    const char* const end = path.data() + path.size();
+    const auto [rest, error] = std::from_chars(path.data() + start.size(), end, number);
+    if (error != std::errc() || rest != end || !std::ranges::binary_search(encoder_.scans(), number))
+      return std::nullopt;
+    return number;
+  }
+
+  const DriveEncoder& encoder_;
+  std::string page_;
+  ExplanationReplay* explanations_;  // null: none
+};
+
+int serve(const ViewOptions& options, const LabelledDrive& drive, const DriveEncoder& encoder,
+          const PageTitle& title) {
   const LoopbackServer server(options.port);
-  const std::string page = served_page(encoder, title);
+  const bool explained = can_explain(options, drive);
+  ExplanationReplay explanations(replay_of(options, drive));
+  const ServedDrive served(encoder, served_page(encoder, title, explained),
+                           explained ? &explanations : nullptr);
   const InterruptGuard guard;
   fmt::print("http://127.0.0.1:{}/ shows {} scans to a browser on this computer; Ctrl-C ends it\n",
              server.port(), encoder.scans().size());
   std::fflush(stdout);
-  server.run([&](std::string_view path) { return answer(path, encoder, page); },
+  server.run([&](std::string_view path) { return served.answer(path); },
              [] { return InterruptGuard::requested(); });
   return kSuccess;
 }
@@ -117,7 +165,7 @@ int view(const ViewOptions& options) {
   const LabelledDrive drive(*dataset, options.result);
   const DriveEncoder encoder(drive, options.range.of(drive.scans()));
   const PageTitle title{options.recording.path, options.result};
-  return options.serve ? serve(options, encoder, title) : write(options, drive, encoder, title);
+  return options.serve ? serve(options, drive, encoder, title) : write(options, drive, encoder, title);
 }
 
 }  // namespace
@@ -135,7 +183,8 @@ void add_view(CLI::App& app, int& exit_code) {
   auto* serve = where->add_flag(
       "--serve", options->serve,
       "show the same page without writing it, for long drives: a browser on this computer reads "
-      "scans as they are shown, from 127.0.0.1, until Ctrl-C. It explains no point");
+      "scans as they are shown, from 127.0.0.1, until Ctrl-C. A point is explained once the detector has "
+      "run again up to its scan");
   verb->add_option("--port", options->port, "with --serve; 0: any free port")
       ->needs(serve)
       ->capture_default_str();

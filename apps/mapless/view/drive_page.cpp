@@ -24,6 +24,14 @@ std::string drive_element(const Json& header) {
   return "<script type=\"application/json\" id=\"drive\">" + json_for_script(header) + "</script>\n";
 }
 
+std::string with_header(const Json& header, const std::string& bytes) {
+  const std::string json = header.dump();
+  std::string out;
+  for (unsigned shift = 0; shift < 32; shift += 8)
+    out.push_back(static_cast<char>((json.size() >> shift) & 0xFFU));
+  return out + json + bytes;
+}
+
 struct PageScan {
   Json header;
   std::string element;
@@ -70,9 +78,10 @@ std::string drive_page(const DriveEncoder& encoder, const PageTitle& title, cons
   return out;
 }
 
-std::string served_page(const DriveEncoder& encoder, const PageTitle& title) {
+std::string served_page(const DriveEncoder& encoder, const PageTitle& title, bool explained) {
   Json header = encoder.header(title);
   header["served"] = true;
+  header["explained"] = explained;
   header["scans"] = Json::array();
   for (const std::size_t k : encoder.scans()) header["scans"].push_back(encoder.outline(k));
   std::string out(page_template());
@@ -85,11 +94,11 @@ std::string served_page(const DriveEncoder& encoder, const PageTitle& title) {
 
 std::string served_scan(const DriveEncoder& encoder, std::size_t scan) {
   const DriveEncoder::EncodedScan encoded = encoder.encode(scan);
-  const std::string json = encoded.header.dump();
-  std::string out;
-  for (unsigned shift = 0; shift < 32; shift += 8)
-    out.push_back(static_cast<char>((json.size() >> shift) & 0xFFU));
-  return out + json + encoded.bytes;
+  return with_header(encoded.header, encoded.bytes);
+}
+
+std::string served_explanation(const Json& header, const std::string& block) {
+  return with_header(header, block);
 }
 
 }  // namespace mapless::app

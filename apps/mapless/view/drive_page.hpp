@@ -24,9 +24,13 @@ struct ExplainedDrive {
                                      const ExplainedDrive& explained,
                                      const std::function<void(std::size_t, std::size_t)>& progress);
 
-/// The same page without the points, which it loads scan by scan from `scan/NUMBER` beside it. It explains
-/// no point.
-[[nodiscard]] std::string served_page(const DriveEncoder& encoder, const PageTitle& title);
+/// The same page without the points, which it loads scan by scan from `scan/NUMBER` beside it, and, if
+/// `explained`, the explanations of a scan from `explain/NUMBER` (ExplanationReplay::answer) on a click.
+[[nodiscard]] std::string served_page(const DriveEncoder& encoder, const PageTitle& title, bool explained);
+
+/// The explanations of a scan as the served page reads them: the size of a JSON text (uint32, little endian),
+/// the text (explanation_header) and the block (encode_explanation).
+[[nodiscard]] std::string served_explanation(const Json& header, const std::string& block);
 
 /// What the served page loads: the size of a JSON text (uint32, little endian), the text, which is the scan's
 /// header, and its points (encode_scan).

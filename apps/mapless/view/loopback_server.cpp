@@ -35,6 +35,8 @@ std::string_view reason_of(int status) {
   switch (status) {
     case 200:
       return "OK";
+    case 202:
+      return "Accepted";
     case 403:
       return "Forbidden";
     case 404:
