@@ -19,12 +19,11 @@ namespace {
 
 // Fewest keypoints for a registration. Chosen: with fewer, six unknowns are no longer clearly overdetermined.
 constexpr std::size_t kMinKeypoints = 50;
-// The first scans, which have only each other to register to, use this many times as many keypoints, and half
-// as many points again: all that a sensor of sixteen lasers has. Measured: with twice as many, the joint
-// registration of one start of 18 in a forest and one of 18 of a tilted sensor errs by .4 and .6 m over four
-// scans; with three times as many points, 54 starts of five sensors err by as much and take .47 for .37 s
-// (docs/notebook/odometry.md, "Edges at the start", "Cost of the start").
-constexpr int kStartUpKeypoints = 3;
+// The first scans, which have only each other to register to, use this many times as many points. Measured:
+// with twice as many, the joint registration of one start of 18 in a forest and one of 18 of a tilted sensor
+// errs by .4 and .6 m over four scans; with half as many points, but as many keypoints, a start of an OS1-128
+// above a hill errs by .7 m (docs/notebook/odometry.md, "Edges at the start", "Cost of the start").
+constexpr int kStartUpDensity = 3;
 // If the inliers constrain some direction by less than this many points (constraint ratio x inliers), the
 // next scan is registered with three times as many keypoints. Measured (docs/notebook/odometry.md, "How many
 // keypoints"): flying sensors constrain a direction by .5 to .7 points, tunnels by 3 to 7; with the limit
@@ -147,8 +146,8 @@ Matrix12d LidarOdometry::State::extrapolate_with_prior() {
 UsableScan LidarOdometry::State::select_points(const LidarScan& scan) const {
   OdometryParameters denser = parameters;
   if (start_up) {
-    denser.max_scan_points += denser.max_scan_points / 2;
-    denser.min_keypoints *= kStartUpKeypoints;
+    denser.max_scan_points *= kStartUpDensity;
+    denser.min_keypoints *= kStartUpDensity;
   } else if (weakly_constrained) {
     denser.min_keypoints *= kWeakDensity;
   }
