@@ -65,10 +65,18 @@ class OpenDetector {
     const Detection detection = moving_.classify(std::move(proposed));
     const auto truth = dataset.read_labels(next_++);
     if (!truth) return;
+    // The proposed object of each that moves: points that complete a body have its number in the detection
+    // alone.
+    std::vector<std::uint16_t> proposed_as(static_cast<std::size_t>(detection.objects) + 1, 0);
+    for (std::size_t i = 0; i < votes.size(); ++i) {
+      if (object[i] != 0 && moving_.motions()[object[i] - 1U].moves)
+        proposed_as[detection.object[i]] = object[i];
+    }
     for (std::size_t i = 0; i < votes.size(); ++i) {
       const MotionTruth motion = motion_of_label((*truth)[detection.scan->returns[i].input_index]);
       if (motion == MotionTruth::unknown) continue;
-      const TrackMotion* of_object = object[i] == 0 ? nullptr : &moving_.motions()[object[i] - 1U];
+      const std::uint16_t number = detection.object[i] == 0 ? object[i] : proposed_as[detection.object[i]];
+      const TrackMotion* of_object = number == 0 ? nullptr : &moving_.motions()[number - 1U];
       add(motion_cues(votes[i], of_object), motion == MotionTruth::moving, counts);
     }
   }
