@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <cctype>
 #include <set>
 
 #include "io/formats/kitti/kitti_odometry_dataset.hpp"
@@ -44,9 +46,30 @@ const Format& named_format(const std::string& name) {
   throw ParameterError({"--format", "", name, "unknown format", "one of " + joined(dataset_formats())});
 }
 
+// Container formats for which Python has libraries that are kept up to date.
+bool is_read_by_python(const fs::path& file) {
+  static const std::set<std::string> extensions = {".bag", ".mcap", ".db3", ".pcap", ".pcapng", ".osf"};
+  std::string extension = file.extension().string();
+  for (char& letter : extension) letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
+  return extensions.contains(extension);
+}
+
+bool is_rosbag2_folder(const fs::path& path) {
+  if (!fs::is_directory(path) || !fs::exists(path / "metadata.yaml")) return false;
+  const auto is_part = [](const fs::directory_entry& entry) { return is_read_by_python(entry.path()); };
+  return std::any_of(fs::directory_iterator(path), fs::directory_iterator(), is_part);
+}
+
+[[noreturn]] void refuse_what_python_reads(const fs::path& path, const std::string& format) {
+  throw InputError({path.string(), "format", format,
+                    "bags and packet captures are read by the Python package of mapless",
+                    "install it (docs/python.md), whose command takes the same arguments"});
+}
+
 const Format& recognised_format(const fs::path& path) {
   const std::vector<std::string> names = recognised_formats(path);
   if (names.empty()) {
+    if (is_rosbag2_folder(path)) refuse_what_python_reads(path, "rosbag2");
     std::string looked_for;
     for (const Format& format : formats())
       looked_for += (looked_for.empty() ? "" : ", ") + format.looked_for + " (" + format.name + ")";
@@ -62,20 +85,11 @@ const Format& recognised_format(const fs::path& path) {
   return named_format(names.front());
 }
 
-// Container formats for which Python has libraries that are kept up to date.
-bool is_read_by_python(const fs::path& file) {
-  static const std::set<std::string> extensions = {".bag", ".mcap", ".db3", ".pcap", ".pcapng", ".osf"};
-  return extensions.contains(file.extension().string());
-}
-
 }  // namespace
 
 std::unique_ptr<Dataset> open_dataset(const fs::path& path, const DatasetOptions& options) try {
-  if (fs::is_regular_file(path) && is_read_by_python(path)) {
-    throw InputError({path.string(), "format", path.extension().string(),
-                      "bags and packet captures are read by the Python package of mapless",
-                      "install it (docs/python.md), whose command takes the same arguments"});
-  }
+  if (fs::is_regular_file(path) && is_read_by_python(path))
+    refuse_what_python_reads(path, path.extension().string());
   if (!fs::is_directory(path)) {
     throw InputError({path.string(), "", "", fs::exists(path) ? "not a folder" : "no such folder",
                       "give the folder of a recording"});

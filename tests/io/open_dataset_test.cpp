@@ -58,9 +58,21 @@ TEST(OpenDataset, RefusesUnknownFormatsAndMissingFolders) {
   EXPECT_THAT(text, HasSubstr("mdlidar"));
   EXPECT_THAT(refusal(folder / "none"), HasSubstr("no such folder"));
   write_text(folder / "file", "");
-  write_text(folder / "drive.mcap", "");
-  EXPECT_THAT(refusal(folder / "drive.mcap"), HasSubstr("read by the Python package"));
   EXPECT_THAT(refusal(folder / "file"), HasSubstr("not a folder"));
+}
+
+TEST(OpenDataset, SaysThatThePythonPackageReadsBagsAndCaptures) {
+  const TemporaryFolder folder;
+  for (const char* name : {"a.bag", "a.mcap", "a.db3", "a.pcap", "a.PCAP", "a.pcapng", "a.osf"}) {
+    SCOPED_TRACE(name);
+    write_text(folder / name, "");
+    EXPECT_THAT(refusal(folder / name), HasSubstr("read by the Python package"));
+  }
+  const TemporaryFolder rosbag2;
+  write_text(rosbag2 / "metadata.yaml", "");
+  EXPECT_THAT(refusal(rosbag2.path()), HasSubstr("no recording here"));
+  write_text(rosbag2 / "drive_0.db3", "");
+  EXPECT_THAT(refusal(rosbag2.path()), HasSubstr("read by the Python package"));
 }
 
 TEST(OpenDataset, RefusesANamedFormatThatTheFolderDoesNotHave) {
