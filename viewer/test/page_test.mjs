@@ -257,7 +257,8 @@ test(`memory is flat over ${STEPS} steps`, async (t) => {
     const { metrics } = await devtools.send("Performance.getMetrics"), of = (name) => metrics.find((m) => m.name === name).value;
     return { bytes: of("JSHeapUsedSize"), nodes: of("Nodes"), ...(await state(page)) };
   };
-  const before = await after(30), end = await after(STEPS), bytes = `${before.bytes} bytes, ${STEPS} steps later ${end.bytes}`;
+  // First as many: until some 500 steps the browser still compiles what is used most.
+  const before = await after(STEPS), end = await after(STEPS), bytes = `${before.bytes} bytes, ${STEPS} steps later ${end.bytes}`;
   t.diagnostic(bytes);
   assert.ok(end.bytes < before.bytes + 1e6, bytes);
   assert.ok(end.nodes < before.nodes + 100, `${before.nodes} nodes, then ${end.nodes}`);
