@@ -24,7 +24,7 @@ class MiddleView {
   /// `recording` is what the page calls it. Throws InputError, OutputError.
   void write(const Dataset& dataset, const std::string& recording, const std::filesystem::path& file) const;
 
-  static constexpr std::size_t kScans = 20;  // at most; some 0.6 MB each with 64 lasers
+  static constexpr std::size_t kScans = 20;  // at most; some 0.35 MB each with 64 lasers (docs/viewer.md)
 
  private:
   std::size_t first_, end_;

@@ -34,7 +34,7 @@ class ExplanationReplay {
   /// no other; 404 with the reason why there is none. Does not wait.
   [[nodiscard]] HttpAnswer answer(std::size_t scan);
 
-  static constexpr std::size_t kKept = 32;  // blocks; some 0.5 MB each with 64 lasers
+  static constexpr std::size_t kKept = 32;  // blocks; some 0.2 MB each with 64 lasers (docs/viewer.md)
 
  private:
   void run();
