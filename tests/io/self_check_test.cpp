@@ -77,6 +77,17 @@ TEST_F(SelfCheckTest, FindsPositionsInMillimetres) {
   EXPECT_THAT(poses.problem, HasSubstr("positions look like millimetres"));
 }
 
+// Vehicles that fill the view and move along look like a world that is slower than the poses, the same way.
+TEST_F(SelfCheckTest, DoubtsPosesThatAreFasterThanAllThatIsSeen) {
+  const auto faster = [](double times) {
+    return [times](Time, const SE3& T) { return SE3(T.rotation(), times * T.translation()); };
+  };
+  const CheckResult along = check_poses_of(faster(6));
+  EXPECT_EQ(along.trust, Trust::doubtful) << along.measured;
+  EXPECT_THAT(along.problem, HasSubstr("vehicles fill the view"));
+  EXPECT_EQ(check_poses_of(faster(-2)).trust, Trust::wrong) << "nothing that moves along";
+}
+
 TEST_F(SelfCheckTest, FindsAJump) {
   const CheckResult poses = check_poses_of([](Time t, const SE3& T) {
     return t.seconds() < 0.55 ? T : SE3(T.rotation(), T.translation() + Eigen::Vector3d(0, 3, 0));

@@ -67,7 +67,8 @@ TEST_F(ExplanationReplayTest, GoesOnForLaterScansAndBeginsAnewForEarlierOnes) {
 TEST_F(ExplanationReplayTest, EveryScanCanBeWantedInAnyOrder) {
   for (std::size_t k = 0; k < 100; ++k) {
     const std::size_t scan = k * 37 % 100;
-    if (scan != 77) EXPECT_EQ(wait_for(scan).body, "block " + std::to_string(scan));
+    if (scan == 77) continue;
+    EXPECT_EQ(wait_for(scan).body, "block " + std::to_string(scan));
   }
 }
 
