@@ -1,4 +1,5 @@
-"""Packets of an HDL-64E of a simulated drive, written here byte by byte as its manual (63-HDL64ES2) defines them."""
+"""Packets of an HDL-64E of a simulated drive, written here byte by byte. The firing times and the status bytes are those that
+velodyne-decoder reads, not an account of their own."""
 
 import struct
 
@@ -86,7 +87,8 @@ def test_packets_of_an_hdl_64e_give_the_labels_of_the_native_recording(native, c
     expected = moving_by_firing(expected, mapless.open(drive), begin_ns)
     both = (found >= 0) & (expected >= 0)
     assert both.sum() > 0.999 * (expected >= 0).sum()
-    assert iou(found[both] == 1, expected[both] == 1) > 0.99
+    # Measured: .9901. Another compiler may change a label or two of points at the edge of an object.
+    assert iou(found[both] == 1, expected[both] == 1) > 0.985
 
 
 def test_a_calibration_file_gives_the_points_that_the_calibration_in_the_packets_gives(native, capture, tmp_path):
