@@ -31,7 +31,12 @@ asan) # All but whole scenes, most drives, statistics of many trials and compari
   # The same code as the other tests of random scenes, of runs along own odometry, and of interrupts.
   GTEST_FILTER="$GTEST_FILTER:RandomScene.NothingIs*:RandomScene.TheSensorTouches*:RandomScene.SeedsDiffer*:Scene.EverySceneHas*"
   GTEST_FILTER="$GTEST_FILTER:Odometry.TakesMeasurements*:Odometry.InterruptedIt*:MovingObjects.AnIdIs*"
-  GTEST_FILTER="$GTEST_FILTER:BenchmarkSpeed.TellsEvery*:Odometry.WritesThe*:Odometry.Replaces*:DetectTest.EstimatesATrajectory*" ;;
+  GTEST_FILTER="$GTEST_FILTER:BenchmarkSpeed.TellsEvery*:Odometry.WritesThe*:Odometry.Replaces*:DetectTest.EstimatesATrajectory*"
+  GTEST_FILTER="$GTEST_FILTER:Simulate.WhatIsFinishedWhen*:Simulate.ItsTruth*:ResumeTest.AfterAKill*:DetectProbability.IsWritten*"
+  GTEST_FILTER="$GTEST_FILTER:DetectObjectsTest.TellsOf*:DetectObjectsTest.Overwriting*:DetectTest.InfoTellsHow*:Usage.WorkGoes*"
+  GTEST_FILTER="$GTEST_FILTER:Odometry.OfCompensated*:Odometry.Overwrites*:EvaluateTrajectory.Of*:EvaluateTrajectory.Not*"
+  GTEST_FILTER="$GTEST_FILTER:MotionProbability.Sums*:StandingTest.ABoxThatMoves*:OnlineDetector.KeepsThe*:RandomScene.HitsHave*"
+  GTEST_FILTER="$GTEST_FILTER:LidarOdometry.KeepsFew*:MotionMeasurements.AMotion*" ;;
 tsan) # what runs on several threads, but for Embree's own, which are not instrumented
   targets=mapless_tests
   GTEST_FILTER='*Threads*:*OneThread*:Compensate.*:RestoreMeasuredRays.*:PointcloudComparison.*:Walls.*:Mdlidar*'

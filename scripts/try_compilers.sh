@@ -5,6 +5,7 @@
 #   g++-11 g++-12 clang++-14  with that compiler
 #   cmake-3.22                with that CMake, from PyPI in a folder of its own (needs python3-venv)
 #   no-embree                 without the simulator; builds and runs the tests of the command's usage
+#   headers                   no build: each header, the private ones too, compiles by itself (after `make test`)
 # Default: all, leaving out, by name, compilers that are not installed.
 set -eu
 cd "$(dirname "$0")/.."
@@ -12,7 +13,7 @@ jobs=${JOBS:-$(nproc)}
 work=$PWD/build/try
 mkdir -p "$work"
 
-[ $# -gt 0 ] || set -- clang++-14 g++-11 g++-12 cmake-3.22 no-embree
+[ $# -gt 0 ] || set -- clang++-14 g++-11 g++-12 cmake-3.22 no-embree headers
 
 # A second of the motorway, if this build can make it, and one that all can read.
 check() { # FOLDER
@@ -55,6 +56,7 @@ for name in "$@"; do
     fi
     cat "$work/$name.message"
     check "$work/$name" ;;
+  headers) scripts/check_headers.py --all --generated build/release/src build/release/apps/mapless ;;
   *) echo "scripts/try_compilers.sh: $name: unknown" >&2 && exit 2 ;;
   esac
 done
