@@ -55,7 +55,9 @@ PredictionCounts write_semantic_kitti(const Dataset& dataset, const ResultFolder
   PredictionCounts counts;
   Progress progress("scans");
   for (const std::size_t k : scans) {
-    auto labels = read_label_file(result.label_file(k), dataset.read(k).input_size);
+    const LidarScan scan = dataset.read(k);
+    auto labels = read_label_file(result.label_file(k), scan.input_size);
+    if (fs::exists(result.summary())) require_labels_of(scan, labels, result.label_file(k));
     for (std::uint32_t& label : labels) {
       const MotionTruth motion = motion_of_label(label);
       const bool moving = motion == MotionTruth::moving;

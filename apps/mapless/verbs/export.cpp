@@ -12,6 +12,7 @@
 #include "export/semantic_kitti.hpp"
 #include "export/voxel_map.hpp"
 #include "options/option_checks.hpp"
+#include "options/output_file.hpp"
 #include "options/recording_options.hpp"
 #include "options/scan_range.hpp"
 #include "terminal/progress.hpp"
@@ -149,6 +150,7 @@ int export_clouds(const ExportOptions& options) {
     throw ParameterError(
         {"--frame", "", options.frame, "does not fit --what map, which has one frame", "leave --frame out"});
   }
+  if (is_map) require_not_input(options.output, options.recording.path, options.result);
   const auto dataset = options.recording.open();
   if (options.what == "semantic-kitti") {
     export_predictions(options, *dataset);
@@ -189,7 +191,7 @@ void add_export(CLI::App& app, int& exit_code) {
   verb->add_option("--sequence", options->sequence,
                    "with --what semantic-kitti: NN. Default: the name of the recording if it is a number, "
                    "else 00")
-      ->check(CLI::NonNegativeNumber);
+      ->check(whole_number(0));
   verb->add_option("--cloud-format", options->format,
                    "format of the files, binary; mcap: one file of clouds, poses and boxes for Foxglove, "
                    "Lichtblick and Rerun, with --what labelled, of the Python package alone")
