@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "export/new_folder.hpp"
 #include "terminal/progress.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/io/labels.hpp>
@@ -51,7 +52,7 @@ PredictionCounts write_semantic_kitti(const Dataset& dataset, const ResultFolder
                                       const std::string& sequence) {
   require_free_predictions(output, sequence);
   const fs::path folder = predictions_folder(output, sequence);
-  fs::create_directories(folder);
+  NewFolder made(folder);
   PredictionCounts counts;
   Progress progress("scans");
   for (const std::size_t k : scans) {
@@ -69,6 +70,7 @@ PredictionCounts write_semantic_kitti(const Dataset& dataset, const ResultFolder
     progress.update(++counts.scans, scans.size());
   }
   progress.clear();
+  made.keep();
   return counts;
 }
 

@@ -9,6 +9,7 @@
 
 #include "export/cloud_file.hpp"
 #include "export/exported_points.hpp"
+#include "export/new_folder.hpp"
 #include "export/semantic_kitti.hpp"
 #include "export/voxel_map.hpp"
 #include "options/option_checks.hpp"
@@ -115,11 +116,12 @@ void export_scans(const ExportOptions& options, const LabelledDrive& drive,
   if (fs::exists(folder) && !(fs::is_directory(folder) && fs::is_empty(folder))) {
     throw OutputError({folder.string(), "", "", "is there and is not an empty folder", "give a new folder"});
   }
-  fs::create_directories(folder);
+  NewFolder made(folder);
   const ExportCounts counts = for_each_scan(options, drive, scans, [&](std::size_t k, const Cloud& cloud) {
     write_file_atomically(folder / fmt::format("{:06}.{}", k, options.format),
                           cloud_file(cloud, format_of(options.format)));
   });
+  made.keep();
   fmt::print("{}: {} files; of the points {} are static, {} dynamic, {} without a label\n", folder.string(),
              counts.scans, counts.is_static, counts.moving, counts.unknown);
 }

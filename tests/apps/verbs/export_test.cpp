@@ -171,6 +171,29 @@ TEST_F(Export, RefusesLabelsOfAnotherRecording) {
   }
 }
 
+TEST_F(Export, ThatFailsLeavesNothing) {
+  const ResultFolder result(folder / "result");
+  result.create(false, "{}");
+  const auto dataset = open_dataset(street);
+  for (std::size_t k = 0; k < kScans; ++k) write_label_file(result.label_file(k), *dataset->read_labels(k));
+  write_file_atomically(result.label_file(kScans - 1), "damaged");
+  const std::filesystem::path deep = std::filesystem::path(out) / "a/b";
+  for (const std::string what : {"static", "semantic-kitti"}) {
+    const std::vector<std::string> command = {"export", street, result.path().string(), "--what", what, "-o"};
+    const auto into = [&command](std::string output) {
+      std::vector<std::string> all = command;
+      all.push_back(std::move(output));
+      return run_command(all).exit_code;
+    };
+    EXPECT_EQ(into(deep), 3) << what;
+    EXPECT_FALSE(std::filesystem::exists(out)) << what;
+    std::filesystem::create_directories(deep);
+    EXPECT_EQ(into(deep), 3) << what;
+    EXPECT_TRUE(std::filesystem::is_empty(deep)) << what << ": was there before, and stays";
+    std::filesystem::remove_all(out);
+  }
+}
+
 TEST_F(Export, ASequenceIsAWholeNumber) {
   for (const std::string sequence : {"../../x", "3.5", "-1", ""}) {
     const auto r = run_command({"export", street, folder / "result", "--what", "semantic-kitti", "-o", out,
