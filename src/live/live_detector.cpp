@@ -315,6 +315,7 @@ void LiveDetector::State::count_output(const LiveOutput& output) {
 
 LiveDetector::LiveDetector(const LiveOptions& options, std::function<Time()> now) {
   require_within_bounds(options.live, "LiveDetector");
+  require_frames(options);
   state_ = std::make_unique<State>(options, std::move(now));
 }
 

@@ -88,6 +88,7 @@ struct LidarOdometry::State {
   std::vector<std::size_t> start_up_intervals;  // the knot at the start of each scan of the start-up
   MappedTrajectory mapped;                      // without start_up
   MotionSupport support;
+  std::optional<Time> kept_from;  // nobody asks for earlier motion
   std::shared_ptr<const LidarScan> last_scan;
   std::size_t last_interval = 0;  // the knot at its start
   int lost_in_a_row = 0;
@@ -106,7 +107,8 @@ struct LidarOdometry::State {
   ScanOutcome restart(const LidarScan& scan, OdometryUpdate& update);
   void add_measurement(MotionMeasurement measured);
   void forget_old_measurements();
-  void forget_before(Time t);
+  void forget_old_knots();
+  void begin_start_up_again();
   [[nodiscard]] bool last_scan_is_supported() const;
   [[nodiscard]] MotionState state_of(const OdometryUpdate& update) const;
   [[nodiscard]] std::size_t first_open_knot() const {
@@ -254,13 +256,24 @@ void LidarOdometry::State::forget_old_measurements() {
 }
 
 // In a start-up, scans refer to knots by their numbers in all hypotheses.
-void LidarOdometry::State::forget_before(Time t) {
+void LidarOdometry::State::forget_old_knots() {
   std::vector<TrajectoryKnot>& knots = mapped.knots;
-  if (start_up || knots.size() <= kDensityKnots) return;
-  const std::size_t dropped = growing.forget_before(std::min(t, knots[knots.size() - kDensityKnots].time));
+  if (start_up || !kept_from || knots.size() <= kDensityKnots) return;
+  const Time first_used = knots[knots.size() - kDensityKnots].time;
+  const std::size_t dropped = growing.forget_before(std::min(*kept_from, first_used));
   knots.erase(knots.begin(), knots.begin() + static_cast<std::ptrdiff_t>(dropped));
   mapped.window_begin -= dropped;
   last_interval -= dropped;
+}
+
+// Without it, a sensor that sees nothing for hours would have hours of knots that can still change.
+void LidarOdometry::State::begin_start_up_again() {
+  mapped = start_up->best();
+  start_up.reset();
+  forget_old_knots();
+  start_up.emplace(parameters, settings, mapped.knots);
+  start_up_intervals.clear();
+  mapped = MappedTrajectory(parameters.residual_sigma_m);
 }
 
 // Begins a new map with this scan, at its extrapolated pose, without any knowledge of its velocity.
@@ -330,6 +343,7 @@ OdometryUpdate LidarOdometry::State::process(const std::shared_ptr<const LidarSc
   update.knots.assign(knots.begin() + static_cast<std::ptrdiff_t>(first_changed), knots.end());
   growing.update(knots, first_open_knot());
   trajectory = growing.snapshot(knots);
+  if (start_up && start_up_intervals.size() >= kMostStartUpScans) begin_start_up_again();
   return update;
 }
 
@@ -360,7 +374,10 @@ void LidarOdometry::add_measurement(const MotionMeasurement& measured) { state_-
 void LidarOdometry::remove_dynamic_points(const LidarScan& scan, const std::vector<std::uint16_t>& object) {
   state_->mapped.remove_dynamic_points(scan, object);
 }
-void LidarOdometry::forget_before(Time t) { state_->forget_before(t); }
+void LidarOdometry::forget_before(Time t) {
+  state_->kept_from = t;
+  state_->forget_old_knots();
+}
 bool LidarOdometry::started() const { return !state_->start_up; }
 const std::vector<TrajectoryKnot>& LidarOdometry::knots() const { return state_->current().knots; }
 const Trajectory& LidarOdometry::trajectory() const { return *state_->trajectory; }

@@ -20,7 +20,7 @@ void OdometryReport::add(const LidarScan& scan, const OdometryUpdate& update) {
   last_end_ = scan.end();
   if (update.outcome == ScanOutcome::restarted) {
     restarts_.push_back(scans_);
-    settle();
+    settle(0);
     starting_ = true;
   }
   ++scans_;
@@ -28,17 +28,18 @@ void OdometryReport::add(const LidarScan& scan, const OdometryUpdate& update) {
   const std::size_t decided = std::min(update.decided_scans, undecided_.size());
   std::fill(undecided_.end() - static_cast<std::ptrdiff_t>(decided), undecided_.end(), update.state);
   if (update.decided_scans > 1) starting_ = false;
-  if (!starting_) settle();
+  settle(starting_ ? kMostStartUpScans : 0);
 }
 
-// No later scan changes the states known so far.
-void OdometryReport::settle() {
+// No later scan changes the states known so far, but for the last `still_open`.
+void OdometryReport::settle(std::size_t still_open) {
+  if (undecided_.size() <= still_open) return;
   const std::size_t first = scans_ - undecided_.size();
-  const auto lost = std::find(undecided_.begin(), undecided_.end(), MotionState::lost);
-  if (!first_lost_ && lost != undecided_.end())
-    first_lost_ = first + static_cast<std::size_t>(lost - undecided_.begin());
-  for (const MotionState state : undecided_) ++counts_[static_cast<std::size_t>(state)];
-  undecided_.clear();
+  const auto end = undecided_.end() - static_cast<std::ptrdiff_t>(still_open);
+  const auto lost = std::find(undecided_.begin(), end, MotionState::lost);
+  if (!first_lost_ && lost != end) first_lost_ = first + static_cast<std::size_t>(lost - undecided_.begin());
+  for (auto state = undecided_.begin(); state != end; ++state) ++counts_[static_cast<std::size_t>(*state)];
+  undecided_.erase(undecided_.begin(), end);
 }
 
 std::size_t OdometryReport::count(MotionState state) const {
@@ -49,7 +50,7 @@ std::size_t OdometryReport::count(MotionState state) const {
 std::string OdometryReport::trouble() const {
   if (!undecided_.empty()) {
     OdometryReport settled = *this;
-    settled.settle();
+    settled.settle(0);
     return settled.trouble();
   }
   std::vector<std::string> parts;

@@ -31,6 +31,10 @@ TEST(LiveDetector, RefusesParametersOutOfBoundsByName) {
               testing::HasSubstr("max_gap_s"));
   EXPECT_THAT(refusal([](LiveOptions& options) { options.live.pose_wait_s = -0.1; }),
               testing::HasSubstr("pose_wait_s"));
+  EXPECT_THAT(refusal([](LiveOptions& options) { options.world_frame.clear(); }),
+              testing::HasSubstr("world_frame"));
+  EXPECT_THAT(refusal([](LiveOptions& options) { options.base_frame = options.world_frame; }),
+              testing::HasSubstr("base_frame"));
   EXPECT_THAT(refusal([](LiveOptions& options) { options.detector.detection.voting.references = 0; }),
               testing::HasSubstr("references"));
 }

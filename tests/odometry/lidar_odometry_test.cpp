@@ -290,36 +290,6 @@ TEST(LidarOdometry, ATrajectorySnapshotStaysAsItIs) {
   }
 }
 
-// Ten scans of a sensor at rest, again and again, as one drive of `count` scans with few points.
-Scans repeated_scans(std::size_t count) {
-  const Scans ten = cast(with_columns(room(0, 0), 90), 0, 10);
-  const Duration period = ten[1]->start - ten[0]->start;
-  Scans scans;
-  for (std::size_t k = 0; k < count; ++k) {
-    LidarScan scan = *ten[k % ten.size()];
-    scan.start = ten[0]->start + period * static_cast<double>(k);
-    scans.push_back(std::make_shared<const LidarScan>(std::move(scan)));
-  }
-  return scans;
-}
-
-// Two chunks of 256 knots, and what is not final yet.
-TEST(LidarOdometry, KeepsFewKnotsWhereOldMotionIsForgotten) {
-  const Scans scans = repeated_scans(800);
-  LidarOdometry all, forgetful;
-  for (const auto& scan : scans) {
-    (void)all.process(scan);
-    const OdometryUpdate update = forgetful.process(scan);
-    EXPECT_EQ(update.knots.back().T_v0.matrix(), all.knots().back().T_v0.matrix());
-    forgetful.forget_before(scan->start);
-    ASSERT_LE(forgetful.knots().size(), 2u * 256u + 21u);
-    ASSERT_LE(forgetful.trajectory().begin(), scan->start);
-  }
-  ASSERT_TRUE(forgetful.started());
-  EXPECT_EQ(all.knots().size(), scans.size() + 1);
-  EXPECT_GT(forgetful.trajectory().begin(), scans[256]->start);
-}
-
 // With all returns removed as dynamic, the map has nothing left for the next scan to register to.
 TEST(LidarOdometry, RemovesDynamicPointsFromTheMap) {
   const ToyScene scene = room(0, 0);

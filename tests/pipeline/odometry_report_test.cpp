@@ -82,6 +82,18 @@ TEST(OdometryReport, AStartUpAfterALossDecidesTheScansSinceTheRestart) {
   EXPECT_THAT(report.trouble(), HasSubstr("lost in 2 of 6 scans, the first of them scan 2"));
 }
 
+// The first of these scans is final, and the rest are decided.
+TEST(OdometryReport, AStartUpDecidesItsLastScansAtMost) {
+  OdometryReport report;
+  for (std::size_t k = 0; k < kMostStartUpScans; ++k)
+    report.add(scan_at(0.1 * static_cast<double>(k)), update_of(ScanOutcome::few_points, MotionState::lost));
+  OdometryUpdate deciding = update_of(ScanOutcome::registered);
+  deciding.decided_scans = kMostStartUpScans;
+  report.add(scan_at(100), deciding);
+  EXPECT_EQ(report.count(MotionState::lost), 1u);
+  EXPECT_EQ(report.count(MotionState::good), kMostStartUpScans);
+}
+
 // One line, however often the sensor was lost.
 TEST(OdometryReport, NamesTheFirstRestarts) {
   OdometryReport report;

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "export/new_folder.hpp"
 #include "terminal/progress.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/io/labels.hpp>
@@ -51,11 +52,13 @@ PredictionCounts write_semantic_kitti(const Dataset& dataset, const ResultFolder
                                       const std::string& sequence) {
   require_free_predictions(output, sequence);
   const fs::path folder = predictions_folder(output, sequence);
-  fs::create_directories(folder);
+  NewFolder made(folder);
   PredictionCounts counts;
   Progress progress("scans");
   for (const std::size_t k : scans) {
-    auto labels = read_label_file(result.label_file(k), dataset.read(k).input_size);
+    const LidarScan scan = dataset.read(k);
+    auto labels = read_label_file(result.label_file(k), scan.input_size);
+    if (fs::exists(result.summary())) require_labels_of(scan, labels, result.label_file(k));
     for (std::uint32_t& label : labels) {
       const MotionTruth motion = motion_of_label(label);
       const bool moving = motion == MotionTruth::moving;
@@ -67,6 +70,7 @@ PredictionCounts write_semantic_kitti(const Dataset& dataset, const ResultFolder
     progress.update(++counts.scans, scans.size());
   }
   progress.clear();
+  made.keep();
   return counts;
 }
 

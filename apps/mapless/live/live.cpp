@@ -12,6 +12,7 @@
 #include <tbb/global_control.h>
 
 #include "live/live_node.hpp"
+#include "options/option_checks.hpp"
 #include "options/parameter_options.hpp"
 #include "terminal/exit_codes.hpp"
 #include "terminal/interrupt.hpp"
@@ -103,19 +104,24 @@ void add_live(CLI::App& app, int& exit_code) {
   const auto options = std::make_shared<LiveVerbOptions>();
   LiveNodeOptions& node = options->node;
   verb->add_option("--points", node.live.topic, "topic of the clouds, sensor_msgs/PointCloud2")
+      ->check(topic_name())
       ->capture_default_str();
   for (const LiveSetting& setting : live_settings(node.live)) {
     verb->add_option(flag_of(std::string(setting.name)), *setting.value, std::string(setting.help))
         ->capture_default_str();
   }
   verb->add_option("--odometry-topic", node.odometry_topic, "topic of nav_msgs/Odometry that is read")
+      ->check(topic_name())
       ->capture_default_str();
   verb->add_option("--imu-topic", node.imu_topic, "topic of sensor_msgs/Imu, for --use-imu")
+      ->check(topic_name())
       ->capture_default_str();
   verb->add_option("--wheel-odometry-topic", node.wheel_odometry_topic,
                    "topic of nav_msgs/Odometry whose twist is read, for --use-wheel-odometry")
+      ->check(topic_name())
       ->capture_default_str();
-  verb->add_option("--prefix", node.prefix, "before the names of the topics written, such as mapless/");
+  verb->add_option("--prefix", node.prefix, "before the names of the topics written, such as mapless/")
+      ->check(topic_prefix());
   add_live_parameters(*verb, *options);
   add_parameter_options(*verb, options->parameters);
   verb->add_flag("--causal", options->parameters.causal,

@@ -2,6 +2,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <regex>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -9,6 +10,8 @@
 
 namespace mapless::app {
 namespace {
+
+constexpr std::size_t kLongestTopic = 200;  // a file name has 255 bytes, and DDS adds its own parts
 
 template <class Number>
 bool parse(const std::string& text, Number& number) {
@@ -43,6 +46,34 @@ CLI::Validator number_between(double min, double max) {
     return good ? std::string() : fmt::format("{}: not a number from {} to {}", text, min, max);
   };
   return {check, fmt::format("FLOAT in [{} - {}]", min, max), "number between"};
+}
+
+CLI::Validator topic_name() {
+  const auto check = [](const std::string& text) {
+    static const std::regex names("(~/|/)?[A-Za-z_][A-Za-z0-9_]*(/[A-Za-z_][A-Za-z0-9_]*)*");
+    if (text.size() > kLongestTopic)
+      return fmt::format("{} bytes: longer than a name of a topic, {} bytes", text.size(), kLongestTopic);
+    return std::regex_match(text, names)
+               ? std::string()
+               : fmt::format("'{}': not a name of a topic, which has letters, digits, _ and /", text);
+  };
+  return {check, "", "topic"};
+}
+
+CLI::Validator topic_prefix() {
+  const auto check = [](const std::string& text) {
+    return text.empty() || topic_name()(text + "points").empty()
+               ? std::string()
+               : fmt::format("'{}': not the beginning of a name of a topic, such as mapless/", text);
+  };
+  return {check, "", "prefix"};
+}
+
+CLI::Validator not_empty() {
+  const auto check = [](const std::string& text) {
+    return text.empty() ? std::string("is empty: give a value, or leave the option out") : std::string();
+  };
+  return {check, "", "not empty"};
 }
 
 }  // namespace mapless::app

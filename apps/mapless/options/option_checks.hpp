@@ -14,4 +14,12 @@ namespace mapless::app {
 /// A number from `min` to `max`.
 [[nodiscard]] CLI::Validator number_between(double min, double max);
 
+/// A name of a topic as ROS 2 has them: letters, digits, underscores and slashes, no digit first; relative,
+/// absolute (/) or private (~/).
+[[nodiscard]] CLI::Validator topic_name();
+/// What may be put before the name of a topic; empty: nothing.
+[[nodiscard]] CLI::Validator topic_prefix();
+/// Any text but the empty one, which is a variable of a script that is not set.
+[[nodiscard]] CLI::Validator not_empty();
+
 }  // namespace mapless::app

@@ -37,8 +37,10 @@ CLI::Option* add_choice(CLI::App& verb, const std::string& flag, std::optional<E
 
 CLI::Option* add_path(CLI::App& verb, const std::string& flag, std::filesystem::path& path,
                       const std::string& help) {
-  return verb.add_option_function<std::string>(
-      flag, [&path](const std::string& text) { path = text; }, help);
+  return verb
+      .add_option_function<std::string>(
+          flag, [&path](const std::string& text) { path = text; }, help)
+      ->check(not_empty());
 }
 
 // Options for reading the poses of `file`.
@@ -101,10 +103,12 @@ void add_recording_options(CLI::App& verb, RecordingOptions& options) {
         option.help);
   }
   verb.add_option(
-      "--sensor", options.dataset.sensor,
-      fmt::format("sensor model: {}, or a calibration file (Velodyne's YAML or a sensor.yaml). Default: the "
-                  "recording's own, else estimated from its points",
-                  fmt::join(named_models(), ", ")));
+          "--sensor", options.dataset.sensor,
+          fmt::format(
+              "sensor model: {}, or a calibration file (Velodyne's YAML or a sensor.yaml). Default: the "
+              "recording's own, else estimated from its points",
+              fmt::join(named_models(), ", ")))
+      ->check(not_empty());
   add_path(verb, "--labels", options.dataset.labels,
            "folder of the true labels (default: the recording's own)");
   add_choice(verb, "--own-pose-direction", options.dataset.pose_direction,

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "options/option_checks.hpp"
+#include "options/output_file.hpp"
 #include "options/recording_options.hpp"
 #include "reports/evaluation_json.hpp"
 #include "reports/evaluation_tables.hpp"
@@ -39,7 +40,11 @@ struct EvaluateOptions {
 void require_whole(const ResultFolder& result) {
   if (!std::filesystem::exists(result.summary())) return;
   const Json summary = Json::parse(read_whole_file(result.summary()), nullptr, false);
-  if (!summary.is_object() || summary.value("program", Json()) != kProgramName) return;
+  if (!summary.is_object()) {
+    throw InputError({result.summary().string(), "", "", "is damaged: not a JSON object",
+                      "run mapless detect again, or remove the file to evaluate the labels that are there"});
+  }
+  if (summary.value("program", Json()) != kProgramName) return;
   const auto refuse = [&result](const std::string& field, const std::string& value,
                                 const std::string& problem) {
     throw InputError(
@@ -133,6 +138,7 @@ bool has_labels_to_evaluate(const Dataset& dataset, const std::filesystem::path&
 }
 
 int evaluate(const EvaluateOptions& options) {
+  require_not_input(options.json, options.recording.path, options.result);
   const auto dataset = options.recording.open();
   const std::filesystem::path result = options.result;
   if (!options.partial) require_whole(ResultFolder(result));

@@ -9,9 +9,11 @@
 
 #include "export/cloud_file.hpp"
 #include "export/exported_points.hpp"
+#include "export/new_folder.hpp"
 #include "export/semantic_kitti.hpp"
 #include "export/voxel_map.hpp"
 #include "options/option_checks.hpp"
+#include "options/output_file.hpp"
 #include "options/recording_options.hpp"
 #include "options/scan_range.hpp"
 #include "terminal/progress.hpp"
@@ -114,11 +116,12 @@ void export_scans(const ExportOptions& options, const LabelledDrive& drive,
   if (fs::exists(folder) && !(fs::is_directory(folder) && fs::is_empty(folder))) {
     throw OutputError({folder.string(), "", "", "is there and is not an empty folder", "give a new folder"});
   }
-  fs::create_directories(folder);
+  NewFolder made(folder);
   const ExportCounts counts = for_each_scan(options, drive, scans, [&](std::size_t k, const Cloud& cloud) {
     write_file_atomically(folder / fmt::format("{:06}.{}", k, options.format),
                           cloud_file(cloud, format_of(options.format)));
   });
+  made.keep();
   fmt::print("{}: {} files; of the points {} are static, {} dynamic, {} without a label\n", folder.string(),
              counts.scans, counts.is_static, counts.moving, counts.unknown);
 }
@@ -149,6 +152,7 @@ int export_clouds(const ExportOptions& options) {
     throw ParameterError(
         {"--frame", "", options.frame, "does not fit --what map, which has one frame", "leave --frame out"});
   }
+  if (is_map) require_not_input(options.output, options.recording.path, options.result);
   const auto dataset = options.recording.open();
   if (options.what == "semantic-kitti") {
     export_predictions(options, *dataset);
@@ -189,7 +193,7 @@ void add_export(CLI::App& app, int& exit_code) {
   verb->add_option("--sequence", options->sequence,
                    "with --what semantic-kitti: NN. Default: the name of the recording if it is a number, "
                    "else 00")
-      ->check(CLI::NonNegativeNumber);
+      ->check(whole_number(0));
   verb->add_option("--cloud-format", options->format,
                    "format of the files, binary; mcap: one file of clouds, poses and boxes for Foxglove, "
                    "Lichtblick and Rerun, with --what labelled, of the Python package alone")

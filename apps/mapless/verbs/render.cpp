@@ -1,3 +1,4 @@
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <utility>
@@ -6,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "options/option_checks.hpp"
+#include "options/output_file.hpp"
 #include "options/recording_options.hpp"
 #include "pictures/scan_picture.hpp"
 #include "verbs/verbs.hpp"
@@ -32,7 +34,10 @@ struct RenderOptions {
 PicturedScan read_labelled(const Dataset& dataset, const std::string& result, std::size_t k) {
   PicturedScan out{dataset.read(k), {}, dataset.read_labels(k)};
   if (!result.empty()) {
-    out.labels = read_label_file(ResultFolder(result).label_file(k), out.scan.input_size);
+    const ResultFolder folder(result);
+    out.labels = read_label_file(folder.label_file(k), out.scan.input_size);
+    if (std::filesystem::exists(folder.summary()))
+      require_labels_of(out.scan, out.labels, folder.label_file(k));
     return out;
   }
   if (!out.truth) {
@@ -86,6 +91,7 @@ PicturedScan scans_around(const Dataset& dataset, const RenderOptions& options, 
 }
 
 int render(RenderOptions options) {
+  require_not_input(options.picture, options.recording.path, options.result);
   const auto dataset = options.recording.open();
   if (options.scan >= dataset->size()) {
     throw ParameterError({"--scan", "", std::to_string(options.scan), "there is no such scan",

@@ -16,6 +16,7 @@
 #include <fmt/format.h>
 
 #include "explain/replayed_run.hpp"
+#include "options/output_file.hpp"
 #include "options/recording_options.hpp"
 #include "options/scan_range.hpp"
 #include "terminal/exit_codes.hpp"
@@ -161,6 +162,7 @@ int serve(const ViewOptions& options, const LabelledDrive& drive, const DriveEnc
 }
 
 int view(const ViewOptions& options) {
+  require_not_input(options.page, options.recording.path, options.result);
   const auto dataset = options.recording.open();
   const LabelledDrive drive(*dataset, options.result);
   const DriveEncoder encoder(drive, options.range.of(drive.scans()));

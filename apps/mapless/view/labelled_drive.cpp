@@ -88,6 +88,7 @@ LabelledCloud LabelledDrive::read(std::size_t k) const {
   out.truth = dataset_.read_labels(k);
   if (result_) {
     out.labels = read_label_file(result_->label_file(k), out.scan->input_size);
+    if (fs::exists(result_->summary())) require_labels_of(*out.scan, out.labels, result_->label_file(k));
     if (fs::exists(result_->stage_file(k)))
       out.stages = read_stage_file(result_->stage_file(k), out.scan->input_size);
     if (fs::exists(result_->probability_file(k)))

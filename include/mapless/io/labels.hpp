@@ -35,7 +35,7 @@ enum class MotionTruth { unknown, still, moving };
 }
 
 /// Reads a label file: one little-endian uint32 per input record. Throws InputError for a file that cannot be
-/// read or whose length is not `expected_count` x 4 bytes.
+/// read, whose length is not `expected_count` x 4 bytes, or with a class above 259.
 [[nodiscard]] std::vector<std::uint32_t> read_label_file(const std::filesystem::path& file,
                                                          std::size_t expected_count);
 

@@ -14,6 +14,7 @@ namespace mapless::inline v1 {
 // Declared only: room evaluation includes this header and must not depend on detection.
 struct Detection;
 struct TrackedObject;
+struct LidarScan;
 
 /// The folder that a run of the detector writes. Scan numbers are those of the recording, from 0, six digits:
 ///
@@ -99,10 +100,16 @@ void write_stage_file(const std::filesystem::path& file, const std::vector<std::
 /// Writes a file of probabilities atomically. Throws OutputError.
 void write_probability_file(const std::filesystem::path& file, const std::vector<float>& probabilities);
 
-/// Reads a file of probabilities. Throws InputError for a file that cannot be read or whose length is not
-/// `expected_count` x 4 bytes.
+/// Reads a file of probabilities. Throws InputError for a file that cannot be read, whose length is not
+/// `expected_count` x 4 bytes, or with a number outside [0, 1] that is not NaN.
 [[nodiscard]] std::vector<float> read_probability_file(const std::filesystem::path& file,
                                                        std::size_t expected_count);
+
+/// Throws InputError naming `file` where `labels`, written by mapless detect, one per input record, are not
+/// of `scan`: more than 1 % are at records without a return, or missing where there is one. Labels that are
+/// all 0 fit every scan. Nothing is shown where every record has a return.
+void require_labels_of(const LidarScan& scan, const std::vector<std::uint32_t>& labels,
+                       const std::filesystem::path& file);
 
 /// One label per input record, in input order: kLabelDynamic with the number of the object in the high 16
 /// bits, kLabelStatic, or 0 for a record without a return; all 0 where Detection::motion_known is false.

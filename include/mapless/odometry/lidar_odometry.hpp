@@ -48,8 +48,8 @@ class LidarOdometry {
   void remove_dynamic_points(const LidarScan& scan, const std::vector<std::uint16_t>& object);
 
   /// Drops knots whose motion nobody will ask for, on a drive without end: knots() and trajectory() then
-  /// begin at `t` at the latest. Estimates do not change. Knots go 256 at a time; none goes before started(),
-  /// and the last 21 stay. Snapshots made before keep their knots.
+  /// begin at `t` at the latest. Estimates do not change. Knots go 256 at a time, and the last 21 stay;
+  /// during a start-up none goes. Snapshots made before keep their knots.
   void forget_before(Time t);
 
   /// Whether the motion of the first scans is decided, after five to ten usable scans. Until then the knots

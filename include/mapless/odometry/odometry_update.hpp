@@ -46,6 +46,11 @@ struct Degeneracy {
   int unconstrained = 0;
 };
 
+/// A start-up that finds no motion during this many scans, because the sensor sees nothing or scans do not
+/// match, begins again with the next scan: the motion before stays extrapolated. Chosen: 10 s at 10 Hz, and
+/// ten times the scans of the longest start-up that finds one.
+inline constexpr std::size_t kMostStartUpScans = 100;
+
 /// The result of one scan.
 struct OdometryUpdate {
   /// Knots that this scan added or corrected, by increasing time. The last one is at the scan's end. Two
@@ -57,7 +62,7 @@ struct OdometryUpdate {
   ScanOutcome outcome = ScanOutcome::first;
   MotionState state = MotionState::good;
   /// Number of scans to which `state` applies, this one the last. More than 1 only where the motion of the
-  /// first scans is decided: their states are known from this scan on.
+  /// first scans is decided: their states are known from this scan on. At most kMostStartUpScans.
   std::size_t decided_scans = 1;
   int iterations = 0;       ///< Gauss-Newton steps
   double inlier_ratio = 0;  ///< keypoints within the gate of a plane of the map, over all keypoints

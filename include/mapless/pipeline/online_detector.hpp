@@ -18,8 +18,8 @@
 
 namespace mapless::inline v1 {
 
-/// The states of the motion over a run. Memory does not grow with the number of scans once odometry has
-/// started, but for 8 bytes a restart.
+/// The states of the motion over a run. Memory does not grow with the number of scans, but for 8 bytes a
+/// restart.
 class OdometryReport {
  public:
   /// Adds the scan that `update` is of. Scans come in the order in which odometry processed them.
@@ -37,7 +37,7 @@ class OdometryReport {
   [[nodiscard]] std::string trouble() const;
 
  private:
-  void settle();
+  void settle(std::size_t still_open);
 
   std::size_t scans_ = 0;
   std::array<std::size_t, 3> counts_ = {};  // by state, of the scans whose state no later scan changes

@@ -69,6 +69,10 @@ VelodyneCorrection read_correction(const YamlMap& yaml) {
   return correction;
 }
 
+constexpr std::size_t kLongestName = 200;  // it is in lines and tables of results
+
+bool is_control(unsigned char c) { return c < 0x20 || c == 0x7F; }
+
 bool equal_ignoring_case(const std::string& a, const std::string& b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(),
                     [](unsigned char x, unsigned char y) { return std::tolower(x) == std::tolower(y); });
@@ -92,6 +96,8 @@ LidarModel read_sensor_yaml(const std::filesystem::path& file) {
                      "max_range_m", "lasers"});
   LidarModel model;
   model.name = yaml.text("name");
+  if (model.name.size() > kLongestName || std::any_of(model.name.begin(), model.name.end(), is_control))
+    yaml.refuse("name", fmt::format("not a line of {} bytes at most", kLongestName));
   model.rotation_rate_hz = yaml.number("rate_hz");
   model.direction = read_direction(yaml);
   model.columns = yaml.integer("columns");

@@ -27,6 +27,11 @@ std::optional<int> whole_number(std::string_view name) {
   return static_cast<int>(*parse_integer(name));
 }
 
+// A pipe that nobody writes to is waited for without end.
+bool may_never_end(const fs::file_status& status) {
+  return fs::is_fifo(status) || fs::is_socket(status) || fs::is_character_file(status);
+}
+
 }  // namespace
 
 std::map<int, fs::path> numbered_files(const fs::path& folder, const std::string& extension) {
@@ -37,6 +42,9 @@ std::map<int, fs::path> numbered_files(const fs::path& folder, const std::string
     if (file.extension() != extension) continue;
     const std::optional<int> number = whole_number(file.stem().string());
     if (!number) continue;
+    std::error_code unknown;  // a link to nothing: reading says so
+    if (may_never_end(it->status(unknown)))
+      throw InputError({file.string(), "", "", "is a pipe or a device, not a file", "give a file"});
     if (!files.emplace(*number, file).second) {
       throw InputError({file.string(), "number", std::to_string(*number), "two files have this number",
                         "keep one of them"});

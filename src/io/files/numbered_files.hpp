@@ -7,7 +7,7 @@
 namespace mapless::inline v1 {
 
 /// Files of `folder` with names NUMBER + `extension` (".bin"), by number; other files are ignored. Throws
-/// InputError for a number that occurs twice and a folder that cannot be read.
+/// InputError for a number that occurs twice, a pipe or device, and a folder that cannot be read.
 [[nodiscard]] std::map<int, std::filesystem::path> numbered_files(const std::filesystem::path& folder,
                                                                   const std::string& extension);
 

@@ -8,6 +8,11 @@
 #include <mapless/io/labels.hpp>
 
 namespace mapless::inline v1 {
+namespace {
+
+constexpr std::uint32_t kLastClass = 259;  // of SemanticKITTI: another moving vehicle
+
+}  // namespace
 
 // Label files are little-endian, and read and written without turning bytes round.
 static_assert(std::endian::native == std::endian::little);
@@ -21,6 +26,13 @@ std::vector<std::uint32_t> read_label_file(const std::filesystem::path& file, st
   }
   std::vector<std::uint32_t> labels(expected_count);
   if (!labels.empty()) std::memcpy(labels.data(), bytes.data(), bytes.size());
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    const std::uint32_t c = labels[i] & 0xFFFFu;
+    if (c <= kLastClass) continue;
+    throw InputError({file.string(), fmt::format("label of record {}", i), fmt::format("class {}", c),
+                      fmt::format("not a class of SemanticKITTI, 0 to {}", kLastClass),
+                      "give labels as mapless detect or SemanticKITTI write them"});
+  }
   return labels;
 }
 

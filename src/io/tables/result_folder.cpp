@@ -12,11 +12,15 @@
 #include <mapless/core/errors.hpp>
 #include <mapless/io/files.hpp>
 #include <mapless/io/result_folder.hpp>
+#include <mapless/lidar/lidar_scan.hpp>
 
 namespace mapless::inline v1 {
 namespace {
 
 namespace fs = std::filesystem;
+
+// As LabelAlignment: labels of these very scans have none misplaced, those of others 5 % and more.
+constexpr double kMostMisplaced = 0.01;
 
 std::string scan_name(std::size_t scan, const char* extension) {
   return fmt::format("{:06}{}", scan, extension);
@@ -199,7 +203,29 @@ std::vector<float> read_probability_file(const fs::path& file, std::size_t expec
   }
   std::vector<float> probabilities(expected_count);
   if (expected_count > 0) std::memcpy(probabilities.data(), bytes.data(), bytes.size());
+  const auto wrong = std::find_if(probabilities.begin(), probabilities.end(),
+                                  [](float p) { return p < 0 || p > 1; });  // NaN: not known
+  if (wrong != probabilities.end()) {
+    throw InputError({file.string(), fmt::format("record {}", wrong - probabilities.begin()),
+                      fmt::format("{}", *wrong), "is no probability: not from 0 to 1",
+                      "run mapless detect --probability again on this recording"});
+  }
   return probabilities;
+}
+
+void require_labels_of(const LidarScan& scan, const std::vector<std::uint32_t>& labels,
+                       const fs::path& file) {
+  const auto is_unknown = [](std::uint32_t label) { return label == kLabelUnknown; };
+  if (std::all_of(labels.begin(), labels.end(), is_unknown)) return;
+  std::vector<bool> has_return(labels.size(), false);
+  for (const LidarReturn& r : scan.returns) has_return.at(r.input_index) = true;
+  std::size_t misplaced = 0;
+  for (std::size_t i = 0; i < labels.size(); ++i) misplaced += has_return[i] == is_unknown(labels[i]) ? 1 : 0;
+  if (static_cast<double>(misplaced) <= kMostMisplaced * static_cast<double>(labels.size())) return;
+  throw InputError(
+      {file.string(), "labels", fmt::format("{} of {}", misplaced, labels.size()),
+       "are at records without a return, or missing where there is one: they are of another scan",
+       "give the recording this result was made from, with the same --sensor"});
 }
 
 }  // namespace mapless

@@ -34,6 +34,10 @@ TEST(Evaluate, APartOfAResultOnlyWhereAsked) {
   const auto incomplete = run_command({"evaluate", street, out});
   EXPECT_EQ(incomplete.exit_code, 3);
   EXPECT_THAT(incomplete.err, AllOf(HasSubstr("complete = false"), HasSubstr("--partial")));
+  write_file_atomically(result.summary(), ended.substr(0, ended.size() / 2));
+  const auto damaged = run_command({"evaluate", street, out});
+  EXPECT_EQ(damaged.exit_code, 3);
+  EXPECT_THAT(damaged.err, AllOf(HasSubstr("summary.json"), HasSubstr("damaged")));
 }
 
 }  // namespace MAPLESS_FILE

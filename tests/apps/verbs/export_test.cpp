@@ -12,6 +12,7 @@
 #include <mapless/io/dataset.hpp>
 #include <mapless/io/files.hpp>
 #include <mapless/io/labels.hpp>
+#include <mapless/io/result_folder.hpp>
 
 namespace mapless {
 namespace MAPLESS_FILE {
@@ -146,6 +147,59 @@ TEST_F(Export, PredictionsOfSemanticKittiHaveOneLabelPerRecord) {
                   .err,
               HasSubstr("not an empty folder"));
   EXPECT_THAT(run_command({"export", street, "--what", "semantic-kitti", "-o", out}).err, HasSubstr("OUT"));
+}
+
+// The records of a result by mapless detect with a label are those with a return.
+TEST_F(Export, RefusesLabelsOfAnotherRecording) {
+  const ResultFolder result(folder / "result");
+  result.create(false, "{}");
+  const LidarScan scan = open_dataset(street)->read(0);
+  ASSERT_LT(scan.returns.size(), scan.input_size * 98 / 100);
+  write_label_file(result.label_file(0), std::vector<std::uint32_t>(scan.input_size, kLabelStatic));
+  for (const std::string what : {"labelled", "map", "semantic-kitti"}) {
+    const auto r = run_command({"export", street, result.path().string(), "--what", what, "-o", out});
+    EXPECT_EQ(r.exit_code, 3) << what;
+    EXPECT_THAT(r.err, HasSubstr("000000.label: labels = ")) << what;
+    std::filesystem::remove_all(out);
+  }
+  for (const auto& command : {std::vector<std::string>{"view"}, {"render", "--scan", "0"}}) {
+    std::vector<std::string> arguments = command;
+    for (const std::string& more : {street, result.path().string(), std::string("-o"), out})
+      arguments.push_back(more);
+    EXPECT_EQ(run_command(arguments).exit_code, 3) << command[0];
+    EXPECT_FALSE(std::filesystem::exists(out)) << command[0];
+  }
+}
+
+TEST_F(Export, ThatFailsLeavesNothing) {
+  const ResultFolder result(folder / "result");
+  result.create(false, "{}");
+  const auto dataset = open_dataset(street);
+  for (std::size_t k = 0; k < kScans; ++k) write_label_file(result.label_file(k), *dataset->read_labels(k));
+  write_file_atomically(result.label_file(kScans - 1), "damaged");
+  const std::filesystem::path deep = std::filesystem::path(out) / "a/b";
+  for (const std::string what : {"static", "semantic-kitti"}) {
+    const std::vector<std::string> command = {"export", street, result.path().string(), "--what", what, "-o"};
+    const auto into = [&command](std::string output) {
+      std::vector<std::string> all = command;
+      all.push_back(std::move(output));
+      return run_command(all).exit_code;
+    };
+    EXPECT_EQ(into(deep), 3) << what;
+    EXPECT_FALSE(std::filesystem::exists(out)) << what;
+    std::filesystem::create_directories(deep);
+    EXPECT_EQ(into(deep), 3) << what;
+    EXPECT_TRUE(std::filesystem::is_empty(deep)) << what << ": was there before, and stays";
+    std::filesystem::remove_all(out);
+  }
+}
+
+TEST_F(Export, ASequenceIsAWholeNumber) {
+  for (const std::string sequence : {"../../x", "3.5", "-1", ""}) {
+    const auto r = run_command({"export", street, folder / "result", "--what", "semantic-kitti", "-o", out,
+                                "--sequence=" + sequence});
+    EXPECT_EQ(r.exit_code, 2) << sequence;
+  }
 }
 
 }  // namespace MAPLESS_FILE

@@ -53,6 +53,8 @@ TEST(Usage, WrongUseIsNamedInOneLine) {
   expect_error(run_command({"config", "--frobnicate"}), 2, {"--frobnicate"});
   expect_error(run_command({"detect"}), 2, {"IN"});
   expect_error(run_command({"detect", "in", "-o", "out", "--threads", "0"}), 2, {"--threads"});
+  expect_error(run_command({"detect", "in", "-o", "out", "--sensor", ""}), 2, {"--sensor", "empty"});
+  expect_error(run_command({"detect", "in", "-o", "out", "--trajectory", ""}), 2, {"--trajectory", "empty"});
   expect_error(run_command({"detect", "in", "-o", "out", "--format", "odd"}), 2,
                {"--format", "odd", "native"});
   expect_error(run_command({"detect", "in", "-o", "out", "--pose-frame", "camera"}), 2, {"--trajectory"});

@@ -97,6 +97,8 @@ TEST(SensorYaml, BadFilesNameFileLineKeyAndValue) {
     return refusal(replaced(kSensor, from, to), read_sensor_yaml);
   };
   EXPECT_EQ(refusal(kSensor, read_sensor_yaml), "accepted");
+  EXPECT_THAT(broken("two beams", std::string(201, 'a')), HasSubstr("not a line of 200 bytes"));
+  EXPECT_THAT(broken("two beams", "\"a\\nb\""), HasSubstr("name = "));
   EXPECT_THAT(broken("rate_hz: 10", "rate_hz: ten"),
               AllOf(HasSubstr("s.yaml:2"), HasSubstr("rate_hz = ten")));
   EXPECT_THAT(broken("rate_hz: 10", "rate_hz: .nan"), HasSubstr("rate_hz = .nan"));

@@ -35,6 +35,20 @@ TEST(Labels, AnotherLengthIsRefused) {
   EXPECT_THROW((void)read_label_file(folder / "none.label", 1), InputError);
 }
 
+// The last class of SemanticKITTI is 259, another moving vehicle; damaged labels have any.
+TEST(Labels, AnotherClassIsRefused) {
+  const test::TemporaryFolder folder;
+  write_label_file(folder / "a.label", {kLabelStatic, 259u | 65535u << 16});
+  EXPECT_EQ(read_label_file(folder / "a.label", 2)[1] & 0xFFFFu, 259u);
+  write_label_file(folder / "a.label", {kLabelStatic, 260u});
+  try {
+    (void)read_label_file(folder / "a.label", 2);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("a.label: label of record 1 = class 260: not a class"));
+  }
+}
+
 TEST(Labels, MotionFollowsTheMovingObjectConvention) {
   EXPECT_EQ(motion_of_label(kLabelStatic), MotionTruth::still);
   EXPECT_EQ(motion_of_label(kLabelDynamic | 7u << 16), MotionTruth::moving);

@@ -1,5 +1,6 @@
 #include <filesystem>
 #include <fstream>
+#include <limits>
 
 #include <gtest/gtest.h>
 
@@ -8,6 +9,7 @@
 #include <mapless/io/files.hpp>
 #include <mapless/io/labels.hpp>
 #include <mapless/io/result_folder.hpp>
+#include <mapless/lidar/lidar_scan.hpp>
 
 namespace mapless {
 namespace MAPLESS_FILE {
@@ -106,8 +108,35 @@ TEST_F(ResultFolderTest, ProbabilitiesKeepTheirValuesAndAreReplacedWithTheResult
   EXPECT_EQ(fs::file_size(result.probability_file(7)), 12u);
   EXPECT_EQ(read_probability_file(result.probability_file(7), 3), probabilities);
   EXPECT_THROW((void)read_probability_file(result.probability_file(7), 4), InputError);
+  for (const float wrong : {-0.1F, 1.5F}) {
+    write_probability_file(result.probability_file(8), {0.5F, wrong});
+    EXPECT_THROW((void)read_probability_file(result.probability_file(8), 2), InputError);
+  }
+  const float unknown = std::numeric_limits<float>::quiet_NaN();
+  write_probability_file(result.probability_file(8), {0.5F, unknown});
+  EXPECT_EQ(read_probability_file(result.probability_file(8), 2)[0], 0.5F);
   result.create(true, summary_text());
   EXPECT_FALSE(fs::exists(result.probabilities()));
+}
+
+// 200 records, of which every other one has a return.
+TEST_F(ResultFolderTest, LabelsOfAnotherScanAreRefused) {
+  LidarScan scan;
+  scan.input_size = 200;
+  std::vector<std::uint32_t> labels(200, kLabelUnknown);
+  for (std::uint32_t i = 0; i < 200; i += 2) {
+    LidarReturn r{};
+    r.position_v.setZero();
+    r.input_index = i;
+    scan.returns.push_back(r);
+    labels[i] = i % 6 == 0 ? kLabelDynamic : kLabelStatic;
+  }
+  EXPECT_NO_THROW(require_labels_of(scan, labels, "labels"));
+  EXPECT_NO_THROW(require_labels_of(scan, std::vector<std::uint32_t>(200, kLabelUnknown), "labels"));
+  labels[1] = labels[3] = kLabelStatic;
+  EXPECT_NO_THROW(require_labels_of(scan, labels, "labels")) << "1 %";
+  labels[4] = kLabelUnknown;
+  EXPECT_THROW(require_labels_of(scan, labels, "labels"), InputError);
 }
 
 }  // namespace MAPLESS_FILE

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <optional>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -22,9 +24,11 @@ class KittiCalibration {
 
   // The numbers of `key`, where it is there. Throws InputError unless there are `count`, all finite.
   [[nodiscard]] std::optional<std::vector<double>> numbers(std::string_view key, std::size_t count) const {
+    std::optional<std::vector<double>> found;
     for (const std::string_view line : split_lines(text_)) {
       const std::size_t colon = line.find(':');
       if (colon == std::string_view::npos || line.substr(0, colon) != key) continue;
+      if (found) refuse(key, "", "is there twice");
       const std::vector<std::string_view> words = split_words(line.substr(colon + 1));
       std::vector<double> values;
       for (const std::string_view word : words) {
@@ -35,9 +39,9 @@ class KittiCalibration {
       if (values.size() != count) {
         refuse(key, fmt::format("{} numbers", values.size()), fmt::format("{} are needed", count));
       }
-      return values;
+      found = std::move(values);
     }
-    return std::nullopt;
+    return found;
   }
 
   [[nodiscard]] std::optional<Eigen::Matrix3d> rotation(std::string_view key) const {

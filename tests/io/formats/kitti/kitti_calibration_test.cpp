@@ -53,6 +53,8 @@ TEST_F(KittiCalibrationFile, RefusesBadCalibrations) {
   EXPECT_THAT(refuses("R: 1 0 0 0 1 0 0 0 1\n"), HasSubstr("T: not found"));
   EXPECT_THAT(refuses("Tr: 1 0 0 0\n"), AllOf(HasSubstr("4 numbers"), HasSubstr("12")));
   EXPECT_THAT(refuses("Tr: 2 0 0 0 0 1 0 0 0 0 1 0\n"), HasSubstr("not a rotation"));
+  const std::string right = "Tr: 1 0 0 0 0 1 0 0 0 0 1 0\n";
+  EXPECT_THAT(refuses(right + right), HasSubstr("Tr: is there twice"));
   EXPECT_THAT(refuses("Tr: 1 0 0 nan 0 1 0 0 0 0 1 0\n"), HasSubstr("nan"));
   EXPECT_THROW((void)read_kitti_calibration(folder_ / "absent.txt"), InputError);
 }
