@@ -21,6 +21,11 @@ std::uint64_t publisher_of(const rclcpp::MessageInfo& info) {
   return std::hash<std::string_view>()(std::string_view(reinterpret_cast<const char*>(gid), sizeof(gid))) | 1;
 }
 
+template <class Publisher>
+bool is_read(const Publisher& publisher) {
+  return publisher.get_subscription_count() + publisher.get_intra_process_subscription_count() > 0;
+}
+
 rclcpp::QoS reliable() { return rclcpp::QoS(rclcpp::KeepLast(5)).reliable(); }
 
 }  // namespace
@@ -106,22 +111,23 @@ void Labeller::label() {
   }
 }
 
-// Nothing is made that nobody reads.
+// Nothing is made that nobody reads. The labels first, then what is small.
 void Labeller::publish(const mapless::LiveOutput& output) {
-  const auto is_read = [](const auto& publisher) {
-    return publisher->get_subscription_count() + publisher->get_intra_process_subscription_count() > 0;
-  };
-  if (is_read(labelled_)) labelled_->publish(cloud_message(mapless::labelled_cloud(output)));
-  if (is_read(static_))
-    static_->publish(cloud_message(mapless::selected_cloud(output, mapless::PointMotion::still)));
-  if (is_read(moving_))
-    moving_->publish(cloud_message(mapless::selected_cloud(output, mapless::PointMotion::moving)));
-  if (is_read(objects_)) objects_->publish(objects_message(output));
-  if (is_read(markers_)) markers_->publish(markers_message(output));
+  using mapless::PointMotion;
+  if (is_read(*labelled_)) labelled_->publish(cloud_message(mapless::labelled_cloud(output)));
+  publish_odometry(output);
+  if (is_read(*objects_)) objects_->publish(objects_message(output));
+  if (is_read(*markers_)) markers_->publish(markers_message(output));
+  if (is_read(*moving_))
+    moving_->publish(cloud_message(mapless::selected_cloud(output, PointMotion::moving)));
+  if (is_read(*static_)) static_->publish(cloud_message(mapless::selected_cloud(output, PointMotion::still)));
+}
+
+void Labeller::publish_odometry(const mapless::LiveOutput& output) {
   const auto odometry = mapless::live_odometry(output);
   if (!odometry) return;
   const auto message = odometry_message(*odometry, output.world_frame, output.body_frame);
-  if (is_read(odometry_)) odometry_->publish(message);
+  if (is_read(*odometry_)) odometry_->publish(message);
   if (tf_out_) tf_out_->publish(transform_message(message));
 }
 

@@ -27,6 +27,7 @@ class Labeller : public rclcpp::Node {
   void subscribe_measurements();
   void label();
   void publish(const mapless::LiveOutput& output);
+  void publish_odometry(const mapless::LiveOutput& output);
   void publish_diagnostics();
 
   mapless::LiveOptions options_;
