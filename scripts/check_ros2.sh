@@ -1,8 +1,8 @@
 #!/bin/sh
 # Checks ros2/mapless_ros: its file of parameters is what the command prints, its launch files are Python, and its sources
-# compile. Where ROS 2 is there (AMENT_PREFIX_PATH), colcon builds it upon the installed mapless; else the sources are
-# compiled against tests/ros2_stubs, the part of ROS 2's interface that they use: that finds wrong uses of mapless, and
-# not a wrong memory of ROS 2.
+# compile. Where ROS 2 is there (a sourced setup.bash: AMENT_PREFIX_PATH), colcon builds it upon the library of the build
+# that the command is of, and runs its launch tests; else the sources are compiled against tests/ros2_stubs, the part of
+# ROS 2's interface that they use: that finds wrong uses of mapless, and not a wrong memory of ROS 2.
 # usage: scripts/check_ros2.sh MAPLESS_COMMAND [COMPILER]
 set -eu
 cd "$(dirname "$0")/.."
@@ -12,19 +12,25 @@ package=ros2/mapless_ros
 
 "$1" config --ros2 | diff - $package/config/labeller.yaml ||
   { echo "$package/config/labeller.yaml is not what 'mapless config --ros2' prints: write it anew" >&2 && exit 1; }
-for launch in $package/launch/*.py; do
-  python3 -c 'import ast, sys; ast.parse(open(sys.argv[1]).read(), sys.argv[1])' "$launch"
+for python in $package/launch/*.py $package/test/*.py; do
+  python3 -c 'import ast, sys; ast.parse(open(sys.argv[1]).read(), sys.argv[1])' "$python"
 done
 
 if [ -n "${AMENT_PREFIX_PATH:-}" ] && command -v colcon >/dev/null; then
-  colcon --log-base "$work/log" build --base-paths $package --build-base "$work/build" --install-base "$work/install"
+  cmake --install "$(dirname "$1")/../.." --prefix "$work/mapless" >"$work/install.log"
+  export CMAKE_PREFIX_PATH="$work/mapless${CMAKE_PREFIX_PATH:+:$CMAKE_PREFIX_PATH}"
+  set -- --base-paths $package --build-base "$work/build" --install-base "$work/install"
+  colcon --log-base "$work/log" build "$@"
+  colcon --log-base "$work/log" test "$@" --return-code-on-test-failure --event-handlers console_direct+
   exit 0
 fi
-# A header of ROS 2 for each that the sources include.
-grep -hoE '#include <(rclcpp|rclcpp_components|rosbag2_cpp|[a-z0-9_]+_msgs|std_srvs)/[^>]*>' $package/src/* |
-  sed 's/.*<\(.*\)>/\1/' | sort -u | while read -r header; do
+# The headers that the packages of package.xml have, of Humble and later.
+for header in builtin_interfaces/msg/time diagnostic_msgs/msg/diagnostic_array geometry_msgs/msg/transform_stamped \
+  nav_msgs/msg/odometry rclcpp/rclcpp rclcpp/serialization rclcpp_components/register_node_macro rosbag2_cpp/reader \
+  rosbag2_cpp/writer sensor_msgs/msg/imu sensor_msgs/msg/point_cloud2 std_srvs/srv/empty tf2_msgs/msg/tf_message \
+  vision_msgs/msg/detection3_d_array visualization_msgs/msg/marker_array; do
   mkdir -p "$work/$(dirname "$header")"
-  echo '#include "ros2.hpp"' >"$work/$header"
+  echo '#include "ros2.hpp"' >"$work/$header.hpp"
 done
 for source in $package/src/*.cpp; do
   "${2:-c++}" -std=c++20 -fsyntax-only -Wall -Wextra -Werror -Wno-unused-const-variable -Wno-missing-field-initializers \

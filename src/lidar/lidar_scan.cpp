@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "core/argument_checks.hpp"
+#include "core/parallel_parts.hpp"
 #include "core/time_check.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/lidar/lidar_scan.hpp>
@@ -45,13 +46,15 @@ void require_in(std::int64_t value, std::int64_t first, std::int64_t last, const
 void validate_records(const LidarScan& scan, const std::vector<LidarRecord>& records,
                       const std::string& source) {
   const std::int64_t turn_ns = scan.column_period.nanoseconds() * scan.columns;
-  for (std::size_t i = 0; i < records.size(); ++i) {
-    const LidarRecord& r = records[i];
-    require_in(r.laser, 0, scan.rows() - 1, "laser", i, source);
-    require_in(r.column, 0, scan.columns - 1, "column", i, source);
-    if (r.code != ReturnCode::hit) continue;
-    require_in(r.time_ns, -kMaxTurnsBefore * turn_ns, kMaxTurnsAfter * turn_ns, "time [ns]", i, source);
-  }
+  for_parts(records.size(), [&](std::size_t, std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const LidarRecord& r = records[i];
+      require_in(r.laser, 0, scan.rows() - 1, "laser", i, source);
+      require_in(r.column, 0, scan.columns - 1, "column", i, source);
+      if (r.code != ReturnCode::hit) continue;
+      require_in(r.time_ns, -kMaxTurnsBefore * turn_ns, kMaxTurnsAfter * turn_ns, "time [ns]", i, source);
+    }
+  });
 }
 
 // Origin of each laser's beam in the sensor frame at the instant of a column.
@@ -87,18 +90,20 @@ std::vector<float> usable_ranges(LidarScan& scan, const std::vector<LidarRecord>
                                  const std::string& source) {
   const BeamOrigins origins(scan);
   std::vector<float> ranges(records.size(), kNoRange);
-  for (std::size_t i = 0; i < records.size(); ++i) {
-    const LidarRecord& r = records[i];
-    ReturnCode code = r.code;
-    if (code == ReturnCode::hit) {
+  for_parts(records.size(), [&](std::size_t, std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const LidarRecord& r = records[i];
+      if (r.code != ReturnCode::hit) continue;
       const float range_m = (r.position_v - origins.at(r.laser, r.column)).norm();
       if (r.position_v.allFinite() && range_m > kFarthestPoint_m) refuse_far(source, i, r);
-      if (std::isfinite(range_m) && range_m >= kMinRange_m) {
-        ranges[i] = range_m;
-        continue;
-      }
-      code = ReturnCode::faulty;
+      if (std::isfinite(range_m) && range_m >= kMinRange_m) ranges[i] = range_m;
     }
+  });
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    const LidarRecord& r = records[i];
+    if (ranges[i] != kNoRange || r.code == ReturnCode::absent)
+      continue;  // a cell is absent unless it is more
+    const ReturnCode code = r.code == ReturnCode::hit ? ReturnCode::faulty : r.code;
     std::int32_t& cell = scan.cells[cell_of(scan, r)];
     cell = std::max(cell, empty_cell(code));
   }

@@ -53,11 +53,17 @@ double beam_misfit(const std::vector<Eigen::Vector3f>& points, const std::vector
                    const LidarModel& model) {
   const std::vector<Cone> cones = cones_of(model);
   std::vector<double> angles;
+  angles.reserve(2 * kPointsForMisfit);
   // Odd: firing after firing, a power of two would meet some lasers only.
   const std::size_t stride = (points.size() / kPointsForMisfit) | 1U;
-  std::size_t usable = 0;
+  std::size_t until_next = 0;  // usable points
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (!is_usable(points[i]) || usable++ % stride != 0) continue;
+    if (!is_usable(points[i])) continue;
+    if (until_next > 0) {
+      --until_next;
+      continue;
+    }
+    until_next = stride - 1;
     const Eigen::Vector3d p = points[i].cast<double>();
     const Cone& cone = cones[static_cast<std::size_t>(lasers[i])];
     angles.push_back(cone.distance_m(p.head<2>().norm(), p.z()) / p.norm());

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <utility>
 
 #include <mapless/lidar/lidar_scan.hpp>
 
@@ -35,17 +36,22 @@ void with_type(NumberType type, Visit&& visit) {
   }
 }
 
-/// Calls visit(i, number) for each number in its own type, in order.
+/// Calls visit(i, number) for each number from `begin` to before `end` in its own type, in order.
 template <class Visit>
-void for_each_number(const NumberSpan& numbers, Visit&& visit) {
+void for_each_number(const NumberSpan& numbers, std::size_t begin, std::size_t end, Visit&& visit) {
   with_type(numbers.type, [&](auto zero) {
-    const auto* at = static_cast<const char*>(numbers.first);
-    for (std::size_t i = 0; i < numbers.size; ++i, at += numbers.stride_bytes) {
+    const auto* at = static_cast<const char*>(numbers.first) + begin * numbers.stride_bytes;
+    for (std::size_t i = begin; i < end; ++i, at += numbers.stride_bytes) {
       auto number = zero;
       std::memcpy(&number, at, sizeof(number));
       visit(i, number);
     }
   });
+}
+
+template <class Visit>
+void for_each_number(const NumberSpan& numbers, Visit&& visit) {
+  for_each_number(numbers, 0, numbers.size, std::forward<Visit>(visit));
 }
 
 }  // namespace mapless

@@ -6,9 +6,7 @@
 #include <numbers>
 #include <numeric>
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
+#include "core/parallel_parts.hpp"
 #include "lidar/ring_points.hpp"
 #include <mapless/core/errors.hpp>
 
@@ -174,6 +172,32 @@ void give_firings_their_columns(const std::vector<Eigen::Vector3f>& points, int 
   }
 }
 
+RecoveredFirings columns_and_turns(const std::vector<Eigen::Vector3f>& points,
+                                   const std::vector<std::int32_t>& lasers, const LidarModel& model,
+                                   int encoder_steps) {
+  RecoveredFirings firings;
+  firings.columns.assign(points.size(), 0);
+  firings.turn.assign(points.size(), 0);
+  const std::vector<HubOffset> offsets(model.lasers.begin(), model.lasers.end());
+  const auto turn_of = [&](std::size_t i) {
+    return hub_turn(points[i], offsets[static_cast<std::size_t>(lasers[i])], model);
+  };
+  for_parts(points.size(), [&](std::size_t, std::size_t begin, std::size_t end) {
+    // Of a point without position only its neighbours in the file are known: it gets the turn of the last one
+    // before it that has a position.
+    std::size_t before = begin;
+    while (before > 0 && !is_usable(points[before])) --before;
+    double turn = before < begin && is_usable(points[before]) ? turn_of(before) : 0;
+    for (std::size_t i = begin; i < end; ++i) {
+      if (is_usable(points[i])) turn = turn_of(i);
+      firings.turn[i] = turn;
+      firings.columns[i] = rounded_modulo(turn * model.columns, model.columns);
+    }
+  });
+  if (encoder_steps > 0) give_firings_their_columns(points, encoder_steps, model.columns, firings);
+  return firings;
+}
+
 }  // namespace
 
 BareCloudLayout top_first_layout(const LidarModel& model) {
@@ -221,25 +245,16 @@ std::vector<std::int32_t> recover_lasers(const std::vector<Eigen::Vector3f>& poi
   return rows;
 }
 
+std::vector<std::int32_t> recover_columns(const std::vector<Eigen::Vector3f>& points,
+                                          const std::vector<std::int32_t>& lasers, const LidarModel& model,
+                                          int encoder_steps) {
+  return columns_and_turns(points, lasers, model, encoder_steps).columns;
+}
+
 RecoveredFirings recover_firings(const std::vector<Eigen::Vector3f>& points,
                                  const std::vector<std::int32_t>& lasers, const LidarModel& model,
                                  int encoder_steps) {
-  RecoveredFirings firings;
-  firings.columns.assign(points.size(), 0);
-  firings.turn.assign(points.size(), 0);
-  const std::vector<HubOffset> offsets(model.lasers.begin(), model.lasers.end());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points.size()), [&](const auto& range) {
-    for (std::size_t i = range.begin(); i < range.end(); ++i) {
-      if (!is_usable(points[i])) continue;
-      firings.turn[i] = hub_turn(points[i], offsets[static_cast<std::size_t>(lasers[i])], model);
-    }
-  });
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    // Of a point without position only its neighbours in the file are known.
-    if (i > 0 && !is_usable(points[i])) firings.turn[i] = firings.turn[i - 1];
-    firings.columns[i] = rounded_modulo(firings.turn[i] * model.columns, model.columns);
-  }
-  if (encoder_steps > 0) give_firings_their_columns(points, encoder_steps, model.columns, firings);
+  RecoveredFirings firings = columns_and_turns(points, lasers, model, encoder_steps);
   double sum = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
     double& turn = firings.turn[i];

@@ -61,6 +61,11 @@ struct RecoveredFirings {
                                                const std::vector<std::int32_t>& lasers,
                                                const LidarModel& model, int encoder_steps);
 
+/// RecoveredFirings::columns alone.
+[[nodiscard]] std::vector<std::int32_t> recover_columns(const std::vector<Eigen::Vector3f>& points,
+                                                        const std::vector<std::int32_t>& lasers,
+                                                        const LidarModel& model, int encoder_steps);
+
 /// Records of a bare cloud for organise(), with lasers, columns and times as above. Unusable points are
 /// faulty returns.
 [[nodiscard]] std::vector<LidarRecord> recover_records(const std::vector<Eigen::Vector3f>& points,

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "core/median.hpp"
+#include "core/parallel_parts.hpp"
 #include "lidar/number_span.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/live/point_cloud2.hpp>
@@ -98,13 +99,14 @@ void require_metres(const PointFields& fields, const std::string& source) {
                     "give metres"});
 }
 
-// Points that are returns: those of the others have any time.
-std::vector<bool> hits_of(const PointFields& fields) {
-  std::vector<bool> hit(fields.x.size, false);
-  for_each_number(fields.x, [&](std::size_t i, auto x) { hit[i] = x != 0; });
-  for_each_number(fields.y, [&](std::size_t i, auto y) { hit[i] = hit[i] || y != 0; });
-  for_each_number(fields.x,
-                  [&](std::size_t i, auto x) { hit[i] = hit[i] && std::isfinite(static_cast<double>(x)); });
+// Points of a part that are returns: those of the others have any time.
+std::vector<char> hits_of(const PointFields& fields, std::size_t begin, std::size_t end) {
+  std::vector<char> hit(end - begin);
+  for_each_number(fields.y, begin, end, [&](std::size_t i, auto y) { hit[i - begin] = y != 0; });
+  for_each_number(fields.x, begin, end, [&](std::size_t i, auto x) {
+    char& of_point = hit[i - begin];
+    of_point = (of_point || x != 0) && std::isfinite(static_cast<double>(x));
+  });
   return hit;
 }
 
@@ -113,15 +115,21 @@ struct TimeSpan {
   double most = -std::numeric_limits<double>::infinity();
 };
 
-TimeSpan span_of(const NumberSpan& times, const std::vector<bool>& hit) {
-  TimeSpan span;
-  for_each_number(times, [&](std::size_t i, auto number) {
-    const auto time = static_cast<double>(number);
-    if (!hit[i] || !std::isfinite(time)) return;
-    span.least = std::min(span.least, time);
-    span.most = std::max(span.most, time);
+TimeSpan span_of(const NumberSpan& times, const PointFields& fields) {
+  std::vector<TimeSpan> spans(count_parts(times.size));
+  for_parts(times.size, [&](std::size_t part, std::size_t begin, std::size_t end) {
+    const std::vector<char> hit = hits_of(fields, begin, end);
+    TimeSpan& span = spans[part];
+    for_each_number(times, begin, end, [&](std::size_t i, auto number) {
+      const auto time = static_cast<double>(number);
+      if (!hit[i - begin] || !std::isfinite(time)) return;
+      span.least = std::min(span.least, time);
+      span.most = std::max(span.most, time);
+    });
   });
-  return span;
+  TimeSpan all;
+  for (const TimeSpan& span : spans) all = {std::min(all.least, span.least), std::max(all.most, span.most)};
+  return all;
 }
 
 bool is_floating(NumberType type) { return type == NumberType::float32 || type == NumberType::float64; }
@@ -169,7 +177,7 @@ std::string set_times(std::span<const NamedNumbers> cloud, PointFields& fields) 
   const NamedNumbers* time = find_first(cloud, kTimeNames);
   if (time == nullptr) return fmt::format("{}: the cloud has no field for it", kRecovered);
   const NumberType type = time->numbers.type;
-  const TimeSpan span = span_of(time->numbers, hits_of(fields));
+  const TimeSpan span = span_of(time->numbers, fields);
   if (!(span.least < span.most))
     return fmt::format("{}: the driver has left the field {} empty", kRecovered, time->name);
   fields.time = time->numbers;

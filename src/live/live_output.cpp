@@ -1,7 +1,9 @@
+#include <algorithm>
 #include <bit>
 #include <cstring>
-#include <map>
+#include <memory>
 
+#include "core/parallel_parts.hpp"
 #include <mapless/live/live_output.hpp>
 
 namespace mapless::inline v1 {
@@ -12,26 +14,39 @@ constexpr std::uint8_t kUint32 = 6;
 constexpr std::uint8_t kFloat32 = 7;
 constexpr std::uint32_t kAlignment = 4;
 
-// Calls visit(index of the point, its first byte) for every point.
+// Calls visit(index of the point, its first byte) for the points from `begin` to before `end`.
 template <class Visit>
-void for_each_point(const PointCloud2View& cloud, Visit&& visit) {
-  std::size_t i = 0;
-  for (std::size_t row = 0; row < cloud.height; ++row) {
-    const std::uint8_t* at = cloud.data.data() + row * cloud.row_step;
-    for (std::size_t column = 0; column < cloud.width; ++column, at += cloud.point_step) visit(i++, at);
+void for_each_point(const PointCloud2View& cloud, std::size_t begin, std::size_t end, Visit&& visit) {
+  if (begin == end) return;
+  std::size_t row = begin / cloud.width, column = begin % cloud.width;
+  for (std::size_t i = begin; i < end; ++i) {
+    visit(i, cloud.data.data() + row * cloud.row_step + column * cloud.point_step);
+    if (++column < cloud.width) continue;
+    column = 0;
+    ++row;
   }
 }
 
-PointCloud2 cloud_of(PointCloud2View view, std::vector<std::uint8_t> bytes) {
-  const auto owner = std::make_shared<const std::vector<std::uint8_t>>(std::move(bytes));
+PointCloud2 cloud_of(PointCloud2View view, std::shared_ptr<std::uint8_t[]> bytes) {
   view.row_step = view.width * view.point_step;
-  view.data = *owner;
-  return {std::move(view), owner};
+  view.data = {bytes.get(), view.size() * view.point_step};
+  return {std::move(view), std::move(bytes)};
 }
 
 void write_word(std::uint32_t word, bool is_bigendian, std::uint8_t* at) {
   for (int byte = 0; byte < 4; ++byte)
     at[is_bigendian ? 3 - byte : byte] = static_cast<std::uint8_t>(word >> (8 * byte));
+}
+
+// 0 for static points, and for objects without a track.
+std::vector<std::uint32_t> ids_by_number(const Detection& detection) {
+  std::uint16_t largest = 0;
+  for (const std::uint16_t number : detection.object) largest = std::max(largest, number);
+  std::vector<std::uint32_t> ids(std::size_t{largest} + 1, 0);
+  for (const TrackedObject& object : detection.tracked) {
+    if (object.number <= largest) ids[static_cast<std::size_t>(object.number)] = object.id;
+  }
+  return ids;
 }
 
 }  // namespace
@@ -57,34 +72,37 @@ PointCloud2 labelled_cloud(const LiveOutput& output) {
   out.fields.push_back({"object_id", id_offset, kUint32, 1});
   out.fields.push_back({"moving", motion_offset, kUint8, 1});
   out.fields.push_back({"probability", probability_offset, kFloat32, 1});
-  std::map<std::uint16_t, std::uint32_t> id_of_number = {{0, 0}};
-  for (const TrackedObject& object : output.labelled.detection.tracked)
-    id_of_number[object.number] = object.id;
+  const std::vector<std::uint32_t> id_of_number = ids_by_number(output.labelled.detection);
   const std::vector<PointMotion> motions = point_motions(output);
   const std::vector<float> probabilities = output.labelled.probability_by_input();
   const std::vector<std::uint16_t> numbers = output.labelled.object_by_input();
-  std::vector<std::uint8_t> bytes(in.size() * out.point_step, 0);
-  for_each_point(in, [&](std::size_t i, const std::uint8_t* point) {
-    std::uint8_t* to = bytes.data() + i * out.point_step;
+  std::shared_ptr<std::uint8_t[]> bytes(new std::uint8_t[in.size() * out.point_step]);
+  const auto write = [&](std::size_t i, const std::uint8_t* point) {
+    std::uint8_t* to = bytes.get() + i * out.point_step;
     std::memcpy(to, point, in.point_step);
     write_word(std::bit_cast<std::uint32_t>(probabilities[i]), in.is_bigendian, to + probability_offset);
-    if (numbers[i] != 0) write_word(id_of_number[numbers[i]], in.is_bigendian, to + id_offset);
+    write_word(id_of_number[numbers[i]], in.is_bigendian, to + id_offset);
+    for (std::uint32_t at = in.point_step; at < id_offset; ++at) to[at] = 0;
     to[motion_offset] = static_cast<std::uint8_t>(motions[i]);
-  });
+    for (std::uint32_t at = motion_offset + 1; at < probability_offset; ++at) to[at] = 0;
+  };
+  for_parts(in.size(),
+            [&](std::size_t, std::size_t begin, std::size_t end) { for_each_point(in, begin, end, write); });
   return cloud_of(std::move(out), std::move(bytes));
 }
 
 PointCloud2 selected_cloud(const LiveOutput& output, PointMotion motion) {
   const PointCloud2View& in = output.cloud.view;
   const std::vector<PointMotion> motions = point_motions(output);
-  std::vector<std::uint8_t> bytes;
-  bytes.reserve(in.data.size());
-  for_each_point(in, [&](std::size_t i, const std::uint8_t* point) {
-    if (motions[i] == motion) bytes.insert(bytes.end(), point, point + in.point_step);
+  const auto count = static_cast<std::size_t>(std::count(motions.begin(), motions.end(), motion));
+  std::shared_ptr<std::uint8_t[]> bytes(new std::uint8_t[count * in.point_step]);
+  std::uint8_t* to = bytes.get();
+  for_each_point(in, 0, in.size(), [&](std::size_t i, const std::uint8_t* point) {
+    if (motions[i] == motion) to = std::copy(point, point + in.point_step, to);
   });
   PointCloud2View out = in;
   out.height = 1;
-  out.width = static_cast<std::uint32_t>(bytes.size() / in.point_step);
+  out.width = static_cast<std::uint32_t>(count);
   return cloud_of(std::move(out), std::move(bytes));
 }
 

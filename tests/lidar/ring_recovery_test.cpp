@@ -147,6 +147,24 @@ TEST(RecoverFirings, WithoutOffsetsTimeFollowsTheAzimuth) {
   EXPECT_EQ(f.columns, (std::vector<std::int32_t>{500, 1000, 1500, 0, 0}));
 }
 
+// Also where the points without a position go on over several parts of the work.
+TEST(RecoverFirings, PointsWithoutPositionGetTheColumnOfTheLastOneBefore) {
+  const LidarModel model = make_bare_cloud_model(16, 3000);
+  Cloud cloud = make_bare_cloud(model, 0);
+  const std::vector<std::int32_t> rows = true_rows(cloud, 16, 3000);
+  const std::vector<std::int32_t> whole = recover_columns(cloud, rows, model, 0);
+  const std::size_t first = 5000, last = 30000;  // a part is 8192 points
+  for (std::size_t i = 0; i < 10; ++i) cloud[i].setZero();
+  for (std::size_t i = first; i < last; ++i) cloud[i].setConstant(kNaN);
+  const std::vector<std::int32_t> columns = recover_columns(cloud, rows, model, 0);
+  ASSERT_EQ(columns.size(), 16U * 3000U);
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    const std::int32_t expected = i < 10 ? 0 : whole[i >= first && i < last ? first - 1 : i];
+    ASSERT_EQ(columns[i], expected) << i;
+  }
+  EXPECT_EQ(recover_firings(cloud, rows, model, 0).columns, columns);
+}
+
 TEST(RecoverFirings, EveryFiringOfAnEncoderGetsItsOwnColumn) {
   const LidarModel model = make_bare_cloud_model(8, 2152);
   const Cloud cloud = make_bare_cloud(model, 4000);

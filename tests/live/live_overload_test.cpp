@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -42,6 +44,37 @@ TEST(LiveOverload, OverloadDropsTheOldestEvenlyAndSaysSo) {
   EXPECT_EQ(std::stoul(robot->value("dropped")) + robot->outputs().size() + 1, std::size_t{kScans});
   EXPECT_GT(std::stoul(robot->value("dropped")), 4U);
   EXPECT_THAT(robot->diagnostics().message, HasSubstr("overload"));
+}
+
+// A turn takes 1.4 times as long to process as to measure, for a long time: two of seven clouds are dropped,
+// never two in a row, and no cloud is kept but those that wait and the one whose labels need the next.
+TEST(LiveOverload, ALongOverloadDropsEvenlyAndKeepsNothing) {
+  constexpr int kClouds = 210;
+  Robot robot(with_poses());
+  robot.live().add_transform("odom", "lidar", Time(), SE3(), true);
+  std::vector<std::weak_ptr<const void>> clouds;
+  std::vector<Time> labelled;
+  for (int k = 0; k < kClouds; ++k) {
+    robot.pass_ms(kTurnMs);
+    PointCloud2 next = test::cloud_of(test::scans()[static_cast<std::size_t>(k % kScans)],
+                                      at_ms(1000 + std::int64_t{kTurnMs} * k));
+    clouds.push_back(next.owner);
+    robot.add(std::move(next));
+    if (k % 7 != 3 && k % 7 != 6) {  // five of seven
+      for (const LiveOutput& output : robot.live().process()) labelled.push_back(output.cloud.view.stamp);
+    }
+    const auto is_kept = [](const std::weak_ptr<const void>& cloud) { return !cloud.expired(); };
+    ASSERT_LE(std::count_if(clouds.begin(), clouds.end(), is_kept), 5 + 1) << k;  // queue_clouds
+  }
+  EXPECT_THAT(robot.diagnostics().message, HasSubstr("overload"));
+  const std::size_t waiting = std::stoul(robot.value("waiting")),
+                    dropped = std::stoul(robot.value("dropped"));
+  EXPECT_EQ(labelled.size() + 1 + waiting + dropped, clouds.size());
+  EXPECT_EQ(waiting, 5U);
+  const auto settled = labelled.end() - 100;  // the queue is full long before
+  for (auto one = settled; one + 1 != labelled.end(); ++one)
+    EXPECT_LE(*(one + 1) - *one, Duration::from_nanoseconds(2 * kTurnMs * 1'000'000LL));
+  EXPECT_EQ((labelled.back() - *settled).nanoseconds() / 1'000'000 / kTurnMs, 139);  // 99 x 7 / 5, rounded up
 }
 
 // A node waits for its driver longer than a start may last.

@@ -1,7 +1,8 @@
 #pragma once
 
-// The part of the interface of ROS 2 (Humble) that ros2/mapless_ros uses, by its documentation, so that its
-// sources can be checked where ROS 2 is not installed. Nothing here does anything.
+// The part of the interface of ROS 2 that ros2/mapless_ros uses, as the headers of Humble and of later
+// releases declare it, so that its sources can be checked where ROS 2 is not installed. Nothing here does
+// anything.
 
 #include <array>
 #include <chrono>
@@ -202,12 +203,15 @@ class ParameterValue {
   explicit ParameterValue(bool);
   explicit ParameterValue(int);
   explicit ParameterValue(std::int64_t);
+  explicit ParameterValue(float);
   explicit ParameterValue(double);
   explicit ParameterValue(const std::string&);
+  explicit ParameterValue(const char*);
   [[nodiscard]] ParameterType get_type() const;
   template <class T>
-  [[nodiscard]] T get() const;
+  [[nodiscard]] const T& get() const;
 };
+std::string to_string(const ParameterValue&);
 class MessageInfo {
  public:
   [[nodiscard]] const rmw_message_info_t& get_rmw_message_info() const;
@@ -226,9 +230,16 @@ struct SensorDataQoS : QoS {
   SensorDataQoS();
 };
 struct QosOverridingOptions {
-  static QosOverridingOptions with_default_policies();
+  static QosOverridingOptions with_default_policies(std::function<void()> validation = nullptr,
+                                                    std::string id = {});
 };
+enum class IntraProcessSetting { Enable, Disable, NodeDefault };
 struct SubscriptionOptions {
+  IntraProcessSetting use_intra_process_comm = IntraProcessSetting::NodeDefault;
+  QosOverridingOptions qos_overriding_options;
+};
+struct PublisherOptions {
+  IntraProcessSetting use_intra_process_comm = IntraProcessSetting::NodeDefault;
   QosOverridingOptions qos_overriding_options;
 };
 struct SubscriptionBase {
@@ -259,7 +270,10 @@ struct Time {
   operator builtin_interfaces::msg::Time() const;
 };
 struct NodeOptions {};
-struct NodeParameters {
+struct NodeTopicsInterface {
+  [[nodiscard]] std::string resolve_topic_name(const std::string& name, bool only_expand = false) const;
+};
+struct NodeParametersInterface {
   [[nodiscard]] const std::map<std::string, ParameterValue>& get_parameter_overrides() const;
 };
 class Node {
@@ -270,13 +284,15 @@ class Node {
                                           const rcl_interfaces::msg::ParameterDescriptor& = {},
                                           bool ignore = false);
   [[nodiscard]] bool has_parameter(const std::string&) const;
-  [[nodiscard]] std::shared_ptr<const NodeParameters> get_node_parameters_interface();
+  [[nodiscard]] std::shared_ptr<NodeParametersInterface> get_node_parameters_interface();
+  [[nodiscard]] std::shared_ptr<NodeTopicsInterface> get_node_topics_interface();
   [[nodiscard]] const char* get_name() const;
   [[nodiscard]] const char* get_fully_qualified_name() const;
   [[nodiscard]] Logger get_logger() const;
   [[nodiscard]] Time now() const;
   template <class M>
-  std::shared_ptr<Publisher<M>> create_publisher(const std::string&, const QoS&);
+  std::shared_ptr<Publisher<M>> create_publisher(const std::string&, const QoS&,
+                                                 const PublisherOptions& = {});
   template <class M>
   std::shared_ptr<Subscription<M>> create_subscription(
       const std::string&, const QoS&, std::function<void(std::shared_ptr<const M>, const MessageInfo&)>,
@@ -294,6 +310,7 @@ class Node {
 };
 class SerializedMessage {
  public:
+  explicit SerializedMessage(std::size_t initial_capacity);
   explicit SerializedMessage(const rcl_serialized_message_t&);
 };
 template <class M>
@@ -301,10 +318,14 @@ struct Serialization {
   void deserialize_message(const SerializedMessage*, void*) const;
 };
 std::vector<std::string> init_and_remove_ros_arguments(int argc, char const* const* argv);
-bool ok();
-bool shutdown();
+bool ok(std::shared_ptr<void> context = nullptr);
+bool shutdown(std::shared_ptr<void> context = nullptr,
+              const std::string& reason = "user called rclcpp::shutdown()");
 }
 namespace rosbag2_storage {
+struct TopicMetadata {
+  std::string name, type;
+};
 struct SerializedBagMessage {
   std::shared_ptr<rcl_serialized_message_t> serialized_data;
   std::string topic_name;
@@ -315,6 +336,7 @@ class Reader {
  public:
   void open(const std::string&);
   bool has_next();
+  [[nodiscard]] std::vector<rosbag2_storage::TopicMetadata> get_all_topics_and_types() const;
   std::shared_ptr<rosbag2_storage::SerializedBagMessage> read_next();
 };
 class Writer {

@@ -134,14 +134,18 @@ void LiveNode::add_transforms(const tf2_msgs_msg_dds__TFMessage_& message, bool 
   }
 }
 
-// Nothing is made that nobody reads.
+// Nothing is made that nobody reads. The labels first, then what is small.
 void LiveNode::publish(const LiveOutput& output) {
   if (labelled_.has_readers()) labelled_.write(cloud_message(labelled_cloud(output)).message);
-  if (static_.has_readers()) static_.write(cloud_message(selected_cloud(output, PointMotion::still)).message);
-  if (moving_.has_readers())
-    moving_.write(cloud_message(selected_cloud(output, PointMotion::moving)).message);
+  publish_odometry(output);
   if (objects_.has_readers()) objects_.write(objects_message(output).message);
   if (markers_.has_readers()) markers_.write(markers_message(output).message);
+  if (moving_.has_readers())
+    moving_.write(cloud_message(selected_cloud(output, PointMotion::moving)).message);
+  if (static_.has_readers()) static_.write(cloud_message(selected_cloud(output, PointMotion::still)).message);
+}
+
+void LiveNode::publish_odometry(const LiveOutput& output) {
   const auto odometry = live_odometry(output);
   if (!odometry) return;
   if (odometry_.has_readers())

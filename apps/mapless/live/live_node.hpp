@@ -36,6 +36,7 @@ class LiveNode {
   void read_measurements();
   void add_transforms(const tf2_msgs_msg_dds__TFMessage_& message, bool is_static);
   void publish(const LiveOutput& output);
+  void publish_odometry(const LiveOutput& output);
   void publish_diagnostics();
   void say_other_topics();
 

@@ -6,7 +6,6 @@
 #include <string_view>
 
 #include <rclcpp_components/register_node_macro.hpp>
-#include <sensor_msgs/msg/imu.hpp>
 
 #include "parameters.hpp"
 #include <mapless/core/errors.hpp>
@@ -22,6 +21,11 @@ std::uint64_t publisher_of(const rclcpp::MessageInfo& info) {
   return std::hash<std::string_view>()(std::string_view(reinterpret_cast<const char*>(gid), sizeof(gid))) | 1;
 }
 
+template <class Publisher>
+bool is_read(const Publisher& publisher) {
+  return publisher.get_subscription_count() + publisher.get_intra_process_subscription_count() > 0;
+}
+
 rclcpp::QoS reliable() { return rclcpp::QoS(rclcpp::KeepLast(5)).reliable(); }
 
 }  // namespace
@@ -29,12 +33,15 @@ rclcpp::QoS reliable() { return rclcpp::QoS(rclcpp::KeepLast(5)).reliable(); }
 Labeller::Labeller(const rclcpp::NodeOptions& options) : Node("labeller", options) {
   declare_parameters(*this, options_);
   live_ = std::make_unique<mapless::LiveDetector>(options_);
-  labelled_ = create_publisher<Cloud>("points_labelled", reliable());
-  static_ = create_publisher<Cloud>("points_static", reliable());
-  moving_ = create_publisher<Cloud>("points_moving", reliable());
-  objects_ = create_publisher<vision_msgs::msg::Detection3DArray>("objects", reliable());
-  markers_ = create_publisher<visualization_msgs::msg::MarkerArray>("object_markers", reliable());
-  odometry_ = create_publisher<nav_msgs::msg::Odometry>("odometry", reliable());
+  rclcpp::PublisherOptions overridable;
+  overridable.qos_overriding_options = rclcpp::QosOverridingOptions::with_default_policies();
+  labelled_ = create_publisher<Cloud>("points_labelled", reliable(), overridable);
+  static_ = create_publisher<Cloud>("points_static", reliable(), overridable);
+  moving_ = create_publisher<Cloud>("points_moving", reliable(), overridable);
+  objects_ = create_publisher<vision_msgs::msg::Detection3DArray>("objects", reliable(), overridable);
+  markers_ =
+      create_publisher<visualization_msgs::msg::MarkerArray>("object_markers", reliable(), overridable);
+  odometry_ = create_publisher<Odometry>("odometry", reliable(), overridable);
   diagnostics_ = create_publisher<diagnostic_msgs::msg::DiagnosticArray>("/diagnostics", reliable());
   if (options_.live.publish_tf)
     tf_out_ = create_publisher<Transforms>("/tf", rclcpp::QoS(rclcpp::KeepLast(100)));
@@ -52,59 +59,50 @@ Labeller::~Labeller() {
 }
 
 void Labeller::subscribe(mapless::LiveMotion motion) {
-  rclcpp::SubscriptionOptions options;
-  options.qos_overriding_options = rclcpp::QosOverridingOptions::with_default_policies();
+  rclcpp::SubscriptionOptions overridable;
+  overridable.qos_overriding_options = rclcpp::QosOverridingOptions::with_default_policies();
   points_ = create_subscription<Cloud>(
       "points", rclcpp::SensorDataQoS(),
       [this](Cloud::ConstSharedPtr message, const rclcpp::MessageInfo& info) {
         live_->add_cloud(cloud_of(message), publisher_of(info));
       },
-      options);
+      overridable);
   subscribe_measurements();
   if (!options_.needs_frames()) return;
+  // Humble refuses a transient local subscription within a process: the node would not start in a container.
+  rclcpp::SubscriptionOptions between_processes;
+  between_processes.use_intra_process_comm = rclcpp::IntraProcessSetting::Disable;
   tf_static_ = create_subscription<Transforms>(
       "/tf_static", rclcpp::QoS(rclcpp::KeepLast(100)).reliable().transient_local(),
-      [this](Transforms::ConstSharedPtr message) { add_transforms(*message, true); });
+      [this](Transforms::ConstSharedPtr message) { add_transforms(*live_, *message, true); },
+      between_processes);
   if (motion == mapless::LiveMotion::tf) {
     tf_ = create_subscription<Transforms>(
         "/tf", rclcpp::QoS(rclcpp::KeepLast(100)).best_effort(),
-        [this](Transforms::ConstSharedPtr message) { add_transforms(*message, false); });
-    return;
+        [this](Transforms::ConstSharedPtr message) { add_transforms(*live_, *message, false); },
+        between_processes);
+  } else if (motion == mapless::LiveMotion::odometry) {
+    odometry_in_ = create_subscription<Odometry>(
+        "odometry_in", rclcpp::SensorDataQoS(),
+        [this](Odometry::ConstSharedPtr message) { add_pose(*live_, *message, options_.world_frame); });
   }
-  if (motion == mapless::LiveMotion::own) return;
-  odometry_in_ = create_subscription<nav_msgs::msg::Odometry>(
-      "odometry_in", rclcpp::SensorDataQoS(), [this](nav_msgs::msg::Odometry::ConstSharedPtr message) {
-        live_->add_transform(options_.world_frame, message->child_frame_id, time_of(message->header.stamp),
-                             transform_of(message->pose.pose), false);
-      });
 }
 
 void Labeller::subscribe_measurements() {
   if (options_.live.use_imu) {
     imu_ = create_subscription<sensor_msgs::msg::Imu>(
-        "imu", rclcpp::SensorDataQoS(), [this](sensor_msgs::msg::Imu::ConstSharedPtr message) {
-          live_->add_angular_velocity(message->header.frame_id, time_of(message->header.stamp),
-                                      vector_of(message->angular_velocity));
-        });
+        "imu", rclcpp::SensorDataQoS(),
+        [this](sensor_msgs::msg::Imu::ConstSharedPtr message) { add_imu(*live_, *message); });
   }
   if (options_.live.use_wheel_odometry) {
-    wheels_ = create_subscription<nav_msgs::msg::Odometry>(
-        "wheel_odometry", rclcpp::SensorDataQoS(), [this](nav_msgs::msg::Odometry::ConstSharedPtr message) {
-          live_->add_twist(message->child_frame_id, time_of(message->header.stamp),
-                           vector_of(message->twist.twist.linear), vector_of(message->twist.twist.angular));
-        });
-  }
-}
-
-void Labeller::add_transforms(const Transforms& message, bool is_static) {
-  for (const auto& one : message.transforms) {
-    live_->add_transform(one.header.frame_id, one.child_frame_id, time_of(one.header.stamp),
-                         transform_of(one.transform), is_static);
+    wheels_ = create_subscription<Odometry>(
+        "wheel_odometry", rclcpp::SensorDataQoS(),
+        [this](Odometry::ConstSharedPtr message) { add_wheels(*live_, *message); });
   }
 }
 
 void Labeller::label() {
-  while (!stop_) {
+  while (!stop_ && rclcpp::ok()) {
     live_->wait(mapless::Duration::from_seconds(kLongestWait_s));
     if (reset_wanted_.exchange(false)) {
       for (const mapless::LiveOutput& output : live_->reset()) publish(output);
@@ -113,22 +111,23 @@ void Labeller::label() {
   }
 }
 
-// Nothing is made that nobody reads.
+// Nothing is made that nobody reads. The labels first, then what is small.
 void Labeller::publish(const mapless::LiveOutput& output) {
-  const auto is_read = [](const auto& publisher) {
-    return publisher->get_subscription_count() + publisher->get_intra_process_subscription_count() > 0;
-  };
-  if (is_read(labelled_)) labelled_->publish(cloud_message(mapless::labelled_cloud(output)));
-  if (is_read(static_))
-    static_->publish(cloud_message(mapless::selected_cloud(output, mapless::PointMotion::still)));
-  if (is_read(moving_))
-    moving_->publish(cloud_message(mapless::selected_cloud(output, mapless::PointMotion::moving)));
-  if (is_read(objects_)) objects_->publish(objects_message(output));
-  if (is_read(markers_)) markers_->publish(markers_message(output));
+  using mapless::PointMotion;
+  if (is_read(*labelled_)) labelled_->publish(cloud_message(mapless::labelled_cloud(output)));
+  publish_odometry(output);
+  if (is_read(*objects_)) objects_->publish(objects_message(output));
+  if (is_read(*markers_)) markers_->publish(markers_message(output));
+  if (is_read(*moving_))
+    moving_->publish(cloud_message(mapless::selected_cloud(output, PointMotion::moving)));
+  if (is_read(*static_)) static_->publish(cloud_message(mapless::selected_cloud(output, PointMotion::still)));
+}
+
+void Labeller::publish_odometry(const mapless::LiveOutput& output) {
   const auto odometry = mapless::live_odometry(output);
   if (!odometry) return;
   const auto message = odometry_message(*odometry, output.world_frame, output.body_frame);
-  odometry_->publish(message);
+  if (is_read(*odometry_)) odometry_->publish(message);
   if (tf_out_) tf_out_->publish(transform_message(message));
 }
 

@@ -20,13 +20,14 @@ class Labeller : public rclcpp::Node {
 
  private:
   using Cloud = sensor_msgs::msg::PointCloud2;
+  using Odometry = nav_msgs::msg::Odometry;
   using Transforms = tf2_msgs::msg::TFMessage;
 
   void subscribe(mapless::LiveMotion motion);
   void subscribe_measurements();
-  void add_transforms(const Transforms& message, bool is_static);
   void label();
   void publish(const mapless::LiveOutput& output);
+  void publish_odometry(const mapless::LiveOutput& output);
   void publish_diagnostics();
 
   mapless::LiveOptions options_;
@@ -35,7 +36,7 @@ class Labeller : public rclcpp::Node {
   rclcpp::Publisher<Cloud>::SharedPtr labelled_, static_, moving_;
   rclcpp::Publisher<vision_msgs::msg::Detection3DArray>::SharedPtr objects_;
   rclcpp::Publisher<visualization_msgs::msg::MarkerArray>::SharedPtr markers_;
-  rclcpp::Publisher<nav_msgs::msg::Odometry>::SharedPtr odometry_;
+  rclcpp::Publisher<Odometry>::SharedPtr odometry_;
   rclcpp::Publisher<Transforms>::SharedPtr tf_out_;
   rclcpp::Publisher<diagnostic_msgs::msg::DiagnosticArray>::SharedPtr diagnostics_;
   rclcpp::ServiceBase::SharedPtr reset_;

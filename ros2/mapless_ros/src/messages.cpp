@@ -39,8 +39,14 @@ void set(geometry_msgs::msg::Pose& to, const mapless::SE3& T) {
   set(to.orientation, T.rotation());
 }
 
-mapless::SE3 transform_of(const Eigen::Vector3d& translation, const geometry_msgs::msg::Quaternion& q) {
-  return {Eigen::Quaterniond(q.w, q.x, q.y, q.z).normalized().toRotationMatrix(), translation};
+template <class Vector>
+Eigen::Vector3d vector_of(const Vector& v) {
+  return {v.x, v.y, v.z};
+}
+
+template <class Vector>
+mapless::SE3 transform_of(const Vector& translation, const geometry_msgs::msg::Quaternion& q) {
+  return {Eigen::Quaterniond(q.w, q.x, q.y, q.z).normalized().toRotationMatrix(), vector_of(translation)};
 }
 
 visualization_msgs::msg::Marker marker_of(const mapless::LiveOutput& output,
@@ -61,20 +67,31 @@ visualization_msgs::msg::Marker marker_of(const mapless::LiveOutput& output,
 
 }  // namespace
 
-Eigen::Vector3d vector_of(const geometry_msgs::msg::Vector3& v) { return {v.x, v.y, v.z}; }
-
 mapless::Time time_of(const builtin_interfaces::msg::Time& stamp) {
   return mapless::Time::from_nanoseconds(stamp.sec * kNanosecondsPerSecond + stamp.nanosec);
 }
 
-mapless::SE3 transform_of(const geometry_msgs::msg::Transform& transform) {
-  const auto& t = transform.translation;
-  return transform_of({t.x, t.y, t.z}, transform.rotation);
+void add_transforms(mapless::LiveDetector& live, const tf2_msgs::msg::TFMessage& message, bool is_static) {
+  for (const auto& one : message.transforms) {
+    live.add_transform(one.header.frame_id, one.child_frame_id, time_of(one.header.stamp),
+                       transform_of(one.transform.translation, one.transform.rotation), is_static);
+  }
 }
 
-mapless::SE3 transform_of(const geometry_msgs::msg::Pose& pose) {
-  const auto& p = pose.position;
-  return transform_of({p.x, p.y, p.z}, pose.orientation);
+void add_pose(mapless::LiveDetector& live, const nav_msgs::msg::Odometry& message,
+              const std::string& world_frame) {
+  live.add_transform(world_frame, message.child_frame_id, time_of(message.header.stamp),
+                     transform_of(message.pose.pose.position, message.pose.pose.orientation), false);
+}
+
+void add_imu(mapless::LiveDetector& live, const sensor_msgs::msg::Imu& message) {
+  live.add_angular_velocity(message.header.frame_id, time_of(message.header.stamp),
+                            vector_of(message.angular_velocity));
+}
+
+void add_wheels(mapless::LiveDetector& live, const nav_msgs::msg::Odometry& message) {
+  live.add_twist(message.child_frame_id, time_of(message.header.stamp), vector_of(message.twist.twist.linear),
+                 vector_of(message.twist.twist.angular));
 }
 
 mapless::PointCloud2 cloud_of(const sensor_msgs::msg::PointCloud2::ConstSharedPtr& message) {
@@ -88,7 +105,8 @@ mapless::PointCloud2 cloud_of(const sensor_msgs::msg::PointCloud2::ConstSharedPt
   cloud.view.is_bigendian = message->is_bigendian;
   cloud.view.point_step = message->point_step;
   cloud.view.row_step = message->row_step;
-  cloud.view.data = message->data;
+  // Not the vector itself: later releases than Kilted have a buffer of their own here.
+  cloud.view.data = {message->data.data(), message->data.size()};
   cloud.owner = message;
   return cloud;
 }

@@ -6,19 +6,25 @@
 #include <diagnostic_msgs/msg/diagnostic_array.hpp>
 #include <geometry_msgs/msg/transform_stamped.hpp>
 #include <nav_msgs/msg/odometry.hpp>
+#include <sensor_msgs/msg/imu.hpp>
 #include <sensor_msgs/msg/point_cloud2.hpp>
 #include <tf2_msgs/msg/tf_message.hpp>
 #include <vision_msgs/msg/detection3_d_array.hpp>
 #include <visualization_msgs/msg/marker_array.hpp>
 
-#include <mapless/live/live_output.hpp>
+#include <mapless/live/live_detector.hpp>
 
 namespace mapless_ros {
 
 mapless::Time time_of(const builtin_interfaces::msg::Time& stamp);
-Eigen::Vector3d vector_of(const geometry_msgs::msg::Vector3& v);
-mapless::SE3 transform_of(const geometry_msgs::msg::Transform& transform);
-mapless::SE3 transform_of(const geometry_msgs::msg::Pose& pose);
+
+void add_transforms(mapless::LiveDetector& live, const tf2_msgs::msg::TFMessage& message, bool is_static);
+/// The pose of another odometry, in the world frame.
+void add_pose(mapless::LiveDetector& live, const nav_msgs::msg::Odometry& message,
+              const std::string& world_frame);
+void add_imu(mapless::LiveDetector& live, const sensor_msgs::msg::Imu& message);
+void add_wheels(mapless::LiveDetector& live, const nav_msgs::msg::Odometry& message);
+
 /// Without a copy of the points.
 mapless::PointCloud2 cloud_of(const sensor_msgs::msg::PointCloud2::ConstSharedPtr& message);
 

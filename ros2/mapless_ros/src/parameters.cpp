@@ -26,8 +26,10 @@ std::string text_of(const rclcpp::ParameterValue& value) {
       return std::to_string(value.get<std::int64_t>());
     case rclcpp::ParameterType::PARAMETER_DOUBLE:
       return fmt::format("{}", value.get<double>());
-    default:
+    case rclcpp::ParameterType::PARAMETER_STRING:
       return value.get<std::string>();
+    default:
+      return rclcpp::to_string(value);  // a list, which is refused by its text
   }
 }
 

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "core/parallel_parts.hpp"
 #include "lidar/number_span.hpp"
 #include "lidar/ring_recovery.hpp"
 #include <mapless/core/errors.hpp>
@@ -52,18 +53,16 @@ bool is_integer(Number number) {
   }
 }
 
-std::vector<std::int64_t> read_rings(const NumberSpan& rings, const std::vector<Eigen::Vector3f>& positions,
-                                     const std::string& source) {
-  std::vector<std::int64_t> out(rings.size, -1);
-  for_each_number(rings, [&](std::size_t i, auto number) {
+void read_rings(const NumberSpan& rings, std::size_t begin, std::size_t end, RawPoints& points,
+                const std::string& source) {
+  for_each_number(rings, begin, end, [&](std::size_t i, auto number) {
     if (!is_integer(number)) {
-      if (!is_usable(positions[i])) return;
+      if (!is_usable(points.positions[i])) return;
       throw InputError({source, point_field(i, "ring"), fmt::format("{}", number), "not an integer",
                         "give the number of the laser, from 0, as integers"});
     }
-    out[i] = static_cast<std::int64_t>(number);
+    points.rings[i] = static_cast<std::int64_t>(number);
   });
-  return out;
 }
 
 std::int64_t nanoseconds_per(TimeUnit unit) {
@@ -95,12 +94,14 @@ const char* name_of(TimeUnit unit) {
 }
 
 // Times of points without a return are not read: drivers leave anything there.
-std::vector<std::int64_t> read_times(const PointFields& fields, const std::vector<Eigen::Vector3f>& positions,
-                                     const std::string& source) {
-  std::vector<std::int64_t> out(fields.time.size, 0);
+// Returns the earliest.
+std::optional<std::int64_t> read_times(const PointFields& fields, std::size_t begin, std::size_t end,
+                                       RawPoints& points, const std::string& source) {
+  std::optional<std::int64_t> first;
   const std::int64_t unit_ns = nanoseconds_per(fields.time_unit);
-  for_each_number(fields.time, [&](std::size_t i, auto number) {
-    if (!is_usable(positions[i])) return;
+  for_each_number(fields.time, begin, end, [&](std::size_t i, auto number) {
+    if (!is_usable(points.positions[i])) return;
+    std::int64_t& time_ns = points.times_ns[i];
     const auto refuse = [&](const std::string& problem, const char* remedy) {
       throw InputError({source, point_field(i, "time"), fmt::format("{}", number), problem, remedy});
     };
@@ -109,46 +110,50 @@ std::vector<std::int64_t> read_times(const PointFields& fields, const std::vecto
       refuse(fmt::format("not a time in {}", name_of(fields.time_unit)), "name the unit that the times have");
     if constexpr (std::is_floating_point_v<decltype(number)>) {
       const auto exact = static_cast<double>(number);
-      out[i] = fields.time_unit == TimeUnit::seconds
-                   ? Duration::from_seconds(exact).nanoseconds()
-                   : static_cast<std::int64_t>(std::llround(exact * static_cast<double>(unit_ns)));
+      time_ns = fields.time_unit == TimeUnit::seconds
+                    ? Duration::from_seconds(exact).nanoseconds()
+                    : static_cast<std::int64_t>(std::llround(exact * static_cast<double>(unit_ns)));
     } else {
-      out[i] = static_cast<std::int64_t>(number) * unit_ns;
+      time_ns = static_cast<std::int64_t>(number) * unit_ns;
     }
-    if (fields.time.type == NumberType::float32 && out[i] >= kCoarseFrom_ns) {
+    if (fields.time.type == NumberType::float32 && time_ns >= kCoarseFrom_ns) {
       refuse("a time of 4 bytes that cannot tell two columns apart",
              "give times since the scan's stamp, or 8 bytes");
     }
+    first = std::min(first.value_or(time_ns), time_ns);
   });
-  return out;
+  return first;
 }
 
 }  // namespace
-
-std::optional<std::int64_t> RawPoints::first_time_ns() const {
-  std::optional<std::int64_t> first;
-  for (std::size_t i = 0; i < times_ns.size(); ++i) {
-    if (is_usable(positions[i])) first = std::min(first.value_or(times_ns[i]), times_ns[i]);
-  }
-  return first;
-}
 
 RawPoints read_points(const PointFields& fields, const std::string& source) {
   require_lengths(fields, source);
   RawPoints points;
   points.rows = fields.rows;
   points.positions.resize(fields.x.size);
+  points.rings.assign(fields.ring.size, -1);
+  points.times_ns.assign(fields.time.size, 0);
+  // First all rings, then all times: which of two faults is named does not depend on their places.
   const NumberSpan* axes[] = {&fields.x, &fields.y, &fields.z};
-  for (int axis = 0; axis < 3; ++axis) {
-    for_each_number(*axes[axis], [&](std::size_t i, auto number) {
-      points.positions[i][axis] = static_cast<float>(number);
-    });
+  for_parts(fields.x.size, [&](std::size_t, std::size_t begin, std::size_t end) {
+    for (int axis = 0; axis < 3; ++axis) {
+      for_each_number(*axes[axis], begin, end, [&](std::size_t i, auto number) {
+        points.positions[i][axis] = static_cast<float>(number);
+      });
+    }
+    if (!fields.ring.empty()) read_rings(fields.ring, begin, end, points, source);
+  });
+  std::vector<std::optional<std::int64_t>> first(count_parts(fields.time.size));
+  for_parts(fields.time.size, [&](std::size_t part, std::size_t begin, std::size_t end) {
+    first[part] = read_times(fields, begin, end, points, source);
+  });
+  for (const auto& of_part : first) {
+    if (of_part) points.first_time_ns = std::min(points.first_time_ns.value_or(*of_part), *of_part);
   }
-  points.rings = read_rings(fields.ring, points.positions, source);
-  points.times_ns = read_times(fields, points.positions, source);
-  points.times_are_absolute = fields.time_reference == TimeReference::epoch ||
-                              (fields.time_reference == TimeReference::automatic &&
-                               points.first_time_ns().value_or(0) >= kAbsoluteFrom_ns);
+  points.times_are_absolute =
+      fields.time_reference == TimeReference::epoch || (fields.time_reference == TimeReference::automatic &&
+                                                        points.first_time_ns.value_or(0) >= kAbsoluteFrom_ns);
   return points;
 }
 

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "core/parallel_parts.hpp"
 #include "core/time_check.hpp"
 #include "lidar/nearest_beam.hpp"
 #include "lidar/ring_recovery.hpp"
@@ -32,18 +33,19 @@ constexpr std::int64_t kFarthestFromStamp_ns = 10'000'000'000;
 // Rows for rings counted from 0, from the lowest or the highest laser: whichever fits the points better.
 BeamAssignment stated_lasers(const RawPoints& points, const LidarModel& model, const std::string& source) {
   const auto count = static_cast<std::int64_t>(model.lasers.size());
-  std::vector<std::int32_t> lasers(points.rings.size(), 0);
-  for (std::size_t i = 0; i < lasers.size(); ++i) {
-    const bool inside = points.rings[i] >= 0 && points.rings[i] < count;
-    if (!inside && is_usable(points.positions[i])) {
-      throw InputError({source, fmt::format("point {} ring", i), std::to_string(points.rings[i]),
-                        fmt::format("not one of the {} lasers of {}", count, model.name),
-                        "name the sensor that measured the points"});
+  std::vector<std::int32_t> lasers(points.rings.size(), 0), reversed(points.rings.size());
+  for_parts(lasers.size(), [&](std::size_t, std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const bool inside = points.rings[i] >= 0 && points.rings[i] < count;
+      if (!inside && is_usable(points.positions[i])) {
+        throw InputError({source, fmt::format("point {} ring", i), std::to_string(points.rings[i]),
+                          fmt::format("not one of the {} lasers of {}", count, model.name),
+                          "name the sensor that measured the points"});
+      }
+      if (inside) lasers[i] = static_cast<std::int32_t>(points.rings[i]);
+      reversed[i] = static_cast<std::int32_t>(count) - 1 - lasers[i];
     }
-    if (inside) lasers[i] = static_cast<std::int32_t>(points.rings[i]);
-  }
-  std::vector<std::int32_t> reversed = lasers;
-  for (std::int32_t& laser : reversed) laser = static_cast<std::int32_t>(count) - 1 - laser;
+  });
   const double misfit = beam_misfit(points.positions, lasers, model);
   const double reversed_misfit = beam_misfit(points.positions, reversed, model);
   if (reversed_misfit < misfit) return {std::move(reversed), reversed_misfit};
@@ -68,19 +70,23 @@ void unwind(LidarScan& scan, std::vector<LidarRecord>& records, const RawPoints&
   while (!is_usable(points.positions[first]) || points.times_ns[first] != first_ns) ++first;
   const int first_column = records[first].column;
   model->start_azimuth_rad = model->hub_angle(first_column);
-  for (std::size_t i = 0; i < records.size(); ++i) {
-    LidarRecord& r = records[i];
-    if (r.code != ReturnCode::hit) {
-      r.column = 0;
-      continue;
+  std::vector<int> columns(count_parts(records.size()), scan.columns);
+  for_parts(records.size(), [&](std::size_t part, std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      LidarRecord& r = records[i];
+      if (r.code != ReturnCode::hit) {
+        r.column = 0;
+        continue;
+      }
+      const double expected =
+          static_cast<double>(r.time_ns) / static_cast<double>(scan.column_period.nanoseconds());
+      const int column = r.column - first_column;
+      const int turns = static_cast<int>(std::lround((expected - column) / turn));
+      r.column = std::max(0, column + turns * turn);
+      columns[part] = std::max(columns[part], r.column + 1);
     }
-    const double expected =
-        static_cast<double>(r.time_ns) / static_cast<double>(scan.column_period.nanoseconds());
-    const int column = r.column - first_column;
-    const int turns = static_cast<int>(std::lround((expected - column) / turn));
-    r.column = std::max(0, column + turns * turn);
-    scan.columns = std::max(scan.columns, r.column + 1);
-  }
+  });
+  for (const int of_part : columns) scan.columns = std::max(scan.columns, of_part);
   scan.model = model;
 }
 
@@ -105,7 +111,7 @@ void require_own_times(const std::vector<LidarRecord>& records, const RawPoints&
 // Times that are not plainly of the epoch (RawPoints) count from the stamp, or on the clock of the stamps:
 // whichever places the scan near its stamp.
 void find_time_reference(RawPoints& points, Time stamp, const std::string& source) {
-  const auto first_ns = points.first_time_ns();
+  const auto first_ns = points.first_time_ns;
   if (!first_ns || points.times_are_absolute || std::abs(*first_ns) <= kFarthestFromStamp_ns) return;
   const std::int64_t from_stamp_ns = *first_ns - stamp.nanoseconds();
   if (std::abs(from_stamp_ns) > kFarthestFromStamp_ns) {
@@ -122,8 +128,8 @@ void take_times(LidarScan& scan, std::vector<LidarRecord>& records, const RawPoi
                 std::int64_t first_ns, const std::string& source) {
   require_own_times(records, points, scan.columns, source);
   const std::int64_t longest_ns = kMostTurns * scan.columns * scan.column_period.nanoseconds();
-  for (std::size_t i = 0; i < records.size(); ++i) {
-    if (records[i].code != ReturnCode::hit) continue;
+  const auto take = [&](std::size_t i) {
+    if (records[i].code != ReturnCode::hit) return;
     const std::int64_t since_first = points.times_ns[i] - first_ns;
     if (since_first > longest_ns || since_first > INT32_MAX) {
       throw InputError({source, fmt::format("point {} time", i), fmt::format("{} ns", points.times_ns[i]),
@@ -132,7 +138,10 @@ void take_times(LidarScan& scan, std::vector<LidarRecord>& records, const RawPoi
                         "numbers seconds)"});
     }
     records[i].time_ns = static_cast<std::int32_t>(since_first);
-  }
+  };
+  for_parts(records.size(), [&](std::size_t, std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) take(i);
+  });
   scan.start = points.times_are_absolute ? Time::from_nanoseconds(first_ns)
                                          : scan.start + Duration::from_nanoseconds(first_ns);
   scan.time_source = Provenance::sensor;
@@ -177,17 +186,19 @@ std::vector<std::int32_t> ScanBuilder::State::lasers_of(const RawPoints& points,
 std::vector<LidarRecord> ScanBuilder::State::records_of(const RawPoints& points, LidarScan& scan,
                                                         const std::string& source) const {
   const std::vector<std::int32_t> lasers = lasers_of(points, scan, source);
-  const RecoveredFirings firings =
-      recover_firings(points.positions, lasers, *model, recovered ? recovered->layout.encoder_steps : 0);
+  const std::vector<std::int32_t> columns =
+      recover_columns(points.positions, lasers, *model, recovered ? recovered->layout.encoder_steps : 0);
   std::vector<LidarRecord> records(points.positions.size());
-  for (std::size_t i = 0; i < records.size(); ++i) {
-    const Duration offset = model->lasers[static_cast<std::size_t>(lasers[i])].firing_offset;
-    const auto time_ns = static_cast<std::int32_t>(firings.columns[i] * scan.column_period.nanoseconds() +
-                                                   offset.nanoseconds());
-    // Where a point without position was fired is not known: it has no cell.
-    const ReturnCode code = is_usable(points.positions[i]) ? ReturnCode::hit : ReturnCode::absent;
-    records[i] = {points.positions[i], lasers[i], firings.columns[i], time_ns, code};
-  }
+  for_parts(records.size(), [&](std::size_t, std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const Duration offset = model->lasers[static_cast<std::size_t>(lasers[i])].firing_offset;
+      const auto time_ns =
+          static_cast<std::int32_t>(columns[i] * scan.column_period.nanoseconds() + offset.nanoseconds());
+      // Where a point without position was fired is not known: it has no cell.
+      const ReturnCode code = is_usable(points.positions[i]) ? ReturnCode::hit : ReturnCode::absent;
+      records[i] = {points.positions[i], lasers[i], columns[i], time_ns, code};
+    }
+  });
   scan.time_source = Provenance::recovered_from_angle;
   return records;
 }
@@ -223,7 +234,7 @@ LidarScan ScanBuilder::build(const PointFields& fields, Time stamp, const std::s
   scan.columns = scan.model->columns;
   scan.column_period = Duration::from_nanoseconds(state_->turn.nanoseconds() / scan.columns);
   std::vector<LidarRecord> records = state_->records_of(points, scan, source);
-  if (const auto first_ns = points.first_time_ns()) {
+  if (const auto first_ns = points.first_time_ns) {
     take_times(scan, records, points, *first_ns, source);
     unwind(scan, records, points, *first_ns);
   }

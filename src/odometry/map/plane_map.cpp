@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include <tbb/parallel_for.h>
+
 namespace mapless::inline v1 {
 namespace {
 
@@ -33,28 +35,33 @@ PlaneMap::PlaneMap(double sigma_m, double scale, std::size_t grids)
 }
 
 std::vector<unsigned> PlaneMap::insert(std::span<const MapPoint> points) {
-  std::vector<unsigned> grids(points.size(), 0);
-  for (std::size_t g = 0; g < grids_.size(); ++g) {
+  std::array<std::vector<unsigned>, kGrids> accepted;  // by each grid: no grid reads what another one has
+  tbb::parallel_for(std::size_t{0}, grids_.size(), [&](std::size_t g) {
     const double max_range_m =
         g + 1 == grids_.size() ? std::numeric_limits<double>::infinity() : kMaxRangeCubes * kCubes[g];
-    grids_[g].insert(points, max_range_m, 1U << g, grids);
+    accepted[g].assign(points.size(), 0);
+    grids_[g].insert(points, max_range_m, 1U << g, accepted[g]);
+  });
+  std::vector<unsigned> grids(points.size(), 0);
+  for (std::size_t g = 0; g < grids_.size(); ++g) {
+    for (std::size_t i = 0; i < grids.size(); ++i) grids[i] |= accepted[g][i];
   }
   return grids;
 }
 
 void PlaneMap::remove(const std::vector<InsertedPoint>& points) {
-  std::vector<Eigen::Vector3d> of_grid;
-  for (std::size_t g = 0; g < grids_.size(); ++g) {
-    of_grid.clear();
+  tbb::parallel_for(std::size_t{0}, grids_.size(), [&](std::size_t g) {
+    std::vector<Eigen::Vector3d> of_grid;
     for (const InsertedPoint& point : points) {
       if ((point.grids >> g & 1U) != 0) of_grid.push_back(point.p_0);
     }
     grids_[g].remove(of_grid);
-  }
+  });
 }
 
 void PlaneMap::keep_within(const Eigen::Vector3d& centre_0, double radius_m) {
-  for (PlaneGrid& grid : grids_) grid.keep_within(centre_0, radius_m);
+  tbb::parallel_for(std::size_t{0}, grids_.size(),
+                    [&](std::size_t g) { grids_[g].keep_within(centre_0, radius_m); });
 }
 
 void PlaneMap::clear() {

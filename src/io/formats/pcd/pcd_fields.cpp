@@ -54,7 +54,7 @@ PointFields fields_of(const PcdCloud& cloud) {
 
 std::optional<Time> first_time(const PcdCloud& cloud) {
   const RawPoints points = read_points(fields_of(cloud), cloud.file.string());
-  const std::optional<std::int64_t> first_ns = points.first_time_ns();
+  const std::optional<std::int64_t> first_ns = points.first_time_ns;
   if (!first_ns || !points.times_are_absolute) return std::nullopt;
   return Time::from_nanoseconds(*first_ns);
 }
