@@ -20,6 +20,11 @@ constexpr std::size_t kFewestMatches = 30;
 // Three standard deviations of the difference of two ranges with noise of 0.035 m, two of 0.05 m.
 constexpr float kEqual_m = 0.15F;
 
+// Two motions differ at a point by this much along its normal.
+constexpr double kTells_m = 0.3;
+// On a surface: three standard deviations of the difference of two ranges with noise of 0.02 m.
+constexpr double kOnSurface_m = 0.08;
+
 struct Stage {
   double reach_m, scale_m;  // of matches, of the robust loss
   int steps;
@@ -106,6 +111,35 @@ std::optional<double> PosePair::blur_m(const Motion& motion) const {
 double PosePair::blur_m(const Vector6d& velocity) const {
   return blur_m(poses_of(first_scan_, velocity, first_scan_.start),
                 poses_of(second_scan_, velocity, first_scan_.start));
+}
+
+PosePair::Support PosePair::support(const Vector6d& said, const Vector6d& found) const {
+  struct Account {
+    ScanPoses first, second;
+    double on_surface = 0;
+  };
+  std::array<Account, 4> accounts;
+  const std::array<Vector6d, 4> motions = {said, found, 2 * found - said, 2 * said - found};
+  for (std::size_t i = 0; i < motions.size(); ++i) {
+    accounts[i].first = poses_of(first_scan_, motions[i], first_scan_.start);
+    accounts[i].second = poses_of(second_scan_, motions[i], first_scan_.start);
+  }
+  Support out;
+  for (const Surfel& s : sample_) {
+    const SE3 &T_said = accounts[0].second.at(s.fraction), &T_found = accounts[1].second.at(s.fraction);
+    const Eigen::Vector3d apart = T_said * s.position_v - T_found * s.position_v;
+    if (std::abs((T_found.rotation() * s.normal_v).dot(apart)) < kTells_m) continue;
+    ++out.points;
+    for (Account& account : accounts) {
+      const auto m = compare(s, account.first, account.second, kReach_m).match;
+      if (m && std::abs(m->normal_0.dot(m->second_0 - m->first_0)) < kOnSurface_m) ++account.on_surface;
+    }
+  }
+  if (out.points == 0) return out;
+  out.said = accounts[0].on_surface / out.points;
+  out.found = accounts[1].on_surface / out.points;
+  out.chance = 0.5 * (accounts[2].on_surface + accounts[3].on_surface) / out.points;
+  return out;
 }
 
 double PosePair::equal_share() const {

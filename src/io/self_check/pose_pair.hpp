@@ -29,6 +29,15 @@ class PosePair {
   [[nodiscard]] std::optional<double> blur_m(const Motion& motion) const;
   /// Of a constant velocity varpi (of T_0v = exp(-varpi t)) since the start of the first scan.
   [[nodiscard]] double blur_m(const Vector6d& velocity) const;
+  /// Of the points of the second scan at which two accounts of the motion differ by 0.3 m along the normal:
+  /// shares that are on a surface of the first scan, to 0.08 m.
+  struct Support {
+    double points = 0;  ///< their number
+    double said = 0, found = 0;
+    double chance = 0;  ///< under motions as far from one of them, on the other side; mean of two
+  };
+  /// `said` and `found`: constant velocities since the start of the first scan.
+  [[nodiscard]] Support support(const Vector6d& said, const Vector6d& found) const;
   /// The constant velocity near `velocity` under which the two fit best.
   [[nodiscard]] Vector6d registered(Vector6d velocity) const;
   /// The constant velocity between the starts of the two scans.
