@@ -27,6 +27,13 @@ constexpr float kNear_m = 2;
 // Chosen: one range in ten may be an outlier, or that of something in front of the own vehicle.
 constexpr int kSamePerOther = 9;
 
+// The range of a cell is the mean of its first so many, which are half as noisy as one. A mean of all would
+// follow a surface that slowly recedes.
+constexpr int kAveraged = 4;
+
+// A cell without another range may lack returns in two of ten of the first key scans: see kMostBridged.
+constexpr int kReturnedPerTen = 8;
+
 // Counts are halved at this sum, so that the last hundred key scans decide.
 constexpr int kRemembered = 200;
 
@@ -39,18 +46,22 @@ constexpr int kMostOthers = 10;
 constexpr int kBeyondEnd = 4;
 constexpr float kLinked_m = 0.2F;
 
+// So many cells beside one another may have too few returns yet: of paint that returns every second firing,
+// one cell in seven after five key scans. Chosen.
+constexpr int kMostBridged = 8;
+
 // Firings jitter by a column from scan to scan.
 constexpr int kColumnsAside = 2;
 
-// The range nearest to `range_m` of a return and those in the columns beside it.
-float nearest(const LidarScan& scan, const LidarReturn& r, float range_m) {
-  float best = r.range_m;
-  for (const int c : {r.column - 1, r.column + 1}) {
-    if (c < 0 || c >= scan.columns) continue;
-    const std::int32_t i = scan.cell(r.laser, c);
+// The range nearest to `range_m` of the returns of a laser in `column` and at most `aside` beside it; 0:
+// none.
+float nearest(const LidarScan& scan, int laser, int column, int aside, float range_m) {
+  float best = 0;
+  for (int c = std::max(column - aside, 0); c <= std::min(column + aside, scan.columns - 1); ++c) {
+    const std::int32_t i = scan.cell(laser, c);
     if (i < 0) continue;
-    const float beside = scan.returns[static_cast<std::size_t>(i)].range_m;
-    if (std::abs(beside - range_m) < std::abs(best - range_m)) best = beside;
+    const float seen_m = scan.returns[static_cast<std::size_t>(i)].range_m;
+    if (best == 0 || std::abs(seen_m - range_m) < std::abs(best - range_m)) best = seen_m;
   }
   return best;
 }
@@ -59,12 +70,14 @@ float nearest(const LidarScan& scan, const LidarReturn& r, float range_m) {
 
 bool OwnVehicle::Cell::constant(int key_scans) const {
   const int first = range_m < kNear_m ? kFewestFirstKeyScans : kFewestKeyScans;
-  return same >= std::clamp(key_scans, first, kFewestKeyScans) && same >= kSamePerOther * others;
+  const int needed = others > 0 ? key_scans : key_scans * kReturnedPerTen / 10;
+  return same >= std::clamp(needed, first, kFewestKeyScans) && same >= kSamePerOther * others;
 }
 
 void OwnVehicle::Cell::add(float seen_m, float tolerance_m) {
   if (range_m > 0 && std::abs(seen_m - range_m) <= tolerance_m) {
     ++same;
+    if (same <= kAveraged) range_m += (seen_m - range_m) / static_cast<float>(same);
   } else {
     ++others;
   }
@@ -101,10 +114,28 @@ void OwnVehicle::count_ranges(const LidarScan& scan, float tolerance_m) {
     key_scans_ = 0;
   }
   ++key_scans_;
-  for (const LidarReturn& r : scan.returns) {
-    if (r.column >= model_->columns) continue;
-    Cell& cell = cells_[cell_index(r.laser, r.column)];
-    if (r.range_m < kLargestRange_m || cell.same > 0) cell.add(nearest(scan, r, cell.range_m), tolerance_m);
+  const int columns = std::min(model_->columns, scan.columns);
+  for (int row = 0; row < scan.rows(); ++row) {
+    for (int c = 0; c < columns; ++c) count_range(scan, row, c, tolerance_m);
+  }
+}
+
+void OwnVehicle::count_range(const LidarScan& scan, int row, int column, float tolerance_m) {
+  Cell& cell = cells_[cell_index(row, column)];
+  const std::int32_t i = scan.cell(row, column);
+  if (i < 0) {  // dark paint returns one firing in two: those beside it tell, but only for the range
+    if (cell.range_m == 0) return;
+    const float beside_m = nearest(scan, row, column, kColumnsAside, cell.range_m);
+    if (std::abs(beside_m - cell.range_m) <= tolerance_m) cell.add(beside_m, tolerance_m);
+    return;
+  }
+  const float seen_m = scan.returns[static_cast<std::size_t>(i)].range_m;
+  if (cell.range_m > 0) {
+    cell.add(nearest(scan, row, column, 1, cell.range_m), tolerance_m);
+  } else if (seen_m < kLargestRange_m) {
+    cell.add(seen_m, tolerance_m);
+  } else if (cell.others == 0) {
+    cell.others = 1;
   }
 }
 
@@ -125,22 +156,37 @@ void OwnVehicle::find_own_cells(const LidarScan& scan) {
 }
 
 // Columns of the runs of constant cells of a row, each in the order of the columns, the last of which is
-// followed by the first. A run goes on over up to kColumnsAside others, and ends where the range changes by
-// more than kLinked_m: flat ground beside the own vehicle is constant, too.
+// followed by the first. A run goes on over up to kMostBridged others, with those that no range speaks
+// against, and ends where the range changes by more than kLinked_m: flat ground beside the own vehicle is
+// constant, too.
 std::vector<std::vector<int>> OwnVehicle::constant_runs(int row) const {
   const auto range_m = [&](int c) { return cells_[cell_index(row, c)].range_m; };
   const int columns = model_->columns;
   std::vector<std::vector<int>> runs;
-  const auto follows = [&](const std::vector<int>& run, int c) {
-    return (c - run.back() + columns) % columns <= kColumnsAside + 1 &&
-           std::abs(range_m(c) - range_m(run.back())) <= kLinked_m;
+  const auto follows = [&](int last, int c) {
+    return (c - last + columns) % columns <= kMostBridged + 1 &&
+           std::abs(range_m(c) - range_m(last)) <= kLinked_m;
+  };
+  // Appends the cells from the end of the run to c that nothing speaks against, without c.
+  const auto bridge = [&](std::vector<int>& run, int c) {
+    const float last_m = range_m(run.back());
+    for (int between = (run.back() + 1) % columns; between != c; between = (between + 1) % columns) {
+      const Cell& cell = cells_[cell_index(row, between)];
+      if (cell.same > 0 && cell.others == 0 && std::abs(cell.range_m - last_m) <= kLinked_m)
+        run.push_back(between);
+    }
   };
   for (int c = 0; c < columns; ++c) {
     if (!cells_[cell_index(row, c)].constant(key_scans_)) continue;
-    if (runs.empty() || !follows(runs.back(), c)) runs.emplace_back();
+    if (runs.empty() || !follows(runs.back().back(), c)) {
+      runs.emplace_back();
+    } else {
+      bridge(runs.back(), c);
+    }
     runs.back().push_back(c);
   }
-  if (runs.size() > 1 && follows(runs.back(), runs.front().front())) {
+  if (runs.size() > 1 && follows(runs.back().back(), runs.front().front())) {
+    bridge(runs.back(), runs.front().front());
     runs.back().insert(runs.back().end(), runs.front().begin(), runs.front().end());
     runs.erase(runs.begin());
   }

@@ -18,12 +18,14 @@ namespace mapless::inline v1 {
 /// - Key scans: the sensor has moved by kKeyDistance_m or turned by kKeyAngle_rad since the one before.
 /// - A cell is constant if its range was the same, within the tolerance, in at least kFewestKeyScans key
 ///   scans, and in nine tenths of those with a return. While there are fewer key scans, it has to be the
-///   same in all of them, and below kNear_m in kFewestFirstKeyScans. A return in a column beside it counts,
-///   too. Only ranges below kLargestRange_m are learnt.
+///   same in all of them, and below kNear_m in kFewestFirstKeyScans; without another range, returns may lack
+///   in two of ten of these. A return in a column beside it counts, too: of paint that returns every second
+///   firing nearly every cell has one in each scan. Only ranges below kLargestRange_m are learnt.
 /// - Consecutive constant cells of a row, of one surface, are on the own vehicle if they end freely on both
 ///   sides: beside something nearer or farther, or nothing; or if they go all around. The side of a lorry
 ///   that passes slides along itself, so its ranges are constant; but its ends move, and next to the constant
-///   cells the surface goes on. Ground between parts of the own vehicle may count as one of them.
+///   cells the surface goes on. Cells of few returns, up to kMostBridged, do not divide it. Ground between
+///   parts of the own vehicle may count as one of them.
 /// - A return is on the own vehicle if its range is that of such a cell in its row, at most
 ///   kColumnsAside from its own. Anything in front of the own vehicle has another range.
 ///
@@ -48,6 +50,7 @@ class OwnVehicle {
   [[nodiscard]] std::size_t cell_index(int row, int column) const;
   [[nodiscard]] bool is_key_scan(const SE3& T_v0);
   void count_ranges(const LidarScan& scan, float tolerance_m);
+  void count_range(const LidarScan& scan, int row, int column, float tolerance_m);
   void find_own_cells(const LidarScan& scan);
   [[nodiscard]] std::vector<std::vector<int>> constant_runs(int row) const;
   [[nodiscard]] bool ends_freely(const LidarScan& scan, int row, int column, int side) const;

@@ -108,6 +108,58 @@ TEST(OwnVehicle, MayBeAllAround) {
   EXPECT_EQ(found_on(deck, [](int, int) { return 3.F; }), 2 * deck.size());
 }
 
+// What is found in the last of `scans` key scans, where the bonnet has range `range_m(k)` and gives a return
+// where `returns(column, k)`: at most those of the last scan.
+template <typename Range, typename Returns>
+std::size_t found_of_bonnet(int scans, const Range& range_m, const Returns& returns) {
+  OwnVehicle own;
+  const LidarScan first = scan_at(0);
+  std::size_t found = 0;
+  for (int k = 0; k < scans; ++k) {
+    std::vector<char> missing;
+    for (int i = 0; i < 2 * test::kSmallColumns; ++i) missing.push_back(!returns(i % test::kSmallColumns, k));
+    LidarScan scan = test::small_scan({0, 0}, 3 - 0.1 * k, missing);
+    scan.model = first.model;
+    for (LidarReturn& r : scan.returns)
+      if (r.column >= kFirstOwn && r.column <= kLastOwn) r.range_m = static_cast<float>(range_m(k));
+    found = learn_and_find(own, scan, after(0.6 * k)).size();
+  }
+  return found;
+}
+
+// Its first range is 0.06 m too large, two more of twelve are 0.03 m too small: 0.09 m apart.
+TEST(OwnVehicle, HasNoisyRanges) {
+  const auto range_m = [](int k) { return k == 0 ? 1.56 : k == 5 || k == 8 ? 1.47 : 1.5; };
+  EXPECT_EQ(found_of_bonnet(12, range_m, [](int, int) { return true; }), kBonnet);
+}
+
+// Dark paint returns every second firing.
+TEST(OwnVehicle, MayBeDark) {
+  const auto every_second = [](int c, int k) { return (c + k) % 2 == 0; };
+  EXPECT_EQ(found_of_bonnet(
+                5, [](int) { return 1.5; }, every_second),
+            kBonnet / 2);
+}
+
+// Columns 6 to 13 give no return in the second of five key scans, so that four cells have only four.
+TEST(OwnVehicle, ReachesOverCellsOfFewReturns) {
+  const auto gap = [](int c, int k) { return k != 1 || c < 6 || c > 13; };
+  EXPECT_EQ(found_of_bonnet(
+                5, [](int) { return 1.5; }, gap),
+            kBonnet);
+}
+
+// No ray of the bonnet comes back in the second scan of six: five of six are eight tenths.
+TEST(OwnVehicle, MayLackReturnsInOneScanOfSix) {
+  const auto all_but_second = [](int, int k) { return k != 1; };
+  EXPECT_EQ(found_of_bonnet(
+                5, [](int) { return 1.5; }, all_but_second),
+            0U);
+  EXPECT_EQ(found_of_bonnet(
+                6, [](int) { return 1.5; }, all_but_second),
+            kBonnet);
+}
+
 TEST(OwnVehicle, IsNotLearntWhileTheSensorStands) {
   EXPECT_EQ(found_after(100, 0), 0U);
   EXPECT_EQ(found_after(100, 0.0009), 0U);  // 0.09 m: no second key scan
