@@ -35,20 +35,33 @@ bool passes_on(const LidarScan& scan, const LidarReturn& r, int step) {
   return range_m - expected_m > std::max(kMinStep_m, kMinStepRatio * expected_m);
 }
 
+bool is_edge(const LidarScan& scan, const LidarReturn& r, const OdometryParameters& parameters) {
+  if (!(r.range_m >= parameters.min_range_m && r.range_m <= parameters.map_radius_m)) return false;
+  return passes_on(scan, r, -1) || passes_on(scan, r, 1);
+}
+
 }  // namespace
 
 std::vector<ScanPoint> select_edges(const LidarScan& scan, const OdometryParameters& parameters) {
   std::vector<ScanPoint> out;
   for (std::size_t i = 0; i < scan.returns.size(); ++i) {
     const LidarReturn& r = scan.returns[i];
-    if (!(r.range_m >= parameters.min_range_m && r.range_m <= parameters.map_radius_m)) continue;
-    if (passes_on(scan, r, -1) || passes_on(scan, r, 1))
+    if (is_edge(scan, r, parameters))
       out.push_back({r.position_v, r.range_m, r.time_ns, r.laser, static_cast<std::uint32_t>(i)});
   }
   std::sort(out.begin(), out.end(), [](const ScanPoint& a, const ScanPoint& b) {
     return std::tuple(a.time_ns, a.return_index) < std::tuple(b.time_ns, b.return_index);
   });
   return out;
+}
+
+std::size_t count_edges(const LidarScan& scan, const OdometryParameters& parameters, std::size_t most) {
+  std::size_t count = 0;
+  for (const LidarReturn& r : scan.returns) {
+    if (count >= most) break;
+    count += is_edge(scan, r, parameters) ? 1 : 0;
+  }
+  return count;
 }
 
 }  // namespace mapless

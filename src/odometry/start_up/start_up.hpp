@@ -23,8 +23,8 @@ class StartUp {
   /// Fewest scans before a decision. Chosen: three scans extend the hypotheses of the first two; half a
   /// second at 10 Hz.
   static constexpr std::size_t kMinScans = 5;
-  /// Most scans before a decision while two motions are about equally good. Measured: 3 of 50 motorway starts
-  /// err by metres, 5 with five scans (same page).
+  /// Most scans before a decision while two motions are about equally good, or planes hardly fix the best
+  /// one. Measured: 3 of 50 motorway starts err by metres, 5 with five scans (same page).
   static constexpr std::size_t kMaxScans = 10;
   /// Scans that are registered jointly from rest if the first two do not constrain the motion. Measured: 1 of
   /// 33 flying starts errs by more than 0.10 m, 24 with five scans (same page).
@@ -84,6 +84,7 @@ class StartUp {
   void prune_by_inliers();
   void prune_by_score();
   [[nodiscard]] bool is_undecided() const;
+  [[nodiscard]] bool is_weakly_constrained() const;
   Result decide();
   void refine_first_scans();
   std::optional<Registration> refine_jointly();
