@@ -55,7 +55,8 @@ std::vector<std::size_t> ScanRange::of(const std::vector<std::size_t>& scans) co
 
 void add_scan_range_options(CLI::App& verb, ScanRange& range) {
   verb.add_option("--scans", range.range,
-                  "scans A:B, both included; A: and :B too. Default: all labelled scans");
+                  "scans A:B, both included; A: and :B too. Default: all labelled scans")
+      ->check(not_empty());
   verb.add_option("--every", range.every, "only every Nth of these scans")
       ->check(whole_number(1))
       ->capture_default_str();

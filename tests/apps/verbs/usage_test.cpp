@@ -54,6 +54,7 @@ TEST(Usage, WrongUseIsNamedInOneLine) {
   expect_error(run_command({"detect"}), 2, {"IN"});
   expect_error(run_command({"detect", "in", "-o", "out", "--threads", "0"}), 2, {"--threads"});
   expect_error(run_command({"detect", "in", "-o", "out", "--sensor", ""}), 2, {"--sensor", "empty"});
+  expect_error(run_command({"view", "in", "-o", "out", "--scans", ""}), 2, {"--scans", "empty"});
   expect_error(run_command({"detect", "in", "-o", "out", "--trajectory", ""}), 2, {"--trajectory", "empty"});
   expect_error(run_command({"detect", "in", "-o", "out", "--format", "odd"}), 2,
                {"--format", "odd", "native"});

@@ -40,10 +40,18 @@ TEST(MotionMeasurements, AreRead) {
   EXPECT_EQ(turns[0].value, Eigen::Vector3d(.1, -.2, .3));
 }
 
+// Rates in degrees.
+TEST(MotionMeasurements, TurnsFasterThanAnyLidarAreRefused) {
+  EXPECT_EQ(read_angular_velocities(file_with("time_s,x_rad_s,y_rad_s,z_rad_s\n1,0,0,-49\n")).size(), 1u);
+  EXPECT_THROW((void)read_angular_velocities(file_with("time_s,x_rad_s,y_rad_s,z_rad_s\n1,0,0,-90\n")),
+               InputError);
+}
+
 TEST(MotionMeasurements, ErrorsNameFileRowFieldAndValue) {
   EXPECT_THAT(refusal("time_s,speed_m_s\n1,2\n1,3\n"), AllOf(HasSubstr(".csv:3"), HasSubstr("time_s")));
   EXPECT_THAT(refusal("time_s,speed_m_s\n1,-2\n"), AllOf(HasSubstr("speed_m_s"), HasSubstr("-2")));
   EXPECT_THAT(refusal("time_s,speed_m_s\n1,nan\n"), AllOf(HasSubstr(".csv:2"), HasSubstr("nan")));
+  EXPECT_THAT(refusal("time_s,speed_m_s\n1,1e300\n"), AllOf(HasSubstr(".csv:2"), HasSubstr("200 m/s")));
   EXPECT_THAT(refusal("time,speed\n1,2\n"), HasSubstr("time_s,speed_m_s"));
   EXPECT_THAT(refusal("time_s,speed_m_s\n"), HasSubstr("no measurement"));
 }
