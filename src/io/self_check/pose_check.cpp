@@ -62,6 +62,9 @@ constexpr double kFoundShare = 0.1;
 // the second part of that, is not clearly better. Measured: a right tilted sensor among vehicles has .33 and
 // .47; wrong poses whose registration has less than .4 have .1 of it at most.
 constexpr double kClearShare = 0.4, kNearlyAsMany = 0.4;
+// Nor is one that brings fewer than this many times as many points onto surfaces as chance does. Measured: a
+// right tilted sensor over smooth ground has 1.97, wrong poses have 2.4 and more.
+constexpr double kFoundTimesChance = 2.2;
 // Poses are right where they bring this share of the points onto surfaces, these times as many as chance
 // does, and the registration does not bring this share. Measured: eight right places of tilted sensors beside
 // vehicles have .03 to .12, chance .002 at most but for one of .016, the registration .22 to .57; wrong poses
@@ -149,7 +152,8 @@ void find_own_blur(const Place& place, const PosePair& apart, const Motion& said
 
 // Whether the registration brings enough points onto surfaces, and clearly more than the poses.
 bool is_clear(const PosePair::Support& s) {
-  return s.found >= kFoundShare && (s.found >= kClearShare || s.said < kNearlyAsMany * s.found);
+  return s.found >= std::max(kFoundShare, kFoundTimesChance * s.chance) &&
+         (s.found >= kClearShare || s.said < kNearlyAsMany * s.found);
 }
 
 // Whether points that the registration leaves off all surfaces are on surfaces under the poses.
