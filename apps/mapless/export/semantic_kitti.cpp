@@ -56,9 +56,7 @@ PredictionCounts write_semantic_kitti(const Dataset& dataset, const ResultFolder
   PredictionCounts counts;
   Progress progress("scans");
   for (const std::size_t k : scans) {
-    const LidarScan scan = dataset.read(k);
-    auto labels = read_label_file(result.label_file(k), scan.input_size);
-    if (fs::exists(result.summary())) require_labels_of(scan, labels, result.label_file(k));
+    auto labels = read_labels_of(result, k, dataset.read(k));
     for (std::uint32_t& label : labels) {
       const MotionTruth motion = motion_of_label(label);
       const bool moving = motion == MotionTruth::moving;

@@ -1,4 +1,3 @@
-#include <filesystem>
 #include <memory>
 #include <string>
 #include <utility>
@@ -34,10 +33,7 @@ struct RenderOptions {
 PicturedScan read_labelled(const Dataset& dataset, const std::string& result, std::size_t k) {
   PicturedScan out{dataset.read(k), {}, dataset.read_labels(k)};
   if (!result.empty()) {
-    const ResultFolder folder(result);
-    out.labels = read_label_file(folder.label_file(k), out.scan.input_size);
-    if (std::filesystem::exists(folder.summary()))
-      require_labels_of(out.scan, out.labels, folder.label_file(k));
+    out.labels = read_labels_of(ResultFolder(result), k, out.scan);
     return out;
   }
   if (!out.truth) {

@@ -87,8 +87,7 @@ LabelledCloud LabelledDrive::read(std::size_t k) const {
   out.scan = std::make_shared<const LidarScan>(dataset_.read(k));
   out.truth = dataset_.read_labels(k);
   if (result_) {
-    out.labels = read_label_file(result_->label_file(k), out.scan->input_size);
-    if (fs::exists(result_->summary())) require_labels_of(*out.scan, out.labels, result_->label_file(k));
+    out.labels = read_labels_of(*result_, k, *out.scan);
     if (fs::exists(result_->stage_file(k)))
       out.stages = read_stage_file(result_->stage_file(k), out.scan->input_size);
     if (fs::exists(result_->probability_file(k)))

@@ -110,6 +110,10 @@ void write_probability_file(const std::filesystem::path& file, const std::vector
 /// all 0 fit every scan. Nothing is shown where every record has a return.
 void require_labels_of(const LidarScan& scan, const std::vector<std::uint32_t>& labels,
                        const std::filesystem::path& file);
+/// Reads the labels of `scan`, number `k` of the recording, one per input record. Throws InputError as
+/// read_label_file(), and, in a folder that mapless detect wrote, as require_labels_of().
+[[nodiscard]] std::vector<std::uint32_t> read_labels_of(const ResultFolder& result, std::size_t k,
+                                                        const LidarScan& scan);
 
 /// One label per input record, in input order: kLabelDynamic with the number of the object in the high 16
 /// bits, kLabelStatic, or 0 for a record without a return; all 0 where Detection::motion_known is false.

@@ -228,4 +228,12 @@ void require_labels_of(const LidarScan& scan, const std::vector<std::uint32_t>& 
        "give the recording this result was made from, with the same --sensor"});
 }
 
+std::vector<std::uint32_t> read_labels_of(const ResultFolder& result, std::size_t k, const LidarScan& scan) {
+  const fs::path file = result.label_file(k);
+  std::vector<std::uint32_t> labels = read_label_file(file, scan.input_size);
+  // Labels of other programs need not leave out records without a return.
+  if (fs::exists(result.summary())) require_labels_of(scan, labels, file);
+  return labels;
+}
+
 }  // namespace mapless
