@@ -13,9 +13,11 @@ import struct
 import subprocess
 import sys
 
+# Participants announce themselves every second: by default it is every 30 s, so that where the first announcement meets
+# nobody, or is lost, nothing is found for as long.
 LOOPBACK = """<CycloneDDS><Domain><General><Interfaces><NetworkInterface name="lo"/></Interfaces>
 <AllowMulticast>false</AllowMulticast></General><Discovery><ParticipantIndex>auto</ParticipantIndex>
-<Peers><Peer Address="127.0.0.1"/></Peers></Discovery>
+<Peers><Peer Address="127.0.0.1"/></Peers><SPDPInterval>1s</SPDPInterval></Discovery>
 <Internal><SocketReceiveBufferSize max="4MB"/></Internal></Domain></CycloneDDS>"""
 os.environ["CYCLONEDDS_URI"] = LOOPBACK
 DOMAIN = random.SystemRandom().randrange(100, 200)  # other tests may run
