@@ -24,9 +24,9 @@ constexpr int kSteps = 5;
 // Standard deviation of an edge's distance from the same edge in another scan: the distances between
 // neighbouring rays, across and along the edge. Chosen.
 constexpr double kEdgeSigma_m = 0.2;
-// Fewest agreement of the best motion, per edge. Measured on motorways with sixteen lasers: .2 to .35, of the
+// Fewest agreement of the best motion. Measured on motorways with sixteen lasers: .2 to .35, of the
 // best wrong motion .04 to .12 (docs/notebook/odometry.md, "Edges at the start").
-constexpr double kMinAgreementRatio = 0.15;
+constexpr double kMinAgreement = 0.15;
 // Motions with less than this part of the best one's agreement are dropped, and all but so many. Measured on
 // the same scans: the best wrong motion has .2 to .35 of it, moving with the traffic; in dense traffic more.
 constexpr double kMinAgreementOfMost = 0.4;
@@ -197,7 +197,7 @@ EdgeMotion refined(const Vector6d& start, const std::vector<Edge>& first, const 
     grid.insert(at_origin(first, out.varpi));
     const std::vector<Eigen::Vector3d> points_0 = at_origin(second, out.varpi);
     if (step == kSteps) {
-      out.agreement = grid.agreement(points_0);
+      out.agreement = grid.agreement(points_0) / static_cast<double>(points_0.size());
       return out;
     }
     Matrix6d information = kDamping * Matrix6d::Identity();
@@ -237,7 +237,7 @@ std::vector<EdgeMotion> edge_motions(const UsableScan& first, const UsableScan& 
   std::stable_sort(found.begin(), found.end(),
                    [](const EdgeMotion& a, const EdgeMotion& b) { return a.agreement > b.agreement; });
   const double most = found.empty() ? 0 : found.front().agreement;
-  if (most < kMinAgreementRatio * static_cast<double>(later.size())) return {};
+  if (most < kMinAgreement) return {};
   std::vector<EdgeMotion> out;
   for (const EdgeMotion& one : found) {
     if (one.agreement < kMinAgreementOfMost * most || out.size() == kMaxMotions) break;

@@ -290,8 +290,8 @@ WindowPrior PairOfScans::prior_of_edges(const EdgeMotion& motion) const {
 
 // The motions of the edges, registered to a part of the points. Of motions that came to be alike only the one
 // whose edges agree best is kept.
-std::vector<PairOfScans::EdgeCandidate> PairOfScans::edge_candidates() const {
-  const std::vector<EdgeMotion> motions = edge_motions(first_, second_);
+std::vector<PairOfScans::EdgeCandidate> PairOfScans::edge_candidates(
+    const std::vector<EdgeMotion>& motions) const {
   std::vector<EdgeCandidate> found(motions.size());
   tbb::parallel_for(std::size_t{0}, motions.size(), [&](std::size_t i) {
     EdgeCandidate& one = found[i];
@@ -312,9 +312,9 @@ std::vector<PairOfScans::EdgeCandidate> PairOfScans::edge_candidates() const {
   return out;
 }
 
-std::vector<Registration> PairOfScans::register_by_edges() const {
+std::vector<Registration> PairOfScans::register_by_edges(const std::vector<EdgeMotion>& motions) const {
   const std::vector<Registration> found =
-      transform_parallel(edge_candidates(), [&](EdgeCandidate one) -> std::optional<Registration> {
+      transform_parallel(edge_candidates(motions), [&](EdgeCandidate one) -> std::optional<Registration> {
         one.registration.iterations = 0;
         if (!iterate(1, kEdgeSteps, false, one.prior, one.registration)) return std::nullopt;
         return one.registration;
@@ -335,6 +335,16 @@ std::vector<Registration> PairOfScans::register_by_planes() const {
   for (const Registration& registration : refined) add_unless_duplicate(out, registration);
   if (!out.empty()) add_along_weak_directions(out);
   keep_if_any(out, [&](const Registration& one) { return !is_contradicted(one.knots, settings_); });
+  return out;
+}
+
+PairOfScans::Candidates PairOfScans::candidates() const {
+  const std::vector<EdgeMotion> motions = edge_motions(first_, second_);
+  Candidates out;
+  if (!motions.empty()) out.all = register_by_edges(motions);
+  out.by_edges = !out.all.empty();
+  if (out.by_edges && motions.front().agreement >= kSureAgreement) return out;
+  for (const Registration& registration : register_by_planes()) add_unless_duplicate(out.all, registration);
   return out;
 }
 

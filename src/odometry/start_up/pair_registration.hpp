@@ -31,13 +31,16 @@ class PairOfScans {
   PairOfScans(std::vector<TrajectoryKnot> knots, WindowPrior prior, const UsableScan& first,
               const UsableScan& second, std::size_t first_knot, const RegistrationSettings& settings);
 
+  /// Motions for later scans to decide between: no two alike (are_alike), none with fewer than 50 soft
+  /// inliers, and where any agrees with the measurements of other sensors, only such.
+  struct Candidates {
+    std::vector<Registration> all;
+    bool by_edges = false;  ///< the edges of the two scans coincide under one of them at least
+  };
   /// The motions under which the edges of the two scans coincide (edge_motions), each registered to planes
-  /// with the information of its edges as a prior. None if the edges admit none. For later scans to decide
-  /// between: no two alike (are_alike), none with fewer than 50 soft inliers, and where any agrees with the
-  /// measurements of other sensors, only such.
-  [[nodiscard]] std::vector<Registration> register_by_edges() const;
-  /// The same by planes alone: all motions that the two scans admit, the one with most inliers first.
-  [[nodiscard]] std::vector<Registration> register_by_planes() const;
+  /// with the information of its edges as a prior. Where the edges admit none, or agree badly
+  /// (kSureAgreement), also all motions that planes admit.
+  [[nodiscard]] Candidates candidates() const;
   /// The motion near a velocity that is known to 0.5 m/s and 0.5 rad/s.
   [[nodiscard]] std::optional<Registration> register_near(const Vector6d& varpi) const;
 
@@ -57,7 +60,9 @@ class PairOfScans {
     bool solved = false;
   };
   [[nodiscard]] WindowPrior prior_of_edges(const EdgeMotion& motion) const;
-  [[nodiscard]] std::vector<EdgeCandidate> edge_candidates() const;
+  [[nodiscard]] std::vector<EdgeCandidate> edge_candidates(const std::vector<EdgeMotion>& motions) const;
+  [[nodiscard]] std::vector<Registration> register_by_edges(const std::vector<EdgeMotion>& motions) const;
+  [[nodiscard]] std::vector<Registration> register_by_planes() const;
   [[nodiscard]] std::vector<Registration> coarse_registrations() const;
   [[nodiscard]] KnownMotion known_motion() const;
   void add_along_weak_directions(std::vector<Registration>& all) const;

@@ -195,9 +195,7 @@ PairOfScans StartUp::pair() const {
 
 bool StartUp::register_first_pair() {
   initial_ = hypotheses_.front().mapped;
-  std::vector<Registration> registrations = pair().register_by_edges();
-  const bool by_edges = !registrations.empty();
-  if (!by_edges) registrations = pair().register_by_planes();
+  auto [registrations, by_edges] = pair().candidates();
   std::vector<Hypothesis> found;
   found.reserve(registrations.size());
   for (Registration& registration : registrations) {

@@ -35,7 +35,7 @@ TEST(EdgeMotions, TheBestIsThatOfTheStaticEdges) {
   ASSERT_FALSE(found.empty());
   EXPECT_LT((found[0].varpi - varpi).head<3>().norm(), 0.2);
   EXPECT_LT((found[0].varpi - varpi).tail<3>().norm(), 0.02);
-  EXPECT_GT(found[0].agreement, 150);
+  EXPECT_GT(found[0].agreement, 0.5);
 }
 
 TEST(EdgeMotions, ATurnOfTheHandIsFound) {
