@@ -10,7 +10,7 @@ were measured, because memory grows until the first rounds are over.
 usage: soak.py MAPLESS [--minutes 60] [--full-speed] [--odometry] [--scene town1] [--sensor HDL-64E-S2] [--round-s 8]
                [--threads N] [--interval-s 1] [--table FILE.csv] [--work FOLDER]
 
-At 10 Hz (--real-time of mapless detect), or as fast as it goes with --full-speed: then --minutes is the time recorded.
+At 10 Hz (--realtime of mapless detect), or as fast as it goes with --full-speed: then --minutes is the time recorded.
 """
 
 import argparse
@@ -109,7 +109,7 @@ def soak(options, work):
                     "-o", base], check=True, capture_output=True)
     scans = repeat(base, recording, options.minutes)
     command = [options.mapless, "detect", recording, "-o", out]
-    command += [] if options.full_speed else ["--real-time"]
+    command += [] if options.full_speed else ["--realtime"]
     command += ["--odometry"] if options.odometry else []
     command += ["--threads", str(options.threads)] if options.threads else []
     print(f"{scans} scans: {' '.join(str(word) for word in command)}", flush=True)
