@@ -140,7 +140,7 @@ void DetectionRun::finish(std::vector<LabelledScan> scans) {
 void DetectionRun::write(const FinishedScan& scan) {
   if (!tables_) {
     if (finished_before_ == 0) make_folder_();
-    tables_.emplace(result_, !given_,
+    tables_.emplace(result_, TableChoice{true, !given_},
                     finished_before_ > 0 ? GrowingFile::Start::resumed : GrowingFile::Start::anew);
   }
   const Detection& detection = scan.labelled.detection;

@@ -19,6 +19,8 @@ namespace fs = std::filesystem;
 // What must be the same for the same bytes; the first that differs is named.
 constexpr std::array kSame = {"version", "format",     "sensor",           "first_scan", "selected_scans",
                               "profile", "trajectory", "recording_digest", "probability"};
+constexpr std::array kSameOdometry = {"version",      "format",         "sensor",          "selected_scans",
+                                      "pose_instant", "poses_per_scan", "recording_digest"};
 
 [[noreturn]] void refuse(const fs::path& file, const std::string& what, const std::string& before,
                          const std::string& now) {
@@ -60,28 +62,58 @@ Json parsed(const fs::path& file) {
   throw InputError({file.string(), "content", "", "is not JSON", "start anew with --overwrite"});
 }
 
+// The summary of the earlier run, which agrees with `wanted` in `keys`.
+Json agreeing_summary(const fs::path& file, const Json& wanted, std::span<const char* const> keys) {
+  Json before = parsed(file);
+  for (const char* key : keys) {
+    const Json value = before.value(key, Json());
+    if (value != wanted[key]) refuse(file, key, value.dump(), wanted[key].dump());
+  }
+  return before;
+}
+
+EarlierRun found_run(const Json& before, std::size_t finished, std::size_t selected) {
+  EarlierRun out;
+  out.finished = finished;
+  out.complete = before.value("complete", false) && finished == selected;
+  for (const Json& line : before.value("doubts", Json::array())) {
+    if (line.is_string()) out.doubts.push_back(line);
+  }
+  return out;
+}
+
+// Whole rows beneath the line of names; at most `most`.
+std::size_t rows_in(const fs::path& table, std::size_t most) {
+  if (!fs::exists(table)) return 0;
+  const std::string text = read_whole_file(table);
+  const auto lines = static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
+  return std::min(most, lines > 0 ? lines - 1 : 0);
+}
+
 }  // namespace
 
 std::optional<EarlierRun> earlier_run(const ResultFolder& result, const RunSummary& now,
                                       const std::string& configuration) {
   result.require_free(true);
   if (!fs::exists(result.summary())) return std::nullopt;
-  const Json before = parsed(result.summary());
   const Json wanted = now.json();
-  for (const char* key : kSame) {
-    const Json value = before.value(key, Json());
-    if (value != wanted[key]) refuse(result.summary(), key, value.dump(), wanted[key].dump());
-  }
-  EarlierRun out;
-  out.finished =
+  const Json before = agreeing_summary(result.summary(), wanted, kSame);
+  const std::size_t finished =
       finished_scans(result, wanted["first_scan"], wanted["selected_scans"], wanted["probability"]);
-  if (out.finished == 0) return std::nullopt;
+  if (finished == 0) return std::nullopt;
   require_same_configuration(result.config(), configuration);
-  out.complete = before.value("complete", false) && out.finished == wanted["selected_scans"];
-  for (const Json& line : before.value("doubts", Json::array())) {
-    if (line.is_string()) out.doubts.push_back(line);
-  }
-  return out;
+  return found_run(before, finished, wanted["selected_scans"]);
+}
+
+std::optional<EarlierRun> earlier_odometry(const ResultFolder& result, const Json& now,
+                                           const std::string& configuration) {
+  result.require_free(true, kOdometrySummaryBegin);
+  if (!fs::exists(result.summary())) return std::nullopt;
+  const Json before = agreeing_summary(result.summary(), now, kSameOdometry);
+  const std::size_t finished = rows_in(result.poses(), now["selected_scans"]);
+  if (finished == 0) return std::nullopt;
+  require_same_configuration(result.config(), configuration);
+  return found_run(before, finished, now["selected_scans"]);
 }
 
 std::string recording_digest(const Dataset& dataset, const Trajectory* given,

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "reports/json.hpp"
 #include "run/run_summary.hpp"
 #include <mapless/io/dataset.hpp>
 #include <mapless/io/result_folder.hpp>
@@ -25,6 +26,11 @@ struct EarlierRun {
 /// parameter.
 [[nodiscard]] std::optional<EarlierRun> earlier_run(const ResultFolder& result, const RunSummary& now,
                                                     const std::string& configuration);
+
+/// The same of a run of `mapless odometry`, whose summary would be `now`. A scan is finished where its row is
+/// in poses.csv.
+[[nodiscard]] std::optional<EarlierRun> earlier_odometry(const ResultFolder& result, const Json& now,
+                                                         const std::string& configuration);
 
 /// Digest of the start times and file sizes of scans [first, first + count), of the poses at these times and
 /// of the measurements given to the odometry: distinguishes one recording and one trajectory from another

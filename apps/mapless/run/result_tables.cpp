@@ -3,28 +3,33 @@
 #include <utility>
 
 #include "run/scan_poses.hpp"
+#include <mapless/core/errors.hpp>
 
 namespace mapless::app {
 
-ResultTables::ResultTables(const ResultFolder& result, bool own_odometry, GrowingFile::Start start)
-    : objects_(result.objects(), start),
-      kitti_(result.kitti_poses(), "", start),
-      trajectory_(result.trajectory(), "", start) {
-  if (own_odometry) motions_.emplace(result.poses(), kMotionTableHead, start);
+ResultTables::ResultTables(const ResultFolder& result, TableChoice choice, GrowingFile::Start start)
+    : kitti_(result.kitti_poses(), "", start), trajectory_(result.trajectory(), "", start) {
+  if (choice.objects) objects_.emplace(result.objects(), start);
+  if (choice.motions) motions_.emplace(result.poses(), kMotionTableHead, start);
 }
 
 void ResultTables::add(const TableRows& rows) {
-  objects_.add(rows.objects);
+  if (objects_) objects_->add(rows.objects);
   const std::vector<TimedPose> before = unwritten_before(rows.poses);
   trajectory_.append(tum_rows(before));
   settle(before);
   kitti_.append(kitti_rows({rows.poses.front()}));
-  if (motions_) motions_->append(motion_table_rows({*rows.motion}));
+  try {
+    if (motions_) motions_->append(motion_table_rows({*rows.motion}));
+  } catch (const OutputError&) {
+    kitti_.undo_append();
+    throw;
+  }
   unwritten_ = rows.poses;
 }
 
 void ResultTables::verify(const TableRows& rows) {
-  objects_.verify(rows.objects);
+  if (objects_) objects_->verify(rows.objects);
   const std::vector<TimedPose> before = unwritten_before(rows.poses);
   trajectory_.verify(tum_rows(before));
   settle(before);
@@ -57,6 +62,7 @@ std::vector<TimedPose> ResultTables::unwritten_before(const std::vector<TimedPos
 
 void ResultTables::settle(const std::vector<TimedPose>& written) {
   unwritten_.clear();
+  poses_ += written.size();
   if (!written.empty()) last_written_ = {written.back()};
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <vector>
 
@@ -13,17 +14,23 @@ namespace mapless::app {
 struct TableRows {
   std::vector<ObjectRow> objects;
   std::vector<TimedPose> poses;     ///< within the scan, the first at its start
-  std::optional<MotionRow> motion;  ///< along own odometry
+  std::optional<MotionRow> motion;  ///< where poses.csv is written
 };
 
-/// objects.csv, poses_kitti.txt, trajectory.txt and, along own odometry, poses.csv of a result. Each scan's
-/// rows are on the disk when `add` returns, except those of trajectory.txt: they are written with the next
-/// scan, whose first pose replaces the poses of this scan that are not before it. Memory does not grow with
-/// the number of scans.
+/// Which tables beside poses_kitti.txt and trajectory.txt.
+struct TableChoice {
+  bool objects = true;   ///< objects.csv
+  bool motions = false;  ///< poses.csv, along own odometry
+};
+
+/// The tables of a result: poses_kitti.txt, trajectory.txt, and those chosen. Each scan's rows are on the
+/// disk when `add` returns, except those of trajectory.txt: they are written with the next scan, whose first
+/// pose replaces the poses of this scan that are not before it. Memory does not grow with the number of
+/// scans.
 class ResultTables {
  public:
   /// Creates the files, or goes on with those of an earlier run. Throws as GrowingFile does.
-  ResultTables(const ResultFolder& result, bool own_odometry, GrowingFile::Start start);
+  ResultTables(const ResultFolder& result, TableChoice choice, GrowingFile::Start start);
 
   /// Appends the rows of the next scan. Throws OutputError.
   void add(const TableRows& rows);
@@ -35,14 +42,18 @@ class ResultTables {
   /// `end` at most. Throws OutputError.
   void finish(const Trajectory& trajectory, Time end);
 
+  /// Number of rows of trajectory.txt.
+  [[nodiscard]] std::size_t poses() const { return poses_; }
+
  private:
   [[nodiscard]] std::vector<TimedPose> unwritten_before(const std::vector<TimedPose>& next) const;
   void settle(const std::vector<TimedPose>& written);
 
-  ObjectTableWriter objects_;
+  std::optional<ObjectTableWriter> objects_;
   GrowingFile kitti_, trajectory_;
   std::optional<GrowingFile> motions_;
-  std::vector<TimedPose> unwritten_;     // of the last scan, for trajectory.txt
+  std::vector<TimedPose> unwritten_;  // of the last scan, for trajectory.txt
+  std::size_t poses_ = 0;
   std::vector<TimedPose> last_written_;  // the last row of trajectory.txt, if there is one
 };
 

@@ -36,23 +36,25 @@ struct EvaluateOptions {
   std::string json;
 };
 
-// Of a result of mapless detect; other folders of labels do not say what belongs to them.
+// Of a result of mapless detect or odometry; other folders of labels do not say what belongs to them.
 void require_whole(const ResultFolder& result) {
   if (!std::filesystem::exists(result.summary())) return;
   const Json summary = Json::parse(read_whole_file(result.summary()), nullptr, false);
   if (!summary.is_object()) {
     throw InputError({result.summary().string(), "", "", "is damaged: not a JSON object",
-                      "run mapless detect again, or remove the file to evaluate the labels that are there"});
+                      "make the result again, or remove the file to evaluate what is there"});
   }
-  if (summary.value("program", Json()) != kProgramName) return;
+  const Json program = summary.value("program", Json());
+  if (program != kProgramName && program != kOdometryProgramName) return;
   const auto refuse = [&result](const std::string& field, const std::string& value,
                                 const std::string& problem) {
     throw InputError(
         {result.summary().string(), field, value, problem,
-         "run mapless detect to its end, or give --partial to evaluate the scans that are there"});
+         "run it to its end (--resume), or give --partial to evaluate the scans that are there"});
   };
   if (summary.value("complete", Json()) != true)
     refuse("complete", "false", "the run was ended before its last scan");
+  if (program != kProgramName) return;
   const std::size_t files = result.labelled_scans().size();
   if (summary.value("scans", Json()) != files)
     refuse("scans", summary.value("scans", Json()).dump(), fmt::format("there are {} label files", files));
@@ -187,9 +189,8 @@ void add_evaluate(CLI::App& app, int& exit_code) {
   verb->add_option("--max-range", options->max_range_m,
                    "leave out points farther than this from their laser [m]")
       ->check(positive_number());
-  verb->add_flag(
-      "--partial", options->partial,
-      "evaluate a result of mapless detect that was ended before its last scan, or has lost label files");
+  verb->add_flag("--partial", options->partial,
+                 "evaluate a result that was ended before its last scan, or has lost label files");
   add_reference_trajectory_options(*verb, options->trajectory.reference);
   add_pose_instant_option(
       *verb, options->trajectory.result_instant,

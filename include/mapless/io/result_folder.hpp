@@ -16,6 +16,14 @@ struct Detection;
 struct TrackedObject;
 struct LidarScan;
 
+/// The program named in summary.json, and the start of that file, by which require_free recognises an earlier
+/// result: of `mapless detect`, and of `mapless odometry`, which writes poses_kitti.txt, trajectory.txt,
+/// poses.csv, config.yaml and summary.json alone.
+inline constexpr std::string_view kProgramName = "mapless detect";
+inline constexpr std::string_view kSummaryBegin = "{\n  \"program\": \"mapless detect\"";
+inline constexpr std::string_view kOdometryProgramName = "mapless odometry";
+inline constexpr std::string_view kOdometrySummaryBegin = "{\n  \"program\": \"mapless odometry\"";
+
 /// The folder that a run of the detector writes. Scan numbers are those of the recording, from 0, six digits:
 ///
 ///     labels/NNNNNN.label   one uint32 per input record, in input order (io/labels.hpp): 251 for a
@@ -60,13 +68,17 @@ class ResultFolder {
   [[nodiscard]] std::filesystem::path summary() const { return path_ / "summary.json"; }
 
   /// Throws OutputError if a new result cannot be written here: the path is a file, or the folder is not
-  /// empty and `overwrite` is false or it is no earlier result (which has a summary.json). A folder with
-  /// nothing but the lock of a run and a part of its first summary is empty. Changes nothing.
-  void require_free(bool overwrite) const;
+  /// empty and `overwrite` is false or it is no earlier result (whose summary.json begins with
+  /// `summary_begin`). A folder with nothing but the lock of a run and a part of its first summary is empty.
+  /// Changes nothing.
+  void require_free(bool overwrite, std::string_view summary_begin = kSummaryBegin) const;
 
   /// Creates the folder and writes `summary`. With `overwrite`, removes the files of an earlier result listed
   /// above and nothing else. Throws OutputError as require_free does, or with the reason of the system.
   void create(bool overwrite, std::string_view summary) const;
+
+  /// The same for a result of `mapless odometry`: its tables are removed, and no folder is made in it.
+  void create_for_odometry(bool overwrite, std::string_view summary) const;
 
   /// Creates the folder for the files of probabilities. Throws OutputError.
   void create_probabilities() const;
@@ -79,15 +91,13 @@ class ResultFolder {
   [[nodiscard]] std::vector<std::size_t> labelled_scans() const;
 
  private:
+  void remove_tables() const;
+
   std::filesystem::path path_;
 };
 
 /// The file in an output folder that a run holds locked (apps/mapless/run/folder_lock.hpp).
 inline constexpr std::string_view kLockFile = ".lock";
-
-/// Start of summary.json, by which require_free recognises an earlier result.
-inline constexpr std::string_view kProgramName = "mapless detect";
-inline constexpr std::string_view kSummaryBegin = "{\n  \"program\": \"mapless detect\"";
 
 /// Writes a stage file atomically. Throws OutputError.
 void write_stage_file(const std::filesystem::path& file, const std::vector<std::uint8_t>& masks);

@@ -29,8 +29,8 @@ class LidarOdometry {
   LidarOdometry(LidarOdometry&&) noexcept;
   LidarOdometry& operator=(LidarOdometry&&) noexcept;
 
-  /// Extends the trajectory to the end of `scan`. Until started(), a scan may correct all knots before it;
-  /// afterwards the last two. A scan that cannot be registered is not an error: see OdometryUpdate::outcome.
+  /// Extends the trajectory to the end of `scan`. Until started(), a scan may correct all knots before it,
+  /// then the last three. A scan that cannot be registered is not an error: see OdometryUpdate::outcome.
   /// Throws InputError for a scan that is null, that starts before the last one or ends within it, that has
   /// no duration, or that is already motion-compensated; the odometry is then as before the call.
   OdometryUpdate process(const std::shared_ptr<const LidarScan>& scan);

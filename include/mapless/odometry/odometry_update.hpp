@@ -53,7 +53,7 @@ inline constexpr std::size_t kMostStartUpScans = 100;
 
 /// The result of one scan.
 struct OdometryUpdate {
-  /// Knots that this scan added or corrected, by increasing time. The last one is at the scan's end. Two
+  /// Knots that this scan added or corrected, by increasing time. The last one is at the scan's end. Three
   /// later scans still correct a knot, because the velocity at the end of a scan shows in the scans after it.
   std::vector<TrajectoryKnot> knots;
   /// Covariance of the last knot: left perturbation of T_v0 (translation [m], rotation [rad]), then varpi

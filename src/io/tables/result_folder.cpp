@@ -96,7 +96,7 @@ fs::path ResultFolder::probability_file(std::size_t scan) const {
   return probabilities() / scan_name(scan, ".f32");
 }
 
-void ResultFolder::require_free(bool overwrite) const {
+void ResultFolder::require_free(bool overwrite, std::string_view summary_begin) const {
   std::error_code error;
   const fs::file_status status = fs::status(path_, error);
   if (status.type() == fs::file_type::not_found) return;
@@ -105,7 +105,7 @@ void ResultFolder::require_free(bool overwrite) const {
   if (is_empty_folder(path_)) return;
   if (!overwrite)
     refuse(path_, "exists already", "choose another folder, or give --overwrite to replace its result");
-  if (!begins_with(summary(), kSummaryBegin)) {
+  if (!begins_with(summary(), summary_begin)) {
     refuse(path_, "is neither empty nor the result of an earlier run: nothing in it is overwritten",
            "choose another folder");
   }
@@ -125,13 +125,29 @@ void ResultFolder::create(bool overwrite, std::string_view summary_text) const {
   remove_scan_files(stages(), ".stages");
   remove_scan_files(probabilities(), ".f32");
   if (fs::is_empty(probabilities(), error)) fs::remove(probabilities(), error);
-  for (const fs::path& file : {objects(), kitti_poses(), trajectory(), poses(), config()}) {
-    fs::remove(file, error);
-    check(file, error, "remove it");
-  }
+  remove_tables();
   for (const fs::path& folder : {labels(), stages()}) {
     fs::create_directories(folder, error);
     check(folder, error, "make it");
+  }
+}
+
+void ResultFolder::create_for_odometry(bool overwrite, std::string_view summary_text) const {
+  require_free(overwrite, kOdometrySummaryBegin);
+  std::error_code error;
+  fs::create_directories(path_, error);
+  check(path_, error, "make it");
+  require_writable(path_);
+  write_file_atomically(summary(), summary_text);
+  remove_partial_files();
+  remove_tables();
+}
+
+void ResultFolder::remove_tables() const {
+  std::error_code error;
+  for (const fs::path& file : {objects(), kitti_poses(), trajectory(), poses(), config()}) {
+    fs::remove(file, error);
+    check(file, error, "remove it");
   }
 }
 
