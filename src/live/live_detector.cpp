@@ -12,6 +12,7 @@
 #include "live/cloud_queue.hpp"
 #include "live/figures.hpp"
 #include "live/health.hpp"
+#include "live/live_frames.hpp"
 #include "live/measurement_queue.hpp"
 #include "live/scan_maker.hpp"
 #include "live/transform_buffer.hpp"

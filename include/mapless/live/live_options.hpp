@@ -99,8 +99,6 @@ struct LiveSetting {
 
 /// The texts of `options` that a user sets: sensor, world_frame, base_frame.
 [[nodiscard]] std::vector<LiveSetting> live_settings(LiveOptions& options);
-/// Throws ParameterError where world_frame is empty, or the same as base_frame.
-void require_frames(const LiveOptions& options);
 /// The parameters of detection under their own keys, those of odometry under "odometry.", and those of
 /// LiveParameters.
 [[nodiscard]] std::vector<ParameterReference> live_parameters(LiveOptions& options);
