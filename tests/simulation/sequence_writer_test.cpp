@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <numbers>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -50,7 +51,7 @@ Recording recorded(const std::string& format, const std::string& sensor,
   return out;
 }
 
-class SequenceWriterOfRays : public testing::TestWithParam<std::pair<const char*, const char*>> {};
+class SequenceWriterOfRays : public testing::TestWithParam<std::pair<std::string, std::string>> {};
 
 TEST_P(SequenceWriterOfRays, ReadsBackTheSameCloudsLabelsAndTrajectory) {
   const auto [format, sensor] = GetParam();
@@ -82,9 +83,17 @@ TEST_P(SequenceWriterOfRays, ReadsBackTheSameCloudsLabelsAndTrajectory) {
   }
 }
 
+using FormatAndSensor = std::pair<std::string, std::string>;
 INSTANTIATE_TEST_SUITE_P(Formats, SequenceWriterOfRays,
-                         testing::Values(std::pair("native", "VLP-16"), std::pair("native", "HDL-64E-S2"),
-                                         std::pair("mdlidar", "HDL-64E-S2"), std::pair("mdlidar", "VLP-16")));
+                         testing::Values(FormatAndSensor("native", "VLP-16"),
+                                         FormatAndSensor("native", "HDL-64E-S2"),
+                                         FormatAndSensor("mdlidar", "HDL-64E-S2"),
+                                         FormatAndSensor("mdlidar", "VLP-16")),
+                         [](const auto& one) {
+                           std::string name = one.param.first + "_" + one.param.second;
+                           std::replace(name.begin(), name.end(), '-', '_');
+                           return name;
+                         });
 
 TEST(SequenceWriter, KittiCloudsHaveOneLabelForEachPointAndAreCompensatedToMidScan) {
   const test::TemporaryFolder folder;
