@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -54,11 +55,29 @@ ScanBuilder builder_for(const CloudSource& source, const std::string& sensor) {
   return ScanBuilder::recover(scans, source.starts(), source.path().string());
 }
 
+struct FieldsThere {
+  bool ring = false, time = false;
+};
+
+FieldsThere fields_there(const PointFields& fields) { return {fields.ring.size > 0, fields.time.size > 0}; }
+
+// Of the first scan that can be read. A scan without times among scans with them would get others.
+std::optional<FieldsThere> fields_of_first(const CloudSource& source) {
+  for (std::size_t k = 0; k < std::min(source.starts().size(), kScansForSensor); ++k) {
+    try {
+      return fields_there(source.read(k).fields);
+    } catch (const InputError&) {  // the run says so when it reaches the scan
+    }
+  }
+  return std::nullopt;
+}
+
 class CloudDataset final : public Dataset {
  public:
   CloudDataset(std::shared_ptr<const CloudSource> source, const std::string& sensor)
       : source_(with_sane_starts(std::move(source))),
         builder_(builder_for(*source_, sensor)),
+        fields_(fields_of_first(*source_)),
         notes_(source_->notes()) {
     for (std::string& note : builder_.notes()) notes_.push_back(std::move(note));
     find_turn();
@@ -81,6 +100,7 @@ class CloudDataset final : public Dataset {
 
   [[nodiscard]] LidarScan read(std::size_t k) const override {
     const Cloud cloud = source_->read(checked(k));
+    require_same_fields(cloud, k);
     LidarScan scan = builder_.build(cloud.fields, cloud.stamp, source_->scan_file(k).string());
     scan.compensated_to = cloud.compensated_to;
     return scan;
@@ -91,6 +111,17 @@ class CloudDataset final : public Dataset {
   }
 
  private:
+  void require_same_fields(const Cloud& cloud, std::size_t k) const {
+    const FieldsThere own = fields_there(cloud.fields), first = fields_.value_or(own);
+    if (own.ring == first.ring && own.time == first.time) return;
+    const bool differs_in_time = own.time != first.time, has = differs_in_time ? own.time : own.ring;
+    throw InputError({source_->scan_file(k).string(), "fields", "",
+                      std::string("has ") + (has ? "a" : "no") +
+                          (differs_in_time ? " time of each point" : " laser (ring) of each point") +
+                          (has ? ", and the scans before it have none" : ", which the scans before it have"),
+                      "give all scans the same fields"});
+  }
+
   // The median period between scans, if it is that of the sensor to 10 %; scans may have been removed.
   void find_turn() {
     const double nominal_s = 1 / builder_.model()->rotation_rate_hz;
@@ -108,6 +139,7 @@ class CloudDataset final : public Dataset {
 
   std::shared_ptr<const CloudSource> source_;
   ScanBuilder builder_;
+  std::optional<FieldsThere> fields_;
   std::vector<std::string> notes_;
   Duration turn_;
 };

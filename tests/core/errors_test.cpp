@@ -33,11 +33,25 @@ TEST(Errors, LongValuesAreShortened) {
   EXPECT_TRUE(message.ends_with("xxx...: bad; mend it")) << message;
 }
 
+TEST(Errors, LongProblemsAreShortened) {
+  const std::string message = InputError({"a", "b", "c", std::string(10'000, 'x'), "mend it"}).what();
+  EXPECT_LT(message.size(), 700u);
+  EXPECT_TRUE(message.ends_with("xxx...; mend it")) << message;
+}
+
 TEST(Errors, LongValuesAreCutBetweenUtf8Characters) {
   std::string value = "x";
   while (value.size() < 1000) value += "\u00e4";  // two bytes, of which every second place is within
   const std::string message = InputError({"a", "b", value, "bad", "mend it"}).what();
   EXPECT_TRUE(message.ends_with("\u00e4...: bad; mend it")) << message;
+}
+
+TEST(Errors, LongPlacesKeepTheirEnds) {
+  const std::string path = "/folder/" + std::string(5000, 'y') + "/000007.pcd";
+  const std::string message = InputError({path, "", "", "bad", "mend it"}).what();
+  EXPECT_LT(message.size(), 430u);
+  EXPECT_TRUE(message.starts_with("/folder/yyy")) << message;
+  EXPECT_TRUE(message.ends_with("yyy/000007.pcd: bad; mend it")) << message;
 }
 
 TEST(Errors, EveryKindIsAnError) {

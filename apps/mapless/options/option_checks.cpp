@@ -1,5 +1,6 @@
 #include "options/option_checks.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <regex>
@@ -67,6 +68,17 @@ CLI::Validator topic_prefix() {
                : fmt::format("'{}': not the beginning of a name of a topic, such as mapless/", text);
   };
   return {check, "", "prefix"};
+}
+
+CLI::Validator output_name() {
+  const auto check = [](const std::string& text) {
+    if (text.empty()) return std::string("is empty: give a name, or leave the option out");
+    const bool control = std::any_of(
+        text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < ' ' || c == '\x7f'; });
+    return control ? std::string("a line break or another control character is in the name: choose another")
+                   : std::string();
+  };
+  return {check, "", "name"};
 }
 
 CLI::Validator not_empty() {

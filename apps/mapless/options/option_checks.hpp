@@ -19,6 +19,9 @@ namespace mapless::app {
 [[nodiscard]] CLI::Validator topic_name();
 /// What may be put before the name of a topic; empty: nothing.
 [[nodiscard]] CLI::Validator topic_prefix();
+/// A name of a file or folder to write: without control characters, which would break the lines of whoever
+/// prints it, and not empty.
+[[nodiscard]] CLI::Validator output_name();
 /// Any text but the empty one, which is a variable of a script that is not set.
 [[nodiscard]] CLI::Validator not_empty();
 

@@ -12,6 +12,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "options/option_checks.hpp"
 #include "terminal/exit_codes.hpp"
 #include "terminal/stderr.hpp"
 #include "verbs/verbs.hpp"
@@ -21,6 +22,13 @@ namespace mapless::app {
 namespace {
 
 namespace fs = std::filesystem;
+
+// A message of CLI11 has the words of the command line in it.
+std::string shortened(std::string message) {
+  constexpr std::size_t kLongest = 600;
+  if (message.size() > kLongest) message = message.substr(0, kLongest) + "...";
+  return message;
+}
 
 int report(std::string message, int exit_code) {
   std::replace(message.begin(), message.end(), '\n', ' ');
@@ -53,7 +61,7 @@ int run_verb(CLI::App& command, const int& exit_code, int argc, char** argv) {
     throw Error({"", "", "", "not enough memory", "use fewer threads"});
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return command.exit(error);  // --help, --version
-    return report(std::string(error.what()) + "; see mapless --help", kUsage);
+    return report(shortened(error.what()) + "; see mapless --help", kUsage);
   }
   if (command.get_subcommands().empty()) return report("no verb given; see mapless --help", kUsage);
   return exit_code;
@@ -83,6 +91,9 @@ int run_command(int argc, char** argv, AddVerb live) {
   add_benchmark(command, exit_code);
   add_config(command, exit_code);
   add_batch(command);
+  for (CLI::App* verb : command.get_subcommands({})) {
+    if (CLI::Option* const output = verb->get_option_no_throw("--output")) output->check(output_name());
+  }
   try {
     const int code = run_verb(command, exit_code, argc, argv);
     require_printed();

@@ -53,8 +53,10 @@ bool can_explain(const ViewOptions& options, const LabelledDrive& drive) {
 
 // Runs the detector again, which takes as long as the first time. A result that cannot be computed again
 // gives a page all the same.
+// `problem`: why not. It is said once the page is there: what is wrong with a file keeps the page from being
+// written, too, and is then the one error.
 ExplainedDrive explanations_of(const ViewOptions& options, const LabelledDrive& drive,
-                               const std::vector<std::size_t>& scans) {
+                               const std::vector<std::size_t>& scans, std::string& problem) {
   ExplainedDrive out;
   if (!can_explain(options, drive)) return out;
   const std::set<std::size_t> wanted(scans.begin(), scans.end());
@@ -71,7 +73,8 @@ ExplainedDrive explanations_of(const ViewOptions& options, const LabelledDrive& 
           out.header = explanation_header(run.parameters().detector.voting, explanation->limits);
         });
   } catch (const Error& error) {
-    say("mapless: the page explains no point: {}\n", error.what());
+    progress.clear();
+    problem = error.what();
     return {};
   }
   progress.clear();
@@ -80,12 +83,14 @@ ExplainedDrive explanations_of(const ViewOptions& options, const LabelledDrive& 
 
 int write(const ViewOptions& options, const LabelledDrive& drive, const DriveEncoder& encoder,
           const PageTitle& title) {
-  const ExplainedDrive explained = explanations_of(options, drive, encoder.scans());
+  std::string problem;
+  const ExplainedDrive explained = explanations_of(options, drive, encoder.scans(), problem);
   Progress progress("scans");
   const std::string page = drive_page(
       encoder, title, explained, [&](std::size_t done, std::size_t total) { progress.update(done, total); });
   progress.clear();
   write_file_atomically(options.page, page);
+  if (!problem.empty()) say("mapless: the page explains no point: {}\n", problem);
   fmt::print("{}: {} scans, {:.1f} MB; open it with a browser\n", options.page, encoder.scans().size(),
              static_cast<double>(page.size()) * 1e-6);
   return kSuccess;

@@ -20,7 +20,7 @@ struct ErrorDetail {
 };
 
 /// Base of every error that outside input can cause. what() is one line without control characters:
-/// "where: field = value: problem; remedy". Parts longer than 200 bytes are shortened there.
+/// "where: field = value: problem; remedy". Parts over 200 bytes (where 400, problem 600) are cut.
 class MAPLESS_EXCEPTION Error : public std::runtime_error {
  public:
   explicit Error(ErrorDetail detail);

@@ -81,7 +81,7 @@ def task_of_line(line: str, name: str) -> Task:
         value = json.loads(line)
         stated = value.pop("hash")
         task = Task(**{**value, "options": tuple(value["options"])})
-    except (ValueError, TypeError, KeyError, AttributeError) as error:
+    except (ValueError, TypeError, KeyError, AttributeError, RecursionError) as error:
         raise BatchError(f"{name}: not a line of a plan: {error}; make it with mapless batch plan") from None
     if not all(isinstance(name, str) and NAME.fullmatch(name) for name in (task.id, task.drive or task.id)):
         raise BatchError(f"{name}: id {task.id!r}: not a name of letters, digits, _, - and ., which names a folder of RESULTS")

@@ -63,6 +63,22 @@ TEST(Usage, WrongUseIsNamedInOneLine) {
                {"--stationary"});
 }
 
+TEST(Usage, NamesOfOutputsHaveNoControlCharacters) {
+  for (const std::string verb : {"detect", "odometry", "render", "view", "export"})
+    expect_error(run_command({verb, "in", "-o", "a\nb"}), 2, {"--output", "line break"});
+  expect_error(run_command({"simulate", "town1", "-o", "a\nb"}), 2, {"--output", "line break"});
+  expect_error(run_command({"simulate", "town1", "-o", ""}), 2, {"--output", "empty"});
+}
+
+TEST(Usage, LongWordsAreNotEchoedWhole) {
+  const std::string word(5000, 'w');
+  for (const auto& arguments : {std::vector<std::string>{"info", word}, {"frobnicate" + word}}) {
+    const auto r = run_command(arguments);
+    EXPECT_NE(r.exit_code, 0);
+    EXPECT_LT(r.err.size(), 1000u);
+  }
+}
+
 TEST(Usage, NumbersAreCheckedInPlainWords) {
   const test::TemporaryFolder folder;
   expect_error(run_command({"detect", "in", "-o", "out", "--first", "-1"}), 2,

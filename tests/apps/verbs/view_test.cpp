@@ -42,6 +42,20 @@ TEST(View, WritesTheScansAskedForIntoOneFile) {
   EXPECT_GT(page.find("id=\"scan-3\""), page.find("DecompressionStream"));
 }
 
+// The explanations read the file first, and the page after them.
+TEST(View, ADamagedLabelFileIsSaidOnce) {
+  const test::TemporaryFolder folder;
+  const std::string street = folder / "street", out = folder / "out", html = folder / "drive.html";
+  test::write_toy_sequence(test::toy_street("VLP-16"), 4, street);
+  ASSERT_EQ(run_command({"detect", street, "-o", out}).exit_code, 0);
+  write_file_atomically(out + "/labels/000002.label", "short");
+  const auto refused = run_command({"view", street, out, "-o", html});
+  EXPECT_EQ(refused.exit_code, 3);
+  std::size_t lines = 0;
+  for (std::size_t at = 0; (at = refused.err.find("000002.label", at)) != std::string::npos; ++at) ++lines;
+  EXPECT_EQ(lines, 1u) << refused.err;
+}
+
 TEST(View, RefusesARangeWithoutScans) {
   const test::TemporaryFolder folder;
   const std::string street = folder / "street", html = folder / "drive.html";

@@ -119,13 +119,31 @@ std::array<double, 4> numbers_of_row(const std::string& line, const std::string&
   return row;
 }
 
+// As lidar_model.cpp: a value beyond was given in another unit, or is damaged.
+constexpr double kFarthestOffset_m = 10, kLargestAngle_rad = 4 * std::numbers::pi;
+
+void require_plausible(const std::array<double, 4>& row, const std::string& where) {
+  constexpr std::array kNames = {"horizontal offset", "vertical offset", "rotational correction",
+                                 "vertical correction"};
+  for (std::size_t i = 0; i < row.size(); ++i) {
+    const bool offset = i < 2;
+    const double most = offset ? kFarthestOffset_m : kLargestAngle_rad;
+    if (std::abs(row[i]) <= most) continue;
+    throw InputError({where, kNames[i], fmt::format("{}", row[i]),
+                      fmt::format("beyond {:.4g} {}", most, offset ? "m" : "rad"),
+                      "give offsets in metres and corrections in radians"});
+  }
+}
+
 }  // namespace
 
 std::vector<MdlidarLaser> read_mdlidar_calibration(const fs::path& file) {
   std::vector<MdlidarLaser> lasers;
   const std::vector<std::string> lines = read_lines(file);
   for (std::size_t i = 0; i < lines.size(); ++i) {
-    const auto row = numbers_of_row(lines[i], fmt::format("{}:{}", file.string(), i + 1));
+    const std::string where = fmt::format("{}:{}", file.string(), i + 1);
+    const auto row = numbers_of_row(lines[i], where);
+    require_plausible(row, where);
     lasers.push_back({row[0], row[1], row[2], row[3]});
   }
   return lasers;

@@ -176,6 +176,10 @@ TEST_F(Mdlidar, RefusesACorruptHeaderOrCalibration) {
   EXPECT_EQ(error().field, "channels_count");
   write_text(town() / "vel_64_calib.csv", "0,0,0,0\n0,0,nan,0\n");
   EXPECT_EQ(error().where, (town() / "vel_64_calib.csv:2").string());
+  for (const std::string row : {"0,0,1e300,0", "0,0,0,-13", "11,0,0,0"}) {
+    write_text(town() / "vel_64_calib.csv", "0,0,0,0\n" + row + "\n");
+    EXPECT_EQ(error().where, (town() / "vel_64_calib.csv:2").string()) << row;
+  }
   write_text(town() / "vel_64_calib.csv", "0,0,0,0,0\n");
   EXPECT_EQ(error().where, (town() / "vel_64_calib.csv:1").string());
   SetUp();

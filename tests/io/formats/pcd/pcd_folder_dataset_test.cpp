@@ -164,6 +164,30 @@ TEST(PcdFolder, TimesAreFoundFromTheAzimuth) {
   expect_own_rays(scan, fired, 2000);  // the column period is whole nanoseconds
 }
 
+// Its points would get times by their azimuths, among scans whose points have their own.
+TEST(PcdFolder, RefusesAScanThatLacksAFieldOfTheOthers) {
+  const test::TemporaryFolder folder;
+  write_file_atomically(folder / "times.txt", "100\n100.1\n100.2\n100.3\n");
+  const auto fired = firings(0, 1800);
+  write_scan(folder / "0.pcd", fired, {kRing, kTimeNs});
+  write_scan(folder / "1.pcd", fired, {kRing});
+  write_scan(folder / "2.pcd", fired, {kTimeNs});
+  write_scan(folder / "3.pcd", fired, {kRing, kTimeNs});
+  const auto dataset = open_pcd_folder(folder.path(), vlp16());
+  EXPECT_NO_THROW((void)dataset->read(0));
+  EXPECT_NO_THROW((void)dataset->read(3));
+  const auto refusal = [&](std::size_t k) {
+    try {
+      (void)dataset->read(k);
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_THAT(refusal(1), AllOf(HasSubstr("1.pcd"), HasSubstr("no time of each point")));
+  EXPECT_THAT(refusal(2), AllOf(HasSubstr("2.pcd"), HasSubstr("no laser (ring) of each point")));
+}
+
 TEST(PcdFolder, AcceptsRingsCountedFromTheTop) {
   const auto fired = firings(0, 1808);
   const Column from_top{"ring", 'U', 2, [](const Firing& f) { return 15 - f.laser; }};
