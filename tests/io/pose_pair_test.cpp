@@ -1,6 +1,6 @@
 #include "io/self_check/pose_pair.hpp"
 
-#include <algorithm>
+#include <optional>
 
 #include <gtest/gtest.h>
 
@@ -30,27 +30,42 @@ test::ToyScene lorries_and_houses() {
   return scene;
 }
 
-// Relative to the lorries the sensor drives at 2 m/s, relative to the houses at 6 m/s: each motion brings its
-// own things onto themselves, and motions as far off bring none.
-TEST(PosePair, VehiclesAndTheStaticWorldSupportTheirOwnMotions) {
-  const test::ToyScene scene = lorries_and_houses();
-  const test::ToyScan first = cast_scan(scene, 0), second = cast_scan(scene, 5);
-  const PosePair::Support s = PosePair(*first.scan, *second.scan).support(forward(6), forward(2));
-  EXPECT_GT(s.points, 100);
-  EXPECT_GT(s.said, 0.15);
-  EXPECT_GT(s.found, 0.15);
-  EXPECT_GT(std::min(s.said, s.found), 2 * s.chance);
+Motion constant(const Vector6d& velocity) {
+  return [velocity](Time t) -> std::optional<SE3> { return SE3::exp(t.seconds() * velocity); };
 }
 
-TEST(PosePair, NothingSupportsAWrongMotion) {
+// Relative to the lorries the sensor drives at 2 m/s, relative to the houses at 6 m/s: each motion brings its
+// own things onto themselves, and motions beside it do not.
+TEST(PosePair, TheMotionsOfVehiclesAndOfTheStaticWorldStandOut) {
+  const test::ToyScene scene = lorries_and_houses();
+  const test::ToyScan first = cast_scan(scene, 0), second = cast_scan(scene, 5);
+  const PosePair pair(*first.scan, *second.scan);
+  const auto right = pair.peaks(constant(forward(6)), forward(2));
+  ASSERT_TRUE(right);
+  EXPECT_GT(right->said, 5);
+  EXPECT_GT(right->found, 3);
+  // At 4 m/s, a metre from both, nothing is seen.
+  const auto wrong = pair.peaks(constant(forward(4)), forward(6));
+  ASSERT_TRUE(wrong);
+  EXPECT_LT(wrong->said, 2);
+  EXPECT_GT(wrong->found, 5);
+}
+
+TEST(PosePair, AWrongMotionDoesNotStandOut) {
   const test::ToyScene room = test::toy_room("VLP-16", test::drive(1, 0));
   const test::ToyScan first = cast_scan(room, 0), second = cast_scan(room, 5);
   const PosePair pair(*first.scan, *second.scan);
-  const PosePair::Support s = pair.support(forward(3), forward(1));
-  EXPECT_GT(s.points, 100);
-  EXPECT_GT(s.found, 0.6);
-  EXPECT_LT(s.said, 0.1);
-  EXPECT_EQ(pair.support(forward(1), forward(1)).points, 0) << "they differ nowhere";
+  // 3 m/s for 1 m/s: a metre off after half a second. A turn of 0.4 rad.
+  Vector6d turning = forward(1);
+  turning[5] = 0.8;
+  for (const Vector6d& wrong : {forward(3), turning}) {
+    const auto peaks = pair.peaks(constant(wrong), forward(1));
+    ASSERT_TRUE(peaks) << wrong.transpose();
+    EXPECT_GT(peaks->found, 5) << wrong.transpose();
+    EXPECT_LT(peaks->said, 2) << wrong.transpose();
+  }
+  EXPECT_FALSE(pair.peaks(constant(forward(2)), forward(1))) << "0.5 m apart";
+  EXPECT_FALSE(pair.peaks([](Time) { return std::nullopt; }, forward(1)));
 }
 
 }  // namespace MAPLESS_FILE

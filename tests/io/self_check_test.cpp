@@ -86,6 +86,28 @@ TEST_F(SelfCheckTest, DoubtsPosesThatAreFasterThanAllThatIsSeen) {
   EXPECT_EQ(along.trust, Trust::doubtful) << along.measured;
   EXPECT_THAT(along.problem, HasSubstr("vehicles fill the view"));
   EXPECT_EQ(check_poses_of(faster(-2)).trust, Trust::wrong) << "nothing that moves along";
+  EXPECT_EQ(check_poses_of(faster(-6)).trust, Trust::doubtful);
+  EXPECT_EQ(check_poses_of(faster(20)).trust, Trust::wrong) << "160 m/s";
+}
+
+// Lorries on both sides, a little slower than the sensor, and behind them nothing but a pole now and then.
+TEST(SelfCheck, ConvoysOfLorriesAreNotRefused) {
+  test::ToyScene scene = test::toy_street("VLP-16");
+  scene.trajectory = test::drive(8, 0);
+  scene.world = {test::toy_ground(-1.8)};
+  for (int i = -3; i <= 4; ++i) {
+    scene.world.push_back(test::toy_box({15.0 * i, 12, 1}, {0.2, 0.2, 3}));
+    for (const double side : {-3.5, 3.5}) {
+      test::ToyBody lorry = test::toy_box({14.0 * i, side, 0.5}, {6, 1.2, 2});
+      lorry.velocity_0 = {7, 0, 0};
+      scene.world.push_back(lorry);
+    }
+  }
+  const test::TemporaryFolder folder;
+  test::write_toy_sequence(scene, kScans, folder / "convoy");
+  const auto convoy = open_dataset(folder / "convoy");
+  const CheckResult poses = check_recording(*convoy, convoy->trajectory(), 0, convoy->size()).back();
+  EXPECT_NE(poses.trust, Trust::wrong) << poses.measured << poses.problem;
 }
 
 TEST_F(SelfCheckTest, FindsAJump) {

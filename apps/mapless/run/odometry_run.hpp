@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "reports/duration_histogram.hpp"
 #include "reports/json.hpp"
-#include "run/duration_histogram.hpp"
 #include "run/result_tables.hpp"
 #include "run/worker_thread.hpp"
 #include "terminal/progress.hpp"

@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
+#include "reports/duration_histogram.hpp"
 #include "reports/json.hpp"
 #include "reports/json_text.hpp"
-#include "run/duration_histogram.hpp"
 #include "run/input_output_report.hpp"
 #include "run/real_time_pace.hpp"
 #include "trust/moving_share.hpp"

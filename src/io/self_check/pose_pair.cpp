@@ -22,6 +22,11 @@ constexpr float kEqual_m = 0.15F;
 
 // Two motions differ at a point by this much along its normal.
 constexpr double kTells_m = 0.3;
+// Neighbours of a motion: from twice kTells_m on, the shortest that tells points whose normals are within 60
+// degrees of it; negative: beyond it, seen from the other account.
+constexpr double kLeastApart_m = 0.6;
+constexpr std::array kBeside_m = {-4 * kLeastApart_m, -2 * kLeastApart_m, -kLeastApart_m, kLeastApart_m,
+                                  2 * kLeastApart_m};
 // On a surface: three standard deviations of the difference of two ranges with noise of 0.02 m.
 constexpr double kOnSurface_m = 0.08;
 
@@ -113,33 +118,70 @@ double PosePair::blur_m(const Vector6d& velocity) const {
                 poses_of(second_scan_, velocity, first_scan_.start));
 }
 
-PosePair::Support PosePair::support(const Vector6d& said, const Vector6d& found) const {
-  struct Account {
-    ScanPoses first, second;
-    double on_surface = 0;
-  };
-  std::array<Account, 4> accounts;
-  const std::array<Vector6d, 4> motions = {said, found, 2 * found - said, 2 * said - found};
-  for (std::size_t i = 0; i < motions.size(); ++i) {
-    accounts[i].first = poses_of(first_scan_, motions[i], first_scan_.start);
-    accounts[i].second = poses_of(second_scan_, motions[i], first_scan_.start);
-  }
-  Support out;
+std::vector<bool> PosePair::on_surfaces(const Poses& poses) const {
+  std::vector<bool> out;
   for (const Surfel& s : sample_) {
-    const SE3 &T_said = accounts[0].second.at(s.fraction), &T_found = accounts[1].second.at(s.fraction);
-    const Eigen::Vector3d apart = T_said * s.position_v - T_found * s.position_v;
-    if (std::abs((T_found.rotation() * s.normal_v).dot(apart)) < kTells_m) continue;
-    ++out.points;
-    for (Account& account : accounts) {
-      const auto m = compare(s, account.first, account.second, kReach_m).match;
-      if (m && std::abs(m->normal_0.dot(m->second_0 - m->first_0)) < kOnSurface_m) ++account.on_surface;
-    }
+    const auto m = compare(s, poses.first, poses.second, kReach_m).match;
+    out.push_back(m && std::abs(m->normal_0.dot(m->second_0 - m->first_0)) < kOnSurface_m);
   }
-  if (out.points == 0) return out;
-  out.said = accounts[0].on_surface / out.points;
-  out.found = accounts[1].on_surface / out.points;
-  out.chance = 0.5 * (accounts[2].on_surface + accounts[3].on_surface) / out.points;
   return out;
+}
+
+// The poses of a sensor that moves by `velocity` more, in the world, from the start of the first scan on.
+PosePair::Poses PosePair::beside(const Poses& poses, const Vector6d& velocity) const {
+  const auto moved = [&](const LidarScan& scan, const ScanPoses& of) {
+    ScanPoses out;
+    const std::vector<Time> times = instants(scan);
+    for (std::size_t i = 0; i < times.size(); ++i)
+      out.T_0v.push_back(SE3::exp((times[i] - first_scan_.start).seconds() * velocity) * of.T_0v[i]);
+    return out;
+  };
+  return {moved(first_scan_, poses.first), moved(second_scan_, poses.second)};
+}
+
+// `towards_other`: the velocity that leads to the other account, `apart_m` away.
+double PosePair::peak(const Poses& poses, const Vector6d& towards_other, double apart_m) const {
+  const std::vector<bool> here = on_surfaces(poses);
+  std::vector<double> peaks;
+  for (const double shift_m : kBeside_m) {
+    if (shift_m > 0.5 * apart_m) continue;
+    const Poses other = beside(poses, (shift_m / apart_m) * towards_other);
+    const std::vector<bool> there = on_surfaces(other);
+    double here_alone = 0, there_alone = 0;
+    for (std::size_t i = 0; i < sample_.size(); ++i) {
+      const Surfel& s = sample_[i];
+      const SE3 &T = poses.second.at(s.fraction), &T_other = other.second.at(s.fraction);
+      const double moved = (T.rotation() * s.normal_v).dot(T_other * s.position_v - T * s.position_v);
+      if (std::abs(moved) < kTells_m || here[i] == there[i]) continue;
+      (here[i] ? here_alone : there_alone) += 1;
+    }
+    peaks.push_back((here_alone - there_alone) / std::sqrt(here_alone + there_alone + 1));
+  }
+  const auto middle = peaks.begin() + static_cast<std::ptrdiff_t>(peaks.size() / 2);
+  std::nth_element(peaks.begin(), middle, peaks.end());
+  return *middle;
+}
+
+std::optional<PosePair::Peaks> PosePair::peaks(const Motion& said, const Vector6d& found) const {
+  const auto T_start = said(first_scan_.start);
+  const auto first = poses_of(first_scan_, said), second = poses_of(second_scan_, said);
+  if (!T_start || !first || !second) return std::nullopt;
+  Poses of_said{*first, *second};
+  for (ScanPoses* poses : {&of_said.first, &of_said.second}) {
+    for (SE3& T : poses->T_0v) T = T_start->inverse() * T;
+  }
+  const Poses of_found{poses_of(first_scan_, found, first_scan_.start),
+                       poses_of(second_scan_, found, first_scan_.start)};
+  const SE3 &T_said = of_said.second.T_0v.front(), &T_found = of_found.second.T_0v.front();
+  std::vector<double> apart_m;
+  for (const Surfel& s : sample_) apart_m.push_back((T_found * s.position_v - T_said * s.position_v).norm());
+  if (apart_m.empty()) return std::nullopt;
+  const auto middle = apart_m.begin() + static_cast<std::ptrdiff_t>(apart_m.size() / 2);
+  std::nth_element(apart_m.begin(), middle, apart_m.end());
+  if (*middle < kLeastApart_m) return std::nullopt;
+  const double apart_s = (second_scan_.start - first_scan_.start).seconds();
+  const Vector6d towards_found = (T_found * T_said.inverse()).log() / apart_s;
+  return Peaks{peak(of_said, towards_found, *middle), peak(of_found, -towards_found, *middle)};
 }
 
 double PosePair::equal_share() const {

@@ -29,15 +29,18 @@ class PosePair {
   [[nodiscard]] std::optional<double> blur_m(const Motion& motion) const;
   /// Of a constant velocity varpi (of T_0v = exp(-varpi t)) since the start of the first scan.
   [[nodiscard]] double blur_m(const Vector6d& velocity) const;
-  /// Of the points of the second scan at which two accounts of the motion differ by 0.3 m along the normal:
-  /// shares that are on a surface of the first scan, to 0.08 m.
-  struct Support {
-    double points = 0;  ///< their number
+  /// How much better two accounts of the motion are than their neighbours, in standard deviations of chance:
+  /// b points of the second scan are on a surface of the first, to 0.08 m, under the account alone, c under a
+  /// motion 0.6, 1.2 or 2.4 m beside it alone, of those that this moves by 0.3 m along their normal;
+  /// (b - c) / sqrt(b + c + 1) (McNemar 1947), the median of these motions. About 0 where nothing that is
+  /// seen has the motion, or nothing tells it from its neighbours.
+  struct Peaks {
     double said = 0, found = 0;
-    double chance = 0;  ///< under motions as far from one of them, on the other side; mean of two
   };
-  /// `said` and `found`: constant velocities since the start of the first scan.
-  [[nodiscard]] Support support(const Vector6d& said, const Vector6d& found) const;
+  /// `found`: a constant velocity since the start of the first scan. The neighbours lie on the line between
+  /// the two accounts, beyond them and, up to half of the way, between them. None where `said` does not cover
+  /// the scans, or the two move the points by less than 0.6 m (median).
+  [[nodiscard]] std::optional<Peaks> peaks(const Motion& said, const Vector6d& found) const;
   /// The constant velocity near `velocity` under which the two fit best.
   [[nodiscard]] Vector6d registered(Vector6d velocity) const;
   /// The constant velocity between the starts of the two scans.
@@ -60,6 +63,12 @@ class PosePair {
   [[nodiscard]] Comparison compare(const Surfel& s, const ScanPoses& first, const ScanPoses& second,
                                    double reach_m) const;
   [[nodiscard]] double blur_m(const ScanPoses& first, const ScanPoses& second) const;
+  struct Poses {
+    ScanPoses first, second;
+  };
+  [[nodiscard]] std::vector<bool> on_surfaces(const Poses& poses) const;
+  [[nodiscard]] Poses beside(const Poses& poses, const Vector6d& velocity) const;
+  [[nodiscard]] double peak(const Poses& poses, const Vector6d& towards_other, double apart_m) const;
   bool step(Vector6d& velocity, double reach_m, double scale_m) const;
 
   const LidarScan &first_scan_, &second_scan_;

@@ -1,4 +1,4 @@
-#include "run/duration_histogram.hpp"
+#include "reports/duration_histogram.hpp"
 
 #include <cmath>
 #include <vector>
