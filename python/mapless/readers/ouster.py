@@ -53,7 +53,7 @@ class OusterCapture(CloudSource):
         if metadata is not None and self._beams_are_known:
             self.sensor = str(metadata)
         self.notes = [
-            f"scans: of an {self._product}, decoded by ouster-sdk"
+            f"scans: of an {self._product or 'Ouster'}, decoded by ouster-sdk"
             + ("" if metadata is None else f" with the metadata {metadata}"),
             "times: of columns, in ns; rings: rows of the image, from the top down",
             "points are taken as measured, in the sensor frame: packets are not motion-compensated",

@@ -47,10 +47,12 @@ def udp_packets(path: pathlib.Path) -> Iterator[tuple[float, int, bytes]]:
             return  # the last packet of a capture that was cut off
 
 
-def metadata_of(path: pathlib.Path, given: str | None) -> pathlib.Path | None:
-    """The Ouster metadata of a capture: the file given, else the JSON file that shares most of the name."""
-    if given is not None:
-        return pathlib.Path(given)
+def metadata_of(path: pathlib.Path, options: Options) -> pathlib.Path | None:
+    """The Ouster metadata of a capture: the file given, as the sensor too, else the JSON file that shares most of the name."""
+    if options.meta is not None:
+        return pathlib.Path(options.meta)
+    if options.sensor.lower().endswith(".json"):
+        return pathlib.Path(options.sensor)
     beside = [file for file in path.parent.glob("*.json") if path.stem.startswith(file.stem)]
     return max(beside, key=lambda file: len(file.stem), default=None)
 
@@ -84,7 +86,7 @@ class PacketReader:
 
         if not path.is_file():
             raise InputError(f"{path}: no such file")
-        metadata = None if path.suffix.lower() == ".osf" else metadata_of(path, options.meta)
+        metadata = None if path.suffix.lower() == ".osf" else metadata_of(path, options)
         if path.suffix.lower() == ".osf" or metadata is not None:
             return ouster.OusterCapture(path, metadata)
         sniffed = zip(range(SNIFFED_PACKETS), udp_packets(path))
