@@ -101,16 +101,15 @@ def clouds_of(scans, dtype, fill, keep=compact):
     [(".bag", VELODYNE, velodyne), (".mcap", OUSTER, ouster), (".db3", HESAI, hesai), (".mcap", NEBULA, nebula)],
     ids=["rosbag1-velodyne", "mcap-ouster", "rosbag2-hesai", "mcap-nebula"],
 )
-def test_a_bag_gives_the_labels_of_the_native_recording(suffix, dtype, fill, scans, native_result, driver_result, tmp_path):
+def test_a_bag_gives_the_labels_of_the_native_recording(suffix, dtype, fill, scans, driver_result, tmp_path):
     bag = write(tmp_path / f"drive{suffix}", clouds_of(scans, dtype, fill))
     result = mapless.detect(bag, tmp_path / "out", sensor="VLP-16")
     assert len(result) == len(scans)
     found = np.concatenate([result.moving(k) for k in result.scans])
     kept = [compact(scan) for scan in scans]
-    expected = np.concatenate([native_result.moving(k)[kept[k]] for k in result.scans])
-    # The native recording has the rays without a return too, which see free space; a driver leaves them out.
-    assert iou(found, expected) > 0.97
-    assert iou(found, np.concatenate([driver_result.moving(k)[kept[k]] for k in result.scans])) > 0.99
+    expected = np.concatenate([driver_result.moving(k)[kept[k]] for k in result.scans])
+    assert expected.any()
+    assert iou(found, expected) > 0.99
 
 
 def test_a_bag_gives_the_labels_of_its_arrays(scans, tmp_path):

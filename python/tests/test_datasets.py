@@ -172,9 +172,9 @@ def write_helimos(folder, scans, poses):
 
 
 WRITERS = [
-    ("boreas", write_boreas, 0.97),
-    ("helipr", write_helipr_velodyne, 0.97),
-    ("helipr", write_helipr_ouster, 0.97),
+    ("boreas", write_boreas, 0.99),
+    ("helipr", write_helipr_velodyne, 0.99),
+    ("helipr", write_helipr_ouster, 0.99),
     ("argoverse2", write_argoverse, 0.9),
     ("helimos", write_helimos, 0.9),
 ]

@@ -32,7 +32,7 @@ def ouster_drive(info, tmp_path_factory) -> pathlib.Path:
     """Ten scans of that sensor, simulated by its metadata, without rays known to hit nothing, which packets do not say."""
     folder = tmp_path_factory.mktemp("ouster")
     (folder / "sensor.json").write_text(info.to_json_string())
-    mapless.simulate("crossing", folder / "native", sensor=folder / "sensor.json", duration_s=1.0)
+    mapless.simulate("town1", folder / "native", sensor=folder / "sensor.json", duration_s=1.0)
     without_empty_rays(folder / "native")
     return folder / "native"
 

@@ -53,10 +53,24 @@ void recover_from_azimuth(const LidarScan& scan, const SensorMotion& motion, con
   }
 }
 
+// The column of a point whose instant is known: that of its ray, in the turn of the instant. The azimuth of
+// the compensated point may be far from it: by 18 degrees at 12 m/s, 4 m beside the sensor.
+int measured_column(const LidarScan& scan, const Eigen::Vector3d& p_v, const LidarReturn& r) {
+  const Laser& laser = scan.model->lasers[static_cast<std::size_t>(r.laser)];
+  const double turn = scan.model->columns;
+  const double expected =
+      static_cast<double>(r.time_ns) / static_cast<double>(scan.column_period.nanoseconds());
+  const double column = column_of(*scan.model, laser, p_v);
+  const long nearest = std::lround(column + turn * std::round((expected - column) / turn));
+  return static_cast<int>(std::clamp<long>(nearest, 0, scan.columns - 1));
+}
+
 void restore(const LidarScan& scan, const SensorMotion& motion, const SE3& T_0c, LidarReturn& r) {
   const Eigen::Vector3d p_0 = T_0c * r.position_v.cast<double>();
-  if (scan.time_source == Provenance::recovered_from_angle) recover_from_azimuth(scan, motion, p_0, r);
+  const bool from_angle = scan.time_source == Provenance::recovered_from_angle;
+  if (from_angle) recover_from_azimuth(scan, motion, p_0, r);
   const Eigen::Vector3d p_v = motion.to_sensor(p_0, r.column, r.time_ns);
+  if (!from_angle) r.column = measured_column(scan, p_v, r);
   const Laser& laser = scan.model->lasers[static_cast<std::size_t>(r.laser)];
   const Eigen::Vector3d origin_v = rotation_z(scan.model->hub_angle(r.column)) * laser.origin_h_m;
   r.position_v = p_v.cast<float>();

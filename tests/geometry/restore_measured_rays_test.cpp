@@ -93,6 +93,28 @@ TEST(RestoreMeasuredRays, InvertsCompensationIfTimesAreKnown) {
   }
 }
 
+// A reader of clouds places points by their azimuths, which compensation has changed.
+TEST(RestoreMeasuredRays, FindsTheColumnsOfRaysWhoseTimesAreKnown) {
+  const ScrewTrajectory trajectory = driving(30, 90);
+  const LidarScan measured = cast_rays(awkward_model(16, 1000), kStart, trajectory, some_range);
+  LidarScan compensated = compensated_by_others(measured, trajectory);
+  LidarScan placed = compensated;
+  recover_times_from_azimuths(placed);
+  int moved = 0;
+  for (std::size_t i = 0; i < placed.returns.size(); ++i) {
+    moved += std::abs(placed.returns[i].column - compensated.returns[i].column) > 5;
+    compensated.returns[i].column = placed.returns[i].column;
+  }
+  ASSERT_GT(moved, 1000);
+  const LidarScan restored = restore_measured_rays(compensated, trajectory);
+  EXPECT_EQ(restored.cells, measured.cells);
+  ASSERT_EQ(restored.returns.size(), measured.returns.size());
+  for (std::size_t i = 0; i < measured.returns.size(); ++i) {
+    ASSERT_EQ(measured.returns[i].column, restored.returns[i].column) << i;
+    ASSERT_LT((measured.returns[i].position_v - restored.returns[i].position_v).norm(), 2e-5f) << i;
+  }
+}
+
 // Turning, the azimuths of a compensated cloud are off by up to half a scan's turn. The rays come back to a
 // fraction of a column, except where the turn carried a direction past the seam.
 TEST(RestoreMeasuredRays, RecoversColumnsFromAzimuths) {

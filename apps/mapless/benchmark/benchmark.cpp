@@ -225,7 +225,8 @@ void add_table_options(CLI::App& verb, PlanOptions& plan) {
           "scenes to run in place of the default table (every scene with every one of --sensors and --noise)")
       ->check(CLI::IsMember(scene_names()));
   verb.add_option("--sensors", plan.sensors,
-                  fmt::format("sensors to run, of {}, or calibration files: Velodyne's YAML or a sensor.yaml",
+                  fmt::format("sensors to run, of {}, or calibration files (Velodyne's YAML, Ouster's JSON, "
+                              "Hesai's CSV, or a sensor.yaml)",
                               fmt::join(named_models(), ", ")));
   verb.add_option("--noise", plan.range_noises_m,
                   "standard deviations of the range noise to run [m], 0 to 1");

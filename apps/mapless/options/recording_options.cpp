@@ -104,10 +104,10 @@ void add_recording_options(CLI::App& verb, RecordingOptions& options) {
   }
   verb.add_option(
           "--sensor", options.dataset.sensor,
-          fmt::format(
-              "sensor model: {}, or a calibration file (Velodyne's YAML or a sensor.yaml). Default: the "
-              "recording's own, else estimated from its points",
-              fmt::join(named_models(), ", ")))
+          fmt::format("sensor model: {}, or a calibration file (Velodyne's YAML, Ouster's JSON, Hesai's "
+                      "CSV, or a sensor.yaml). Default: the recording's own, else estimated from its "
+                      "points",
+                      fmt::join(named_models(), ", ")))
       ->check(not_empty());
   add_path(verb, "--labels", options.dataset.labels,
            "folder of the true labels (default: the recording's own)");

@@ -138,7 +138,8 @@ void add_simulate(CLI::App& app, int& exit_code) {
       ->check(CLI::IsMember(scene_names()));
   verb->add_option("-o,--output", options->output, "folder for the recording; must not exist")->required();
   verb->add_option("--sensor", options->sensor,
-                   "a named model, or a calibration file: Velodyne's YAML or a sensor.yaml")
+                   "a named model, or a calibration file: Velodyne's YAML, Ouster's JSON, Hesai's CSV, or a "
+                   "sensor.yaml")
       ->capture_default_str();
   verb->add_option(
           "--duration-s", options->making.duration_s,

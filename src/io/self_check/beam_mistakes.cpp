@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include <Eigen/LU>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
