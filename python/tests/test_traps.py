@@ -66,7 +66,7 @@ def test_the_order_of_the_points_does_not_matter(usual):
     assert likeness(by_place(shuffled, moving_of(shuffled, stamps_ns)), expected) > 0.99
 
 
-def test_clouds_that_start_within_a_turn_give_nearly_the_same_labels(usual):
+def test_clouds_that_start_within_a_turn_are_labelled_as_well(usual, drive):
     clouds, stamps_ns, expected = usual
     halves = [(cloud[cloud["time"] < 0.05], cloud[cloud["time"] >= 0.05]) for cloud in clouds]
     shifted, starts_ns = [], []
@@ -77,7 +77,15 @@ def test_clouds_that_start_within_a_turn_give_nearly_the_same_labels(usual):
         cloud["time"] -= np.float32(0.05)
         shifted.append(cloud)
         starts_ns.append(ns + 50_000_000)
-    assert likeness(by_place(shifted, moving_of(shifted, starts_ns)), expected) > 0.85
+    found = by_place(shifted, moving_of(shifted, starts_ns))
+    # Each point is decided with the others of its scan, which are not the same: compared is how well it is done. Of 40
+    # scans of this drive .87 and .86; of these 13, with few moving points, .46 and .50.
+    truth = [mapless.open(drive).labels(k) & 0xFFFF for k in range(len(clouds))]
+    moves = np.full(found.shape, -1, np.int8)
+    for k, labels in enumerate(truth):
+        moves[k, : len(labels)] = (labels >= 251) & (labels <= 259)
+    both = np.where(found >= 0, moves, -1)
+    assert likeness(found, both) > likeness(np.where(found >= 0, expected, -1), both) - 0.05
 
 
 def test_lost_packets_leave_the_labels_of_the_other_points(usual):
@@ -87,18 +95,21 @@ def test_lost_packets_leave_the_labels_of_the_other_points(usual):
     assert likeness(by_place(lossy, moving_of(lossy, stamps_ns)), expected) > 0.9
 
 
-def test_a_second_return_of_a_ray_does_not_change_the_labels_of_the_nearest(usual):
+@pytest.mark.parametrize("behind_m", [0, 0.5, 5], ids=["the same twice", "0.5 m behind", "5 m behind"])
+def test_a_second_return_of_a_ray_does_not_change_the_labels_of_the_nearest(behind_m, usual):
     clouds, stamps_ns, expected = usual
     random = np.random.default_rng(8)
     double, firsts = [], []
     for cloud in clouds:
-        through = cloud[random.random(len(cloud)) < 0.3]  # leaves, glass: half of the light goes on
+        second = cloud[random.random(len(cloud)) < 0.3]  # through leaves and glass half of the light goes on
+        range_m = np.sqrt(sum(second[axis].astype(float) ** 2 for axis in "xyz"))
         for axis in "xyz":
-            through[axis] *= np.float32(1.3)
-        double.append(np.concatenate([cloud, through]))
+            second[axis] *= (1 + behind_m / range_m).astype(np.float32)
+        double.append(np.concatenate([cloud, second]))
         firsts.append(np.arange(len(double[-1])) < len(cloud))
-    moving = moving_of(double, stamps_ns)
-    assert likeness(by_place(clouds, moving[np.concatenate(firsts)]), expected) > 0.85
+    moving, first = moving_of(double, stamps_ns), np.concatenate(firsts)
+    np.testing.assert_array_equal(by_place(clouds, moving[first]), expected)
+    assert not moving[~first].any()
 
 
 def test_times_that_are_all_zero_are_refused_or_recovered(usual):

@@ -136,9 +136,10 @@ void find_odd_sizes(const ScanSizes& sizes, RecordingSurvey& survey) {
 
 void find_unusable_records(const ScanSizes& sizes, RecordingSurvey& survey) {
   if (sizes.with_unusable == 0) return;
-  survey.oddities.push_back(
-      fmt::format("{} scans: {} records are no usable points (NaN, infinite, or in the sensor itself)",
-                  sizes.with_unusable, survey.unusable));
+  survey.oddities.push_back(fmt::format(
+      "{} scans: {} records are no usable points (NaN, infinite, in the sensor itself, or farther returns "
+      "of a ray)",
+      sizes.with_unusable, survey.unusable));
 }
 
 class DuplicateFinder {

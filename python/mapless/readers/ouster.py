@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pathlib
+import tempfile
 from collections.abc import Iterator
 from typing import Any
 
@@ -50,10 +51,10 @@ class OusterCapture(CloudSource):
         if not self.starts_ns:
             raise InputError(f"{path}: no complete scan of an Ouster sensor; does {metadata} belong to it?")
         # Metadata of sensors with fewer beams than rows have made-up angles, 0 each; their beams are recovered.
-        if metadata is not None and self._beams_are_known:
-            self.sensor = str(metadata)
+        if self._beams_are_known:
+            self.sensor = str(metadata or self._own_metadata(path))
         self.notes = [
-            f"scans: of an {self._product or 'Ouster'}, decoded by ouster-sdk"
+            f"scans: of an {self._info.prod_line or 'Ouster'}, decoded by ouster-sdk"
             + ("" if metadata is None else f" with the metadata {metadata}"),
             "times: of columns, in ns; rings: rows of the image, from the top down",
             "points are taken as measured, in the sensor frame: packets are not motion-compensated",
@@ -61,6 +62,13 @@ class OusterCapture(CloudSource):
 
     def read(self, k: int) -> Fields:
         return self._scans[k]
+
+    def _own_metadata(self, path: pathlib.Path) -> pathlib.Path:
+        """Those in an OSF, as the file that the model of the sensor is read from."""
+        self._folder = tempfile.TemporaryDirectory(prefix="mapless-")
+        file = pathlib.Path(self._folder.name) / f"{path.stem}.json"
+        file.write_text(self._info.to_json_string(), encoding="utf-8")
+        return file
 
     def _decoded(self) -> Iterator[Fields]:
         meta = {} if self._metadata is None else {"meta": [str(self._metadata)]}
@@ -74,8 +82,7 @@ class OusterCapture(CloudSource):
                 yield self._fields(frame)
 
     def _fields(self, frame: Any) -> Fields:
-        info = frame.sensor_info
-        self._product = info.prod_line
+        info = self._info = frame.sensor_info
         self._beams_are_known = len(set(info.beam_altitude_angles)) == len(info.beam_altitude_angles)
         valid = (np.asarray(frame.status) & 1).astype(bool)
         times_ns = column_times_ns(np.asarray(frame.timestamp), valid)

@@ -3,6 +3,7 @@
 #include <limits>
 #include <utility>
 
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include "core/parallel_parts.hpp"
@@ -147,6 +148,39 @@ void take_times(LidarScan& scan, std::vector<LidarRecord>& records, const RawPoi
   scan.time_source = Provenance::sensor;
 }
 
+// Of returns that share a cell. Both returns of a ray have its time; without times, a direction to much less
+// than the step of any sensor.
+bool are_of_one_ray(const LidarScan& scan, const LidarRecord& a, const LidarRecord& b) {
+  constexpr double kSameDirection_rad = 1e-4;
+  if (scan.time_source == Provenance::sensor) return a.time_ns == b.time_ns;
+  const Eigen::Vector3d p = a.position_v.cast<double>(), q = b.position_v.cast<double>();
+  return p.dot(q) > 0 && p.cross(q).norm() < kSameDirection_rad * p.norm() * q.norm();
+}
+
+// Of the returns of one ray the nearest is kept: farther ones (through leaves and glass, or the same return
+// twice, as drivers publish both returns) would pass for rays of their own, and what is behind them for free
+// space.
+void keep_nearest_of_each_ray(const LidarScan& scan, std::vector<LidarRecord>& records) {
+  const auto columns = static_cast<std::size_t>(scan.columns);
+  std::vector<std::int32_t> last(scan.model->lasers.size() * columns, -1);  // hit of the cell
+  std::vector<std::int32_t> before;                                         // the hit of its cell before it
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    LidarRecord& r = records[i];
+    if (r.code != ReturnCode::hit) continue;
+    std::int32_t& of_cell =
+        last[static_cast<std::size_t>(r.laser) * columns + static_cast<std::size_t>(r.column)];
+    if (of_cell >= 0 && before.empty()) before.assign(records.size(), -1);
+    for (std::int32_t j = of_cell; j >= 0; j = before[static_cast<std::size_t>(j)]) {
+      LidarRecord& other = records[static_cast<std::size_t>(j)];
+      if (other.code != ReturnCode::hit || !are_of_one_ray(scan, r, other)) continue;
+      const bool nearer = r.position_v.squaredNorm() < other.position_v.squaredNorm();
+      (nearer ? other : r).code = ReturnCode::absent;
+    }
+    if (!before.empty()) before[i] = of_cell;
+    of_cell = static_cast<std::int32_t>(i);
+  }
+}
+
 }  // namespace
 
 struct ScanBuilder::State {
@@ -238,6 +272,7 @@ LidarScan ScanBuilder::build(const PointFields& fields, Time stamp, const std::s
     take_times(scan, records, points, *first_ns, source);
     unwind(scan, records, points, *first_ns);
   }
+  keep_nearest_of_each_ray(scan, records);
   return organise(std::move(scan), records, source);
 }
 
