@@ -28,8 +28,9 @@ export PATH="$work/environment/bin:$PATH"
 # No network and no isolation from here on: what the archive needs is in it or installed above.
 "$python" -m pip install --no-index --no-build-isolation --no-deps --disable-pip-version-check \
   -C cmake.source-dir=python -C cmake.define.MAPLESS_BUILT="$built" "$work"/archive/mapless-*.tar.gz
-mkdir -p "$work/tests/python"
+mkdir -p "$work/tests/python" "$work/tests/docs"
 cp -r python/tests "$work/tests/python"
+cp docs/python.md "$work/tests/docs"
 cp -r pyproject.toml examples "$work/tests"
 cd "$work/tests"
 "$python" -m pytest -q -p no:cacheprovider python/tests
