@@ -48,7 +48,8 @@ def rounded(sensor):
 
 @pytest.fixture(scope="module")
 def native(tmp_path_factory):
-    """Folder, sensor and labels of a drive whose rays that hit nothing give no evidence, as in packets."""
+    """Folder, sensor and labels of a recording whose rays that hit nothing give no evidence, as in packets. The sensor
+    stands: the turns of a capture begin a packet later, and scans of a drive cut elsewhere are decided otherwise."""
     folder = tmp_path_factory.mktemp("hdl64e")
     mapless.simulate("crossing", folder / "usual", sensor="HDL-64E-S2", duration_s=0.1)
     sensor = rounded(yaml.safe_load((folder / "usual" / "sensor.yaml").read_text()))

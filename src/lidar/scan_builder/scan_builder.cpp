@@ -151,7 +151,7 @@ void take_times(LidarScan& scan, std::vector<LidarRecord>& records, const RawPoi
 // Of returns that share a cell. Both returns of a ray have its time; without times, a direction to much less
 // than the step of any sensor.
 bool are_of_one_ray(const LidarScan& scan, const LidarRecord& a, const LidarRecord& b) {
-  constexpr double kSameDirection_rad = 1e-4;
+  constexpr double kSameDirection_rad = 1e-5;
   if (scan.time_source == Provenance::sensor) return a.time_ns == b.time_ns;
   const Eigen::Vector3d p = a.position_v.cast<double>(), q = b.position_v.cast<double>();
   return p.dot(q) > 0 && p.cross(q).norm() < kSameDirection_rad * p.norm() * q.norm();
