@@ -1,7 +1,9 @@
 """OnlineDetector: arrays in, labels out."""
 
 import csv
+import ctypes
 import threading
+import time
 
 import numpy as np
 import pytest
@@ -221,3 +223,30 @@ def test_detectors_in_several_threads_run_side_by_side_and_agree(scans):
         thread.join()
     for a, b in zip(*results, strict=True):
         np.testing.assert_array_equal(a, b)
+
+
+def runs_beside(call):
+    """Whether another thread of Python runs in the middle of a call."""
+    ticks, done = [], threading.Event()
+
+    def tick():
+        while not done.is_set():
+            ticks.append(time.perf_counter())
+            time.sleep(1e-4)
+
+    thread = threading.Thread(target=tick)
+    thread.start()
+    begin = time.perf_counter()
+    call()
+    length = time.perf_counter() - begin
+    done.set()
+    thread.join()
+    return any(0.25 * length < at - begin < 0.75 * length for at in ticks)
+
+
+def test_the_gil_is_released_while_a_scan_is_labelled(scans):
+    detector = mapless.OnlineDetector()
+    beside = [runs_beside(lambda: detector.push(scan)) for scan in scans]  # noqa: B023
+    assert sum(beside) > len(beside) / 2
+    assert runs_beside(detector.flush)
+    assert not runs_beside(lambda: ctypes.PyDLL(None).usleep(50_000))  # holds it

@@ -244,34 +244,6 @@ TEST(ScanBuilder, PointsWithoutAReturnKeepTheirPlace) {
   }
 }
 
-// Every third ray has a farther return, every third one its return twice.
-TEST(ScanBuilder, OfSeveralReturnsOfARayTheNearestIsKept) {
-  const test::ToyScene scene = room("VLP-16", 600);
-  const Points single = shuffled(scene);
-  std::vector<LidarRecord> records = single.truth;
-  for (std::size_t i = 0; i < single.truth.size(); ++i) {
-    if (i % 3 == 2) continue;
-    records.push_back(single.truth[i]);
-    if (i % 3 == 0) records.back().position_v *= 1.5f;
-    if (i % 2 == 0) std::swap(records[i], records.back());  // in whichever order a driver publishes them
-  }
-  const Points points = points_of(records);
-  for (const bool with_times : {true, false}) {
-    SCOPED_TRACE(with_times);
-    PointFields fields = points.fields();
-    if (!with_times) fields.time = {};
-    const LidarScan scan = ScanBuilder(*scene.model).build(fields, kStamp);
-    EXPECT_EQ(scan.input_size, records.size());
-    ASSERT_EQ(scan.returns.size(), single.truth.size());
-    PointFields fields_of_single = single.fields();
-    if (!with_times) fields_of_single.time = {};
-    const LidarScan expected = ScanBuilder(*scene.model).build(fields_of_single, kStamp);
-    EXPECT_EQ(scan.cells, expected.cells);
-    for (std::size_t i = 0; i < scan.returns.size(); ++i)
-      ASSERT_EQ(scan.returns[i].position_v, expected.returns[i].position_v) << i;
-  }
-}
-
 TEST(ScanBuilder, NoPointsAreAScanWithoutReturns) {
   const LidarScan scan = ScanBuilder(named_model("VLP-16")).build({}, kStamp);
   EXPECT_EQ(scan.start, kStamp);
