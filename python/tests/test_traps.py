@@ -180,3 +180,18 @@ def test_points_that_lie_on_no_beams_are_refused_with_their_distance(scans):
     with pytest.raises(mapless.InputError, match=r"rings.* [0-9]{3,} mm.*from 16 beams \(RMS\).*name the sensor"):
         for cloud, scan in zip(mixed, scans):
             detector.push(cloud, stamp_ns=scan.stamp_ns)
+
+
+@pytest.mark.parametrize("sensor", ["VLP-16", None])
+def test_clouds_in_the_world_frame_are_refused_with_the_way_out(sensor, scans, poses):
+    """That of the first scan, so that they are near: after seven scans the sensor is 9 m from it."""
+    first_from_world = np.linalg.inv(poses.pose_at(scans[0].stamp_ns))
+    detector = mapless.OnlineDetector(sensor)
+    with pytest.raises(mapless.InputError, match="in the frame of the sensor, not of the world"):
+        for k, scan in enumerate(scans):
+            cloud = cloud_of(scans, k)
+            pose = first_from_world @ poses.pose_at(scan.stamp_ns)
+            placed = np.stack([cloud[axis] for axis in "xyz"], axis=1) @ pose[:3, :3].T + pose[:3, 3]
+            for i, axis in enumerate("xyz"):
+                cloud[axis] = placed[:, i]
+            detector.push(cloud, stamp_ns=scan.stamp_ns)

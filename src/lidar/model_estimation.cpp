@@ -55,7 +55,8 @@ double checked_residual(double residual_m, std::size_t rings, const std::string&
                     fmt::format("so far from {} beams (RMS) are the points that should lie on them: rings or "
                                 "columns of the recording are not what they were taken for",
                                 rings),
-                    "name the sensor (--sensor), or say what the columns are"});
+                    "name the sensor (--sensor), or say what the columns are; points must be in the frame of "
+                    "the sensor, not of the world"});
 }
 
 // The scans with as many rings as most have.

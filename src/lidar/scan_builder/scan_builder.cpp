@@ -58,7 +58,8 @@ void require_fit(double misfit, double largest, const LidarModel& model, const s
   throw InputError(
       {source, "sensor", model.name,
        fmt::format("half of the points lie more than {:.2f} laser spacings off its beams", misfit),
-       "name the sensor that measured the points, or give its calibration file"});
+       "name the sensor that measured the points, or give its calibration file; points must be in the frame "
+       "of the sensor, not of the world"});
 }
 
 // Moves each column, known but for whole turns, to the turn that the point's time gives, with column 0 at the
