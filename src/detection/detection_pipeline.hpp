@@ -60,6 +60,10 @@ class DetectionPipeline {
   /// The objects of scan `number`, using the scans after it up to the newest. Called by increasing number,
   /// once for each scan.
   virtual ObjectProposals propose(std::size_t number) = 0;
+  /// The rays of the scans from `number` on, oldest first, as far as they are kept. Detector::new_rays.
+  [[nodiscard]] virtual std::vector<std::shared_ptr<const RayImage>> rays_from(std::size_t number) const = 0;
+  /// Detector::add_rays_of_another_sensor.
+  virtual void add_rays_of_another_sensor(std::shared_ptr<const RayImage> rays) = 0;
   /// Scans proposed from now on get an explanation, with that of their points where `points` says so.
   void explain(ExplainedScans points) { explained_ = std::move(points); }
 

@@ -54,6 +54,14 @@ std::vector<Detection> Detector::flush() {
 
 void Detector::explain(std::function<bool(Time)> points) { pipeline_->explain(std::move(points)); }
 
+std::vector<std::shared_ptr<const RayImage>> Detector::new_rays() {
+  return pipeline_->rays_from(std::exchange(next_rays_, next_number_));
+}
+
+void Detector::add_rays_of_another_sensor(std::shared_ptr<const RayImage> rays) {
+  pipeline_->add_rays_of_another_sensor(std::move(rays));
+}
+
 std::size_t Detector::first_detections_at() const {
   const bool waits = parameters_.method == DetectionMethod::voting && latency() > 0;
   return waits ? static_cast<std::size_t>(parameters_.voting.start_scans) : 0;

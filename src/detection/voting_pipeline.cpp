@@ -1,5 +1,7 @@
 #include <algorithm>
+#include <cmath>
 #include <deque>
+#include <limits>
 #include <utility>
 
 #include "detection/detection_pipeline.hpp"
@@ -45,6 +47,25 @@ std::vector<StageTrace> trace_of(const std::vector<PointEvidence>& evidence,
   return trace;
 }
 
+// Scans of other sensors that are kept while this sensor delivers none: those of four sensors that are
+// compared, and more.
+constexpr std::size_t kMostOtherScans = 260;
+
+// Where its lasers are farther apart than this many times those of the own sensor, another sensor misses what
+// ends between two of them: VLP-16 for OS1-128, IoU -.0037 (docs/notebook/detection.md, "Several lidars").
+constexpr double kWidestSpacing = 1.5;
+
+// Mean angle between neighbouring lasers; of a single laser: infinite.
+double laser_spacing_rad(const LidarModel& model) {
+  if (model.lasers.size() < 2) return std::numeric_limits<double>::infinity();
+  const double span = model.lasers.back().elevation_rad - model.lasers.front().elevation_rad;
+  return span / static_cast<double>(model.lasers.size() - 1);
+}
+
+double duration_s(const LidarScan& scan) {
+  return scan.column_period.seconds() * static_cast<double>(scan.columns);
+}
+
 class VotingPipeline final : public DetectionPipeline {
  public:
   explicit VotingPipeline(const DetectorParameters& parameters)
@@ -55,6 +76,8 @@ class VotingPipeline final : public DetectionPipeline {
   void learn_own_vehicle(const LidarScan& scan, const Trajectory& trajectory) override;
   void add(std::shared_ptr<const LidarScan> scan, const Trajectory& trajectory) override;
   ObjectProposals propose(std::size_t number) override;
+  [[nodiscard]] std::vector<std::shared_ptr<const RayImage>> rays_from(std::size_t number) const override;
+  void add_rays_of_another_sensor(std::shared_ptr<const RayImage> rays) override;
 
  private:
   struct PendingScan {
@@ -69,16 +92,20 @@ class VotingPipeline final : public DetectionPipeline {
     return images_.at(static_cast<std::size_t>(static_cast<int>(number - first_image_) - gap));
   }
   [[nodiscard]] std::vector<ReferenceScan> references_of(std::size_t number) const;
+  [[nodiscard]] std::vector<ReferenceScan> others_for(const LidarScan& scan) const;
+  void forget_others_before(const LidarScan& scan);
   [[nodiscard]] ObjectProposals run_stages(PendingScan query, const std::vector<ReferenceScan>& references,
+                                           const std::vector<ReferenceScan>& others,
                                            const RayImage& own) const;
 
   VotingParameters parameters_;
   OwnVehicle own_vehicle_;
-  std::vector<std::size_t> gaps_;                 // of the earlier scans, increasing
-  std::size_t forward_gap_;                       // of the first later one
-  std::deque<std::shared_ptr<RayImage>> images_;  // consecutive scans, oldest first
-  std::size_t first_image_ = 0;                   // number of the oldest
-  std::deque<PendingScan> pending_;               // scans without proposals yet, oldest first
+  std::vector<std::size_t> gaps_;                       // of the earlier scans, increasing
+  std::size_t forward_gap_;                             // of the first later one
+  std::deque<std::shared_ptr<RayImage>> images_;        // consecutive scans, oldest first
+  std::size_t first_image_ = 0;                         // number of the oldest
+  std::deque<PendingScan> pending_;                     // scans without proposals yet, oldest first
+  std::deque<std::shared_ptr<const RayImage>> others_;  // of other sensors, in the order they came
 };
 
 void VotingPipeline::learn_own_vehicle(const LidarScan& scan, const Trajectory& trajectory) {
@@ -120,11 +147,42 @@ std::vector<ReferenceScan> VotingPipeline::references_of(std::size_t number) con
   return references;
 }
 
+std::vector<std::shared_ptr<const RayImage>> VotingPipeline::rays_from(std::size_t number) const {
+  const std::size_t known = number > first_image_ ? std::min(number - first_image_, images_.size()) : 0;
+  return {images_.begin() + static_cast<std::ptrdiff_t>(known), images_.end()};
+}
+
+void VotingPipeline::add_rays_of_another_sensor(std::shared_ptr<const RayImage> rays) {
+  others_.push_back(std::move(rays));
+  if (others_.size() > kMostOtherScans) others_.pop_front();
+}
+
+// Of all other sensors that are as dense the scans that begin one of the gaps before this one, to the nearest
+// scan.
+std::vector<ReferenceScan> VotingPipeline::others_for(const LidarScan& scan) const {
+  std::vector<ReferenceScan> others;
+  for (const auto& rays : others_) {
+    const double gap = std::round((scan.start - rays->start()).seconds() / duration_s(scan));
+    if (!(gap >= 1 && gap <= static_cast<double>(gaps_.back()))) continue;
+    if (laser_spacing_rad(rays->model()) > kWidestSpacing * laser_spacing_rad(*scan.model)) continue;
+    if (!std::binary_search(gaps_.begin(), gaps_.end(), static_cast<std::size_t>(gap))) continue;
+    others.push_back({rays.get(), static_cast<int>(gap)});
+  }
+  return others;
+}
+
+void VotingPipeline::forget_others_before(const LidarScan& scan) {
+  const double reach_s = (static_cast<double>(gaps_.back()) + 1) * duration_s(scan);
+  std::erase_if(others_, [&](const auto& rays) { return (scan.start - rays->start()).seconds() > reach_s; });
+}
+
 ObjectProposals VotingPipeline::propose(std::size_t number) {
   PendingScan query = std::move(pending_.front());
   pending_.pop_front();
   const std::vector<ReferenceScan> references = references_of(number);
-  ObjectProposals proposed = run_stages(std::move(query), references, image(number));
+  forget_others_before(*query.scan);
+  const std::vector<ReferenceScan> others = others_for(*query.scan);
+  ObjectProposals proposed = run_stages(std::move(query), references, others, image(number));
   proposed.rays = images_.at(number - first_image_);
   for (const ReferenceScan& r : references) proposed.references.push_back({rays_at(number, r.gap), r.gap});
   images_.at(number - first_image_)->mark_dynamic(*proposed.scan, proposed.object);
@@ -136,6 +194,7 @@ ObjectProposals VotingPipeline::propose(std::size_t number) {
 }
 
 ObjectProposals VotingPipeline::run_stages(PendingScan query, const std::vector<ReferenceScan>& references,
+                                           const std::vector<ReferenceScan>& others,
                                            const RayImage& own) const {
   ObjectProposals out;
   out.seconds = query.seconds;
@@ -156,7 +215,8 @@ ObjectProposals VotingPipeline::run_stages(PendingScan query, const std::vector<
 
   // 2., 3. Comparison and freespace check of every point, against several earlier scans and a later one.
   auto evidence = timed(out.seconds.evidence, [&] {
-    auto of_points = collect_evidence(*out.scan, query.points, references, own, query.parameters, recorded);
+    auto of_points =
+        collect_evidence(*out.scan, query.points, references, own, query.parameters, recorded, others);
     for (const std::int32_t i : own_vehicle)
       of_points[static_cast<std::size_t>(i)] = of_own_vehicle(references.size());
     return of_points;

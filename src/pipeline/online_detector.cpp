@@ -282,6 +282,13 @@ std::vector<LabelledScan> OnlineDetector::flush() {
   return joined(std::move(done), state_->labelled(state_->detector.flush()));
 }
 
+std::shared_ptr<const Trajectory> OnlineDetector::estimated_trajectory() const { return state_->estimated; }
+std::vector<std::shared_ptr<const RayImage>> OnlineDetector::new_rays() {
+  return state_->detector.new_rays();
+}
+void OnlineDetector::add_rays_of_another_sensor(std::shared_ptr<const RayImage> rays) {
+  state_->detector.add_rays_of_another_sensor(std::move(rays));
+}
 int OnlineDetector::latency() const { return state_->detector.latency(); }
 const OdometryReport& OnlineDetector::odometry_report() const { return state_->report; }
 

@@ -144,25 +144,16 @@ void DetectionRun::write(const FinishedScan& scan) {
                     finished_before_ > 0 ? GrowingFile::Start::resumed : GrowingFile::Start::anew);
   }
   const Detection& detection = scan.labelled.detection;
-  ScanFiles files = {stage_masks_of(detection), labels_of(detection, detection.tracked), {}, rows_of(scan)};
-  if (probabilities_) files.probabilities = scan.labelled.probability_by_input();
-  summary_.scans() < finished_before_ ? verify(scan.k, files) : add(scan.k, files);
+  const ScanFiles files = files_of(scan.labelled, scan.k, scan.poses, probabilities_);
+  if (summary_.scans() < finished_before_) {
+    verify(scan.k, files);
+  } else {
+    write_files(result_, scan.k, files, *tables_);
+  }
   summary_.add(detection);
   last_trajectory_ = scan.labelled.trajectory;
   last_end_ = detection.scan->end();
   progress_.update(summary_.scans(), selection_.count);
-}
-
-void DetectionRun::add(std::size_t k, const ScanFiles& files) {
-  write_stage_file(result_.stage_file(k), files.stages);
-  if (files.probabilities) write_probability_file(result_.probability_file(k), *files.probabilities);
-  tables_->add(files.rows);
-  try {
-    write_label_file(result_.label_file(k), files.labels);
-  } catch (const OutputError&) {
-    tables_->undo_add();
-    throw;
-  }
 }
 
 // The scan was finished by the earlier run.
@@ -184,16 +175,6 @@ void DetectionRun::verify(std::size_t k, const ScanFiles& files) {
       refuse(result_.probability_file(k));
   }
   tables_->verify(files.rows);
-}
-
-TableRows DetectionRun::rows_of(const FinishedScan& scan) {
-  const Detection& detection = scan.labelled.detection;
-  TableRows rows = {object_rows(scan.k, detection.tracked), scan.poses, std::nullopt};
-  if (scan.labelled.odometry) {
-    const double duration_s = (detection.scan->end() - detection.scan->start).seconds();
-    rows.motion = motion_row(scan.k, scan.poses.front(), duration_s, *scan.labelled.odometry);
-  }
-  return rows;
 }
 
 }  // namespace mapless::app

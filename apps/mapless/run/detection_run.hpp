@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "run/input_output_report.hpp"
-#include "run/lost_motion.hpp"
 #include "run/real_time_pace.hpp"
 #include "run/result_tables.hpp"
 #include "run/run_summary.hpp"
@@ -64,12 +63,6 @@ class DetectionRun {
     LabelledScan labelled;
     std::vector<TimedPose> poses;  // within it
   };
-  struct ScanFiles {
-    std::vector<std::uint8_t> stages;
-    std::vector<std::uint32_t> labels;
-    std::optional<std::vector<float>> probabilities;
-    TableRows rows;
-  };
 
   [[nodiscard]] InputScan read(std::size_t k) const;
   void learn_own_vehicle();
@@ -80,9 +73,7 @@ class DetectionRun {
   [[nodiscard]] std::shared_ptr<const LidarScan> take(std::size_t k);
   void finish(std::vector<LabelledScan> scans);
   void write(const FinishedScan& scan);
-  void add(std::size_t k, const ScanFiles& files);
   void verify(std::size_t k, const ScanFiles& files);
-  [[nodiscard]] static TableRows rows_of(const FinishedScan& scan);
 
   const Dataset& dataset_;
   std::shared_ptr<const Trajectory> given_;

@@ -2,10 +2,24 @@
 
 #include <utility>
 
+#include "run/lost_motion.hpp"
 #include "run/scan_poses.hpp"
 #include <mapless/core/errors.hpp>
 
 namespace mapless::app {
+namespace {
+
+TableRows rows_of(const LabelledScan& labelled, std::size_t k, std::vector<TimedPose> poses) {
+  const Detection& detection = labelled.detection;
+  TableRows rows = {object_rows(k, detection.tracked), std::move(poses), std::nullopt};
+  if (labelled.odometry) {
+    const double duration_s = (detection.scan->end() - detection.scan->start).seconds();
+    rows.motion = motion_row(k, rows.poses.front(), duration_s, *labelled.odometry);
+  }
+  return rows;
+}
+
+}  // namespace
 
 ResultTables::ResultTables(const ResultFolder& result, TableChoice choice, GrowingFile::Start start)
     : kitti_(result.kitti_poses(), "", start), trajectory_(result.trajectory(), "", start) {
@@ -64,6 +78,27 @@ void ResultTables::settle(const std::vector<TimedPose>& written) {
   unwritten_.clear();
   poses_ += written.size();
   if (!written.empty()) last_written_ = {written.back()};
+}
+
+ScanFiles files_of(const LabelledScan& labelled, std::size_t k, std::vector<TimedPose> poses,
+                   bool probabilities) {
+  const Detection& detection = labelled.detection;
+  ScanFiles files = {stage_masks_of(detection), labels_of(detection, detection.tracked), std::nullopt,
+                     rows_of(labelled, k, std::move(poses))};
+  if (probabilities) files.probabilities = labelled.probability_by_input();
+  return files;
+}
+
+void write_files(const ResultFolder& result, std::size_t k, const ScanFiles& files, ResultTables& tables) {
+  write_stage_file(result.stage_file(k), files.stages);
+  if (files.probabilities) write_probability_file(result.probability_file(k), *files.probabilities);
+  tables.add(files.rows);
+  try {
+    write_label_file(result.label_file(k), files.labels);
+  } catch (const OutputError&) {
+    tables.undo_add();
+    throw;
+  }
 }
 
 }  // namespace mapless::app

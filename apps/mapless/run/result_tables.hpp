@@ -1,12 +1,14 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <vector>
 
 #include <mapless/io/labels.hpp>
 #include <mapless/io/result_folder.hpp>
 #include <mapless/io/trajectory_file.hpp>
+#include <mapless/pipeline/online_detector.hpp>
 
 namespace mapless::app {
 
@@ -56,5 +58,22 @@ class ResultTables {
   std::size_t poses_ = 0;
   std::vector<TimedPose> last_written_;  // the last row of trajectory.txt, if there is one
 };
+
+/// What a labelled scan adds to the files of a result.
+struct ScanFiles {
+  std::vector<std::uint8_t> stages;
+  std::vector<std::uint32_t> labels;
+  std::optional<std::vector<float>> probabilities;
+  TableRows rows;
+};
+
+/// `k`: number of the scan in its recording. `poses`: those within it (scan_poses). `probabilities`: whether
+/// they are wanted.
+[[nodiscard]] ScanFiles files_of(const LabelledScan& labelled, std::size_t k, std::vector<TimedPose> poses,
+                                 bool probabilities);
+
+/// Writes the files of scan k and appends its rows; its label file last, so that the labelled scans of a run
+/// that is stopped are complete. Throws OutputError.
+void write_files(const ResultFolder& result, std::size_t k, const ScanFiles& files, ResultTables& tables);
 
 }  // namespace mapless::app

@@ -12,6 +12,7 @@
 #include "options/option_checks.hpp"
 #include "options/parameter_options.hpp"
 #include "options/recording_options.hpp"
+#include "rig/rig_run.hpp"
 #include "run/detection_run.hpp"
 #include "run/earlier_run.hpp"
 #include "run/folder_lock.hpp"
@@ -177,6 +178,44 @@ void require_possible(const DetectOptions& options, DetectionMethod method) {
   require_free_predictions(options.semantic_kitti, semantic_kitti_sequence(options.recording.path));
 }
 
+// Of a rig the whole recording is labelled, each sensor as its own folder says.
+void require_possible_with_rig(const DetectOptions& options) {
+  const DatasetOptions& dataset = options.recording.dataset;
+  const std::pair<bool, const char*> refused[] = {
+      {options.resume, "--resume"},
+      {options.real_time, "--realtime"},
+      {options.json, "--json"},
+      {!options.semantic_kitti.empty(), "--semantic-kitti"},
+      {options.first > 0, "--first"},
+      {options.count.has_value(), "--count"},
+      {options.own_vehicle_from.has_value(), "--own-vehicle-from"},
+      {options.measured.any(), "--initial-velocity, --speed, --imu"},
+      {!dataset.format.empty(), "--format"},
+      {!dataset.sensor.empty(), "--sensor"},
+      {!dataset.labels.empty(), "--labels"}};
+  for (const auto& [given, name] : refused) {
+    if (given) {
+      throw ParameterError(
+          {name, "", "given", "not for a rig", "leave it out, or give the recording of one of its sensors"});
+    }
+  }
+}
+
+int detect_of_rig(const DetectOptions& options) {
+  std::optional<tbb::global_control> threads;
+  if (options.threads) threads.emplace(tbb::global_control::max_allowed_parallelism, *options.threads);
+  require_possible_with_rig(options);
+  return detect_rig({options.recording.path,
+                     options.output,
+                     options.trajectory,
+                     options.odometry,
+                     options.overwrite,
+                     options.probability,
+                     {options.parameters.chosen(), options.parameters.odometry()},
+                     options.parameters.profile,
+                     configuration_text(options.parameters)});
+}
+
 int detect(const DetectOptions& options) {
   std::optional<tbb::global_control> threads;
   if (options.threads) threads.emplace(tbb::global_control::max_allowed_parallelism, *options.threads);
@@ -304,7 +343,9 @@ void add_detect(CLI::App& app, int& exit_code) {
           "more each. The result does not depend on it")
       ->check(CLI::Range(1, 1024));
   add_output_options(*verb, *options);
-  verb->callback([options, &exit_code] { exit_code = detect(*options); });
+  verb->callback([options, &exit_code] {
+    exit_code = is_rig(options->recording.path) ? detect_of_rig(*options) : detect(*options);
+  });
 }
 
 }  // namespace mapless::app

@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -25,6 +26,7 @@ namespace {
 struct SimulateOptions {
   std::string scene;
   std::string output;
+  std::string rig;  // file; empty: one sensor
   std::string sensor = "HDL-64E-S2";
   std::string format = "native";
   std::string faulty = "on";
@@ -33,6 +35,9 @@ struct SimulateOptions {
   SensorOptions sensing;
   std::optional<std::size_t> threads;
 };
+
+// Added to the seed of the noise of each sensor of a rig but the first: one seed has one noise.
+constexpr std::uint64_t kSeedsApart = 1000;
 
 void require_new(const std::filesystem::path& folder) {
   if (std::filesystem::exists(folder)) {
@@ -87,23 +92,72 @@ int write_scans(SimulatedSensor& sensor, SequenceWriter& writer, const RoomForTh
   return done;
 }
 
+// Scans of this sensor within the duration. Throws ParameterError where there is none.
+int scans_within(const SimulateOptions& options, const LidarModel& model) {
+  const double turns = std::floor(options.making.duration_s * model.rotation_rate_hz + 1e-6);
+  const int count = static_cast<int>(std::min(turns, 1e9));
+  if (count >= 1) return count;
+  throw ParameterError({"--duration-s", "", fmt::format("{}", options.making.duration_s),
+                        "shorter than one scan",
+                        fmt::format("give at least {}", 1 / model.rotation_rate_hz)});
+}
+
+// The scene as one sensor of a rig sees it; the vehicle's frame is that of the scene's own sensor.
+Scene seen_by(Scene scene, const RigSensor& sensor) {
+  for (TimedPose& pose : scene.poses) pose.T_v0 = sensor.T_bv.inverse() * pose.T_v0;
+  return scene;
+}
+
+// One recording after the other, of the same traffic. Interrupted, the later ones are missing or shorter.
+int simulate_rig(const SimulateOptions& options) {
+  const std::vector<RigSensor> sensors = read_rig_yaml(options.rig);
+  std::vector<std::shared_ptr<const LidarModel>> models;
+  for (const RigSensor& sensor : sensors) {
+    if (sensor.clock_offset != Duration()) {
+      throw ParameterError({"--rig", "clock_offset_s", fmt::format("{}", sensor.clock_offset.seconds()),
+                            "not 0: simulated sensors have one clock", "leave it out"});
+    }
+    models.push_back(std::make_shared<const LidarModel>(
+        model_from_name_or_file(sensor.model.empty() ? options.sensor : sensor.model)));
+  }
+  say("mapless: building {}\n", options.scene);
+  const Scene scene = make_scene(options.scene, options.making);
+  SimulatedWorld world(scene.world);
+  const std::filesystem::path folder(options.output);
+  const InterruptGuard interrupt;
+  for (std::size_t k = 0; k < sensors.size(); ++k) {
+    const Scene mine = seen_by(scene, sensors[k]);
+    const int count = scans_within(options, *models[k]);
+    const auto writer = make_sequence_writer(options.format, folder / sensors[k].name, models[k], mine);
+    const auto trajectory =
+        std::make_shared<const SampledTrajectory>(mine.poses, Duration(), "trajectory of the scene");
+    SensorOptions sensing = options.sensing;
+    sensing.seed += kSeedsApart * k;
+    SimulatedSensor sensor(models[k], trajectory, world, sensing);
+    const RoomForTheEnd room(folder / sensors[k].name / "room_for_the_end", bytes_at_the_end(mine, count));
+    const int done = write_scans(sensor, *writer, room, count);
+    if (done < count) {
+      say("mapless: interrupted after {} finished scans of {}\n", done, sensors[k].name);
+      return InterruptGuard::exit_code();
+    }
+    fmt::print("{} scans of {} ({}, {})\n", done, sensors[k].name, models[k]->name, options.format);
+  }
+  write_rig_yaml(folder / kRigFile, sensors);
+  fmt::print("result in {}\n", options.output);
+  return 0;
+}
+
 int simulate(SimulateOptions options) {
   std::optional<tbb::global_control> threads;
   if (options.threads) threads.emplace(tbb::global_control::max_allowed_parallelism, *options.threads);
   require_new(options.output);
-  const auto model = std::make_shared<const LidarModel>(
-      model_for_format(model_from_name_or_file(options.sensor), options.format));
-  const double turns = std::floor(options.making.duration_s * model->rotation_rate_hz + 1e-6);
-  const int count = static_cast<int>(std::min(turns, 1e9));
-  if (count < 1) {
-    throw ParameterError({"--duration-s", "", fmt::format("{}", options.making.duration_s),
-                          "shorter than one scan",
-                          fmt::format("give at least {}", 1 / model->rotation_rate_hz)});
-  }
   options.making.arbitrary_world = options.world == "arbitrary";
   options.sensing.seed = options.making.seed;
   options.sensing.faulty = options.faulty == "on";
-
+  if (!options.rig.empty()) return simulate_rig(options);
+  const auto model = std::make_shared<const LidarModel>(
+      model_for_format(model_from_name_or_file(options.sensor), options.format));
+  const int count = scans_within(options, *model);
   say("mapless: building {}\n", options.scene);
   const Scene scene = make_scene(options.scene, options.making);
   const auto writer = make_sequence_writer(options.format, options.output, model, scene);
@@ -141,6 +195,12 @@ void add_simulate(CLI::App& app, int& exit_code) {
                    "a named model, or a calibration file: Velodyne's YAML, Ouster's JSON, Hesai's CSV, or a "
                    "sensor.yaml")
       ->capture_default_str();
+  verb->add_option(
+          "--rig", options->rig,
+          "several sensors on one vehicle, of a rig.yaml with the model and the place of each: writes "
+          "a recording of each, and rig.yaml, for mapless detect. The frame of the vehicle is that of "
+          "the scene's own sensor")
+      ->check(not_empty());
   verb->add_option(
           "--duration-s", options->making.duration_s,
           "duration [s], at most 600. A longer recording of the same seed begins with the shorter one")

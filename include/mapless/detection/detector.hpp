@@ -14,6 +14,7 @@ namespace mapless::inline v1 {
 
 class DetectionPipeline;
 class MovingObjects;
+class RayImage;
 
 /// Labels every return of each scan as dynamic or static, online (arXiv 1809.06972). In: scans by increasing
 /// time, with the sensor's trajectory. Out: one Detection per scan, in order. No map, training, ground plane
@@ -51,6 +52,14 @@ class Detector {
   /// MB and as much time again for each scan whose points are explained.
   void explain(std::function<bool(Time)> points);
 
+  /// The rays of the scans processed since the last call, oldest first, for the detectors of other sensors on
+  /// the same vehicle; none with method "published".
+  [[nodiscard]] std::vector<std::shared_ptr<const RayImage>> new_rays();
+  /// Takes the rays of a scan of another sensor whose trajectory is in the same world, on the same clock:
+  /// where they passed through a point of a later scan of this one, the point is probably dynamic. Without
+  /// effect with method "published".
+  void add_rays_of_another_sensor(std::shared_ptr<const RayImage> rays);
+
   /// Scans between a scan and its detection, after the start: forward_gap.
   [[nodiscard]] int latency() const { return parameters_.forward_gap; }
   [[nodiscard]] const DetectorParameters& parameters() const { return parameters_; }
@@ -65,6 +74,7 @@ class Detector {
   Time newest_start_;
   std::size_t next_number_ = 0;     // of the next scan to add
   std::size_t next_detection_ = 0;  // of the next detection to return
+  std::size_t next_rays_ = 0;       // of the first scan whose rays new_rays() did not return
 };
 
 }  // namespace mapless

@@ -12,6 +12,7 @@
 
 #include <mapless/core/parameters.hpp>
 #include <mapless/lidar/lidar_model.hpp>
+#include <mapless/trajectory/trajectory.hpp>
 
 namespace mapless::inline v1 {
 
@@ -87,5 +88,17 @@ void write_sensor_yaml(const std::filesystem::path& file, const LidarModel& mode
 /// (JSON) or the angle correction of a Hesai (CSV). Throws InputError or
 /// ParameterError.
 [[nodiscard]] LidarModel model_from_name_or_file(const std::string& name_or_file);
+
+/// The file that makes a folder the recording of a rig (docs/formats.md, "Several lidars"): beside it lies
+/// the recording of each sensor, in a folder of the sensor's name.
+inline constexpr std::string_view kRigFile = "rig.yaml";
+/// Whether the folder holds the recording of a rig.
+[[nodiscard]] bool is_rig(const std::filesystem::path& folder);
+/// The sensors in such a file, in its order. Throws InputError naming file, key and value: without a sensor,
+/// for a name that is there twice or is no folder name, a quaternion whose norm is not 1 to 1e-3, a clock
+/// offset of the first sensor that is not 0, and an unknown key.
+[[nodiscard]] std::vector<RigSensor> read_rig_yaml(const std::filesystem::path& file);
+/// Writes such a file; reading it gives the same sensors, to the rounding of a rotation. Throws OutputError.
+void write_rig_yaml(const std::filesystem::path& file, const std::vector<RigSensor>& sensors);
 
 }  // namespace mapless

@@ -145,10 +145,71 @@ class OnlineDetector {
   /// Labels the scans that are still held back, with what is known now. The detector can then go on.
   [[nodiscard]] std::vector<LabelledScan> flush();
 
+  /// T_v0(t) as lidar odometry knows it after the newest scan, for the other sensors of a rig; null before it
+  /// has started, and where poses are given.
+  [[nodiscard]] std::shared_ptr<const Trajectory> estimated_trajectory() const;
+  /// Detector::new_rays and Detector::add_rays_of_another_sensor.
+  [[nodiscard]] std::vector<std::shared_ptr<const RayImage>> new_rays();
+  void add_rays_of_another_sensor(std::shared_ptr<const RayImage> rays);
+
   /// Scans between a scan and its labels, once started: forward_gap, without side_by_side.
   [[nodiscard]] int latency() const;
   /// Outcomes of the odometry so far; all zero where poses are given.
   [[nodiscard]] const OdometryReport& odometry_report() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// A labelled scan of one sensor of a rig. Times are on the clock of the rig.
+struct RigScan {
+  std::size_t sensor = 0;  ///< index in the list of sensors
+  /// `detection.sequence_number` counts the scans pushed of this sensor. `trajectory` is null where the
+  /// motion is not known over the whole scan; `motion_known` is false then.
+  LabelledScan labelled;
+};
+
+/// Several lidars on one vehicle: one motion, and the labels of every scan of each (OnlineDetector).
+///
+/// The motion of the rig is that of its first sensor: given, or estimated by lidar odometry from the scans of
+/// that sensor alone. The motion of the other sensors follows from their places on the vehicle. Each ray has
+/// the pose of its own sensor at its own instant. Where rays of one sensor passed through a point of a later
+/// scan of another, that is evidence that the point is dynamic. Apart from that each sensor has its own
+/// labels, objects and ids. A rig of one sensor gives the labels of an OnlineDetector.
+///
+/// Where the motion is estimated, a scan of another sensor waits until the scans of the first sensor during
+/// it are labelled. No point of it gets a label (`detection.motion_known` is false) where the motion of the
+/// first sensor is lost, where it is not known over the whole scan, and where kMostWaiting scans wait behind
+/// it. A new map of the odometry is a new world for all sensors, and the scans that wait then get no labels.
+///
+/// Results are the same for any number of threads. Not thread-safe: one call at a time.
+class RigDetector {
+ public:
+  /// Throws ParameterError for no sensors, an empty name, two of one name, and a parameter out of bounds.
+  /// OnlineDetectorOptions::side_by_side is without effect.
+  explicit RigDetector(std::vector<RigSensor> sensors, OnlineDetectorOptions options = {});
+  ~RigDetector();
+  RigDetector(RigDetector&&) noexcept;
+  RigDetector& operator=(RigDetector&&) noexcept;
+
+  /// Takes the next scan of a sensor, on the clock of the sensor, and returns the labelled scans that are
+  /// ready, those of each sensor in the order pushed. Scans of different sensors are pushed as they come: a
+  /// scan is evidence for scans of other sensors that are labelled after it was pushed.
+  ///
+  /// `given`: T_v0(t) of the first sensor on the clock of the rig, covering the scan; null: estimated. Either
+  /// every scan has given poses or none. Throws ParameterError for a sensor that does not exist or a null
+  /// scan, and what OnlineDetector::push throws; the scan is then not taken.
+  [[nodiscard]] std::vector<RigScan> push(std::size_t sensor, std::shared_ptr<const LidarScan> scan,
+                                          const std::shared_ptr<const Trajectory>& given = nullptr);
+  /// Labels the scans that are still held back. The detector can then go on.
+  [[nodiscard]] std::vector<RigScan> flush();
+
+  [[nodiscard]] const std::vector<RigSensor>& sensors() const;
+  /// Outcomes of the odometry, with the scans of the first sensor; all zero where poses are given.
+  [[nodiscard]] const OdometryReport& odometry_report() const;
+
+  static constexpr std::size_t kMostWaiting = 40;  ///< scans of one sensor
 
  private:
   struct State;

@@ -121,6 +121,31 @@ enum class MeasuredMotion : std::uint8_t {
   angular_velocity,  ///< of the lidar, about its axes [rad/s]
 };
 
+/// A lidar of a rig: one of several that are fixed to one vehicle (frame b).
+struct RigSensor {
+  std::string name;
+  SE3 T_bv;               ///< vehicle from sensor: where the sensor is on the vehicle, and its orientation
+  Duration clock_offset;  ///< to be added to the sensor's times: the clock of the rig is its first sensor's
+  std::string model;      ///< a named model or a calibration file; empty: that of its recording
+};
+
+/// The motion of one sensor of a rig, from that of another: T_w0(t) = T_wv T_v0(t).
+class MountedTrajectory final : public Trajectory {
+ public:
+  /// `of_v`: not null. `T_wv`: sensor w from sensor v, which does not change. The velocities at both ends of
+  /// its domain extrapolate by `extrapolation`.
+  MountedTrajectory(std::shared_ptr<const Trajectory> of_v, const SE3& T_wv,
+                    Duration extrapolation = Duration());
+  [[nodiscard]] Time begin() const override { return of_v_->begin() - extrapolation_; }
+  [[nodiscard]] Time end() const override { return of_v_->end() + extrapolation_; }
+  [[nodiscard]] TrajectoryState at(Time t) const override;
+
+ private:
+  std::shared_ptr<const Trajectory> of_v_;
+  SE3 T_wv_;
+  Duration extrapolation_;
+};
+
 /// What another sensor measures of the motion of the lidar at one instant: wheels, radar, an inertial sensor.
 struct MotionMeasurement {
   Time time;  ///< on the clock of the scans

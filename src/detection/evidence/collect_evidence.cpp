@@ -38,9 +38,9 @@ std::vector<ScanlineSampler::Row> rows_of(const LidarScan& scan, bool between) {
 
 std::vector<PointEvidence> collect_evidence(const LidarScan& scan, const LocalPoints& points,
                                             const std::vector<ReferenceScan>& references, const RayImage& own,
-                                            const VotingParameters& parameters,
-                                            ScanExplanation* explanation) {
-  const EvidenceCollector collector(scan, points, references, own, parameters, explanation);
+                                            const VotingParameters& parameters, ScanExplanation* explanation,
+                                            const std::vector<ReferenceScan>& others) {
+  const EvidenceCollector collector(scan, points, references, own, parameters, explanation, others);
   if (explanation) explanation->source.assign(points.points.size(), -1);
   std::vector<PointEvidence> evidence(points.points.size());
   tbb::enumerable_thread_specific<ScanlineSampler> of_thread(std::cref(scan), std::cref(points),

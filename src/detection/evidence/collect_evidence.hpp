@@ -14,11 +14,13 @@ namespace mapless::inline v1 {
 ///
 /// Point by point this is the freespace check of paper step 3 against each reference scan; the comparison of
 /// step 2 is its answer `border`. Not every point is queried (ScanlineSampler). The result does not depend on
-/// the number of threads. `explanation`: records gaps, sources and observations; null: nothing.
+/// the number of threads. `explanation`: records gaps, sources and observations; null: nothing. `others`:
+/// earlier scans of other sensors on the same vehicle.
 [[nodiscard]] std::vector<PointEvidence> collect_evidence(const LidarScan& scan, const LocalPoints& points,
                                                           const std::vector<ReferenceScan>& references,
                                                           const RayImage& own,
                                                           const VotingParameters& parameters,
-                                                          ScanExplanation* explanation = nullptr);
+                                                          ScanExplanation* explanation = nullptr,
+                                                          const std::vector<ReferenceScan>& others = {});
 
 }  // namespace mapless

@@ -80,7 +80,8 @@ int next_gap(const std::vector<ReferenceScan>& references) {
 
 EvidenceCollector::EvidenceCollector(const LidarScan& scan, const LocalPoints& points,
                                      const std::vector<ReferenceScan>& references, const RayImage& own,
-                                     const VotingParameters& parameters, ScanExplanation* explanation)
+                                     const VotingParameters& parameters, ScanExplanation* explanation,
+                                     const std::vector<ReferenceScan>& others)
     : scan_(scan),
       points_(points.points),
       image_(scan),
@@ -96,6 +97,10 @@ EvidenceCollector::EvidenceCollector(const LidarScan& scan, const LocalPoints& p
                            std::abs(r.gap) <= recent, r.gap, references_.size()});
     if (explanation_) explanation_->gaps.push_back(r.gap);
   }
+  for (const ReferenceScan& r : others) {
+    others_.push_back({FreespaceProbe(*r.image, points.origin_0, parameters), surface_votes(r.gap), false,
+                       false, r.gap <= recent, r.gap, others_.size()});
+  }
   if (explanation_) explanation_->observations.assign(points_.size() * references_.size(), {});
 }
 
@@ -107,6 +112,7 @@ void EvidenceCollector::query(const std::vector<std::size_t>& returns, Workspace
     query_reference(references_[k], work);
     settle(k + 1, work);
   }
+  query_others(work);
   add_departed(work);
   for (const std::size_t k : work.open) add_range_rate(k, work);
   for (const PointQuery& query : work.queries) evidence[query.i] = query.evidence;
@@ -204,6 +210,33 @@ void EvidenceCollector::add_answer(const Reference& reference, const FreespacePr
              reference.probe.ended(answer) && reference.later == reference.next) {
     reference.probe.prepare_endpoint(answer.column);
     work.occluders.push_back({&query, answer.laser, answer.column});
+  }
+}
+
+// Another sensor sees a surface at another angle, between other rings and past other edges: a ray of it that
+// passes farther aside than kSeenThroughWithin_m tells nothing of the point. That it saw a surface there, or
+// something before it, is no evidence against the point, but takes back what its other scans saw through.
+void EvidenceCollector::query_others(Workspace& work) const {
+  if (others_.empty() || work.open.empty()) return;
+  work.others.assign(work.open.size(), {});
+  for (const Reference& reference : others_) {
+    work.points.observe(reference.probe, [&](std::size_t k, const FreespaceProbe::Answer& answer) {
+      Workspace::OtherSensors& other = work.others[k];
+      if (answer.verdict == FreespaceVerdict::inside && answer.aside_m <= kSeenThroughWithin_m) {
+        other.seen_through += kSeenThroughVotes;
+        other.recently = other.recently || reference.recent;
+      } else if (answer.verdict == FreespaceVerdict::border && !reference.probe.dynamic(answer)) {
+        other.surface += reference.surface_votes;
+      }
+    });
+  }
+  for (std::size_t k = 0; k < work.open.size(); ++k) {
+    const Workspace::OtherSensors& other = work.others[k];
+    if (other.seen_through <= other.surface) continue;
+    PointEvidence& evidence = work.queries[work.open[k]].evidence;
+    evidence.past = static_cast<std::int16_t>(evidence.past + other.seen_through - other.surface);
+    evidence.seen_through = true;
+    evidence.recently_free = evidence.recently_free || other.recently;
   }
 }
 

@@ -31,14 +31,20 @@ struct ReferenceScan {
 /// went `d` metres in `gap` scans goes on by d / gap until the next scan. If that is clearly more than the
 /// noise, and the next scan sees a surface at the point, the occluder was something else, which uncovered the
 /// point.
+///
+/// Scans of other sensors on the same vehicle are queried last, about the points that are not settled, and
+/// only for what they saw through (query_others).
 class EvidenceCollector {
   struct Reference;
 
  public:
-  /// Keeps references to all but `references`. `explanation`: records gaps and observations; null: nothing.
+  /// Keeps references to all but `references` and `others`. `others`: earlier scans of other sensors, by
+  /// their gaps in scans of this one. `explanation`: records gaps and observations of `references`; null:
+  /// nothing.
   EvidenceCollector(const LidarScan& scan, const LocalPoints& points,
                     const std::vector<ReferenceScan>& references, const RayImage& own,
-                    const VotingParameters& parameters, ScanExplanation* explanation = nullptr);
+                    const VotingParameters& parameters, ScanExplanation* explanation = nullptr,
+                    const std::vector<ReferenceScan>& others = {});
 
   /// Memory of one call, kept for the next by its thread.
   struct Workspace {
@@ -63,6 +69,12 @@ class EvidenceCollector {
     };
     std::vector<Occluder> occluders;
     PackedPoints places;  // of each occluder
+    // What the scans of other sensors observed at a query.
+    struct OtherSensors {
+      int seen_through = 0, surface = 0;  // votes for the point and against it
+      bool recently = false;              // seen through by a recent scan
+    };
+    std::vector<OtherSensors> others;
     // An occluder whose place the query scan observes free, of all reference scans.
     struct DepartedOccluder {
       PointQuery* query;
@@ -95,6 +107,7 @@ class EvidenceCollector {
   void query_reference(const Reference& reference, Workspace& work) const;
   void add_answer(const Reference& reference, const FreespaceProbe::Answer& answer, PointQuery& query,
                   Workspace& work) const;
+  void query_others(Workspace& work) const;
   void find_departed(const Reference& reference, Workspace& work) const;
   void add_departed(Workspace& work) const;
   [[nodiscard]] bool consistent_with_departure(const Workspace::DepartedOccluder& occluder) const;
@@ -116,6 +129,7 @@ class EvidenceCollector {
   float max_occluder_distance_m_, surface_noise_m_;
   FreespaceProbe own_;
   std::vector<Reference> references_;  // in the order of queries
+  std::vector<Reference> others_;      // of other sensors
   ScanExplanation* explanation_;
 };
 

@@ -46,6 +46,12 @@ class PublishedPipeline final : public DetectionPipeline {
     buffer_.push_back(prepare(std::move(scan), trajectory));
   }
 
+  [[nodiscard]] std::vector<std::shared_ptr<const RayImage>> rays_from(
+      std::size_t /*number*/) const override {
+    return {};
+  }
+  void add_rays_of_another_sensor(std::shared_ptr<const RayImage> /*rays*/) override {}
+
   ObjectProposals propose(std::size_t number) override {
     const auto gap = static_cast<std::size_t>(parameters_.scan_gap);
     while (first_number_ + gap < number) {  // the oldest reference scan from here on

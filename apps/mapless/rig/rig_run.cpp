@@ -1,0 +1,197 @@
+#include "rig/rig_run.hpp"
+
+#include <algorithm>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "run/folder_lock.hpp"
+#include "run/given_motion.hpp"
+#include "run/result_tables.hpp"
+#include "run/run_summary.hpp"
+#include "run/scan_poses.hpp"
+#include "terminal/exit_codes.hpp"
+#include "terminal/interrupt.hpp"
+#include "terminal/progress.hpp"
+#include "terminal/stderr.hpp"
+#include "trust/input_check.hpp"
+#include <mapless/core/errors.hpp>
+#include <mapless/io/dataset.hpp>
+#include <mapless/io/files.hpp>
+#include <mapless/io/result_folder.hpp>
+
+namespace mapless::app {
+namespace {
+
+// One sensor of the rig: its recording, and its result as far as it is written.
+struct Member {
+  Member(const RigSensor& sensor, const RigRunOptions& options, const TrajectorySource& motion)
+      : offset(sensor.clock_offset),
+        result(options.output / sensor.name),
+        lock(result.path(), std::string(kProgramName)),
+        dataset(open_dataset(options.recording / sensor.name, {{}, sensor.model, {}, {}, {}})),
+        summary(*dataset, (options.recording / sensor.name).string(), motion, options.profile, 0,
+                dataset->size()) {
+    result.require_free(options.overwrite);
+    require_time_order(*dataset, 0, dataset->size());
+  }
+
+  [[nodiscard]] bool finished() const { return next == dataset->size(); }
+  [[nodiscard]] Time next_start() const { return dataset->scan_start(next) + offset; }
+
+  Duration offset;
+  ResultFolder result;
+  FolderLock lock;
+  std::unique_ptr<Dataset> dataset;
+  RunSummary summary;
+  std::size_t next = 0;                               // scan to be read
+  std::optional<ResultTables> tables;                 // once the folder is made
+  std::shared_ptr<const Trajectory> last_trajectory;  // of the last scan with one
+  Time last_end;
+};
+
+class RigRun {
+ public:
+  RigRun(const RigRunOptions& options, std::vector<RigSensor> sensors)
+      : options_(options), detector_(sensors, options.detector), motion_(motion_of(sensors.front())) {
+    for (const RigSensor& sensor : sensors)
+      members_.push_back(std::make_unique<Member>(sensor, options, motion_));
+    for (const auto& member : members_) scans_ += member->dataset->size();
+    const Dataset& first = *members_.front()->dataset;
+    members_.front()->summary.set_input_doubts(said_doubts(first, motion_.trajectory, {0, first.size(), 0}));
+  }
+
+  // False where it was interrupted.
+  bool run() {
+    try {
+      while (Member* const member = earliest()) {
+        if (InterruptGuard::requested()) break;
+        push(*member);
+      }
+      write(detector_.flush());
+    } catch (const std::exception& error) {
+      finish(error.what());
+      throw;
+    }
+    const bool complete =
+        std::all_of(members_.begin(), members_.end(), [](const auto& member) { return member->finished(); });
+    finish(complete ? "" : "interrupted");
+    return complete;
+  }
+
+  // Says the doubts; returns the exit code.
+  [[nodiscard]] int report() const {
+    bool trusted = true;
+    for (std::size_t k = 0; k < members_.size(); ++k) {
+      const Member& member = *members_[k];
+      fmt::print("{}:\n{}", detector_.sensors()[k].name, member.summary.lines());
+      for (const std::string& doubt : member.summary.doubts()) {
+        say("mapless: {}: {}\n", detector_.sensors()[k].name, doubt);
+        trusted = false;
+      }
+    }
+    fmt::print("result in {}\n", options_.output.string());
+    return trusted ? kSuccess : kNotTrusted;
+  }
+
+ private:
+  // Of the first sensor.
+  [[nodiscard]] TrajectorySource motion_of(const RigSensor& sensor) const {
+    const auto dataset = open_dataset(options_.recording / sensor.name, {{}, sensor.model, {}, {}, {}});
+    return options_.odometry ? motion_by_odometry(*dataset, 0)
+                             : given_motion(*dataset, options_.trajectory, 0);
+  }
+
+  // The sensor whose next scan starts first; null: all are read.
+  [[nodiscard]] Member* earliest() const {
+    Member* first = nullptr;
+    for (const auto& member : members_) {
+      if (!member->finished() && (first == nullptr || member->next_start() < first->next_start()))
+        first = member.get();
+    }
+    return first;
+  }
+
+  void push(Member& member) {
+    const auto scan = std::make_shared<const LidarScan>(member.dataset->read(member.next));
+    if (member.next == 0) member.summary.set_input(*scan, scan->compensated_to.has_value());
+    ++member.next;
+    write(detector_.push(number_of(member), scan, motion_.trajectory));
+  }
+
+  [[nodiscard]] std::size_t number_of(const Member& member) const {
+    const auto same = [&](const auto& one) { return one.get() == &member; };
+    return static_cast<std::size_t>(std::find_if(members_.begin(), members_.end(), same) - members_.begin());
+  }
+
+  void write(const std::vector<RigScan>& scans) {
+    for (const RigScan& scan : scans) write(*members_[scan.sensor], scan.sensor == 0, scan.labelled);
+  }
+
+  void write(Member& member, bool is_first, const LabelledScan& labelled) {
+    if (!member.tables) {
+      member.result.create(options_.overwrite, member.summary.text());
+      if (options_.probability) member.result.create_probabilities();
+      write_file_atomically(member.result.config(), options_.configuration);
+      member.tables.emplace(member.result, is_first && !motion_.trajectory, GrowingFile::Start::anew);
+    }
+    const LidarScan& scan = labelled.scan();
+    const std::size_t k = labelled.detection.sequence_number;
+    if (labelled.trajectory) {
+      const auto poses = scan_poses(*labelled.trajectory, scan.start, scan.end(), kPosesPerScan);
+      write_files(member.result, k, files_of(labelled, k, poses, options_.probability), *member.tables);
+      member.last_trajectory = labelled.trajectory;
+      member.last_end = scan.end();
+    } else {  // without labels, objects and poses
+      write_stage_file(member.result.stage_file(k), stage_masks_of(labelled.detection));
+      if (options_.probability)
+        write_probability_file(member.result.probability_file(k), labelled.probability_by_input());
+      write_label_file(member.result.label_file(k), labels_of(labelled.detection));
+    }
+    member.summary.add(labelled.detection);
+    progress_.update(++written_, scans_);
+  }
+
+  // `reason`: why the run stopped; empty: it is complete.
+  void finish(const std::string& reason) {
+    progress_.clear();
+    for (const auto& member : members_) {
+      if (!member->tables) continue;
+      if (member->last_trajectory) member->tables->finish(*member->last_trajectory, member->last_end);
+      reason.empty() ? member->summary.set_complete() : member->summary.set_stopped(reason);
+    }
+    Member& first = *members_.front();
+    if (!motion_.trajectory && first.tables) first.summary.set_odometry(detector_.odometry_report());
+    for (const auto& member : members_) {
+      if (member->tables) write_file_atomically(member->result.summary(), member->summary.text());
+    }
+  }
+
+  const RigRunOptions& options_;
+  RigDetector detector_;
+  TrajectorySource motion_;  // of the first sensor
+  std::vector<std::unique_ptr<Member>> members_;
+  std::size_t scans_ = 0, written_ = 0;
+  Progress progress_{"scans"};
+};
+
+}  // namespace
+
+int detect_rig(const RigRunOptions& options) {
+  const std::vector<RigSensor> sensors = read_rig_yaml(options.recording / kRigFile);
+  RigRun run(options, sensors);
+  say("mapless: rig of {} sensors; trajectory: {}\n", sensors.size(),
+      options.odometry ? "estimated by lidar odometry of " + sensors.front().name
+                       : "of " + sensors.front().name);
+  const InterruptGuard interrupt;
+  if (!run.run()) {
+    say("mapless: interrupted; the results are valid up to their last scans, summary.json says incomplete\n");
+    return InterruptGuard::exit_code();
+  }
+  return run.report();
+}
+
+}  // namespace mapless::app
