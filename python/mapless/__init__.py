@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from mapless._open import open
     from mapless._recording import CloudSource, Measurement, Recording, Scan
     from mapless._result import Result
-    from mapless._verbs import CommandError, detect, evaluate, explain, simulate
+    from mapless._verbs import CommandError, detect, detect_rig, evaluate, explain, simulate
 
 __version__ = version()
 
@@ -54,6 +54,7 @@ __all__ = [
     "TrajectoryDomainError",
     "__version__",
     "detect",
+    "detect_rig",
     "evaluate",
     "explain",
     "open",
@@ -67,7 +68,7 @@ _MODULES = {
     "_open": ("open",),
     "_recording": ("CloudSource", "Measurement", "Recording", "Scan"),
     "_result": ("Result",),
-    "_verbs": ("CommandError", "detect", "evaluate", "explain", "simulate"),
+    "_verbs": ("CommandError", "detect", "detect_rig", "evaluate", "explain", "simulate"),
 }
 
 if not TYPE_CHECKING:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import pathlib
 import subprocess
 import sys
 import warnings
@@ -32,8 +33,17 @@ def detect(recording: str | os.PathLike[str], output: str | os.PathLike[str], **
     return Result(output)
 
 
+def detect_rig(recording: str | os.PathLike[str], output: str | os.PathLike[str], **options: Any) -> dict[str, Result]:
+    """`detect` for the recording of several lidars on one vehicle (a folder with rig.yaml): the result of each sensor, by
+    its name. Each is a folder of `output`."""
+    run_verb("detect", os.fspath(recording), "--output", os.fspath(output), **options)
+    folders = sorted(path for path in pathlib.Path(output).iterdir() if (path / "labels").is_dir())
+    return {path.name: Result(path) for path in folders}
+
+
 def simulate(scene: str, output: str | os.PathLike[str], **options: Any) -> None:
-    """Writes a simulated recording with true labels: `mapless simulate SCENE -o OUTPUT`, "crossing" for example."""
+    """Writes a simulated recording with true labels: `mapless simulate SCENE -o OUTPUT`, "crossing" for example.
+    `rig="rig.yaml"`: one of several sensors on a vehicle."""
     run_verb("simulate", scene, "--output", os.fspath(output), **options)
 
 
