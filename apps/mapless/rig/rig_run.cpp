@@ -82,6 +82,8 @@ class RigRun {
     return complete;
   }
 
+  [[nodiscard]] bool estimates_motion() const { return motion_.trajectory == nullptr; }
+
   // Says the doubts; returns the exit code.
   [[nodiscard]] int report() const {
     bool trusted = true;
@@ -183,9 +185,8 @@ class RigRun {
 int detect_rig(const RigRunOptions& options) {
   const std::vector<RigSensor> sensors = read_rig_yaml(options.recording / kRigFile);
   RigRun run(options, sensors);
-  say("mapless: rig of {} sensors; trajectory: {}\n", sensors.size(),
-      options.odometry ? "estimated by lidar odometry of " + sensors.front().name
-                       : "of " + sensors.front().name);
+  say("mapless: rig of {} sensors; trajectory: {} {}\n", sensors.size(),
+      run.estimates_motion() ? "estimated by lidar odometry of" : "of", sensors.front().name);
   const InterruptGuard interrupt;
   if (!run.run()) {
     say("mapless: interrupted; the results are valid up to their last scans, summary.json says incomplete\n");

@@ -294,7 +294,8 @@ void add_detect(CLI::App& app, int& exit_code) {
   auto* verb = app.add_subcommand(
       "detect",
       "Label every point of a recording as dynamic or static, and track the moving objects: position "
-      "and velocity scan by scan (objects.csv)");
+      "and velocity scan by scan (objects.csv). The recording of several lidars on one vehicle (a folder "
+      "with rig.yaml) gives a result per sensor");
   const auto options = std::make_shared<DetectOptions>();
   add_recording_options(*verb, options->recording);
   verb->add_option("-o,--output", options->output,
