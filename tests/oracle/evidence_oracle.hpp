@@ -14,6 +14,7 @@ inline std::vector<PointEvidence> query_every_point(const LidarScan& scan, const
                                                     const std::vector<ReferenceScan>& references,
                                                     const RayImage& own, const VotingParameters& parameters) {
   std::vector<PointEvidence> evidence(points.points.size());
+  const SlopeImage slopes(scan, points.points);
   const FreespaceProbe own_probe(own, points.origin_0, parameters);
   const auto seen_next = [&](const Eigen::Vector3f& now) {
     return std::any_of(references.begin(), references.end(), [&](const ReferenceScan& a) {
@@ -37,7 +38,7 @@ inline std::vector<PointEvidence> query_every_point(const LidarScan& scan, const
     const FreespaceProbe probe(*a.image, points.origin_0, parameters);
     for (std::size_t i = 0; i < evidence.size(); ++i) {
       float column = 0;
-      const auto answer = probe.observe(points.points[i], column);
+      const auto answer = probe.observe(points.points[i], column, slopes.of(i, 1));
       int vote = 0;
       const bool inside = answer.verdict == FreespaceVerdict::inside;
       if (inside) vote = answer.aside_m <= 0.07F || !probe.ended(answer) ? 4 : 2;

@@ -20,8 +20,8 @@ double known_range(const LidarScan& scan, int laser, int column) {
 }  // namespace
 
 FreespaceProbeOracle::FreespaceProbeOracle(const LidarScan& reference, const Trajectory& trajectory,
-                                           const VotingParameters& parameters)
-    : reference_(reference), trajectory_(trajectory), parameters_(parameters) {
+                                           const VotingParameters& parameters, const SurfaceSlopes& slopes)
+    : reference_(reference), trajectory_(trajectory), parameters_(parameters), slopes_(slopes) {
   for (int l = 0; l < reference.rows(); ++l) {
     const Laser& laser = reference.model->lasers[static_cast<std::size_t>(l)];
     const SE3 T_hl = laser.T_lh().inverse();
@@ -46,7 +46,7 @@ FreespaceProbeOracle::Sighting FreespaceProbeOracle::sight(const Vector3d& q_0, 
     const double squared = d.squaredNorm() - foot * foot;
     if (foot <= 0 || squared >= best_squared) continue;
     best_squared = squared;
-    best = {laser, c, foot, d.dot(r.up)};
+    best = {laser, c, foot, d.dot(r.up), d.dot(r.up.cross(r.direction))};
   }
   return best;
 }
@@ -65,8 +65,11 @@ FreespaceVerdict FreespaceProbeOracle::classify(const std::vector<Sighting>& aro
                                                 const Sighting& nearest) const {
   bool ends_here = false, ends_short = false;
   for (const Sighting& s : around) {
+    const double inclined_m =
+        double{slopes_.up} * std::abs(s.height_m) + double{slopes_.left} * std::abs(s.left_m);
     const double tolerance_m =
-        parameters_.tolerance_m + parameters_.tolerance_spacings * spacing_rad(s.laser) * s.range_m;
+        parameters_.tolerance_m +
+        std::min(inclined_m, parameters_.tolerance_spacings * spacing_rad(s.laser) * s.range_m);
     for (int c = 0; c < reference_.columns; ++c) {
       if (std::abs(c - s.column) > parameters_.window_columns / 2) continue;
       const double beyond = ray(s.laser, c).range_m - s.range_m;

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 
+#include "detection/freespace/freespace_probe.hpp"
 #include <mapless/core/se3.hpp>
 #include <mapless/detection/detection.hpp>
 #include <mapless/detection/parameters.hpp>
@@ -16,8 +17,9 @@ namespace mapless::test {
 /// firings, each ray from the pose of the sensor at the instant that laser fired, in double precision.
 class FreespaceProbeOracle {
  public:
+  /// `slopes`: of the surfaces of all points asked about.
   FreespaceProbeOracle(const LidarScan& reference, const Trajectory& trajectory,
-                       const VotingParameters& parameters);
+                       const VotingParameters& parameters, const SurfaceSlopes& slopes = {});
 
   [[nodiscard]] FreespaceVerdict verdict(const Eigen::Vector3d& q_0) const {
     return verdict(q_0, 0, reference_.columns);
@@ -50,6 +52,7 @@ class FreespaceProbeOracle {
     int column = -1;
     double range_m = 0;
     double height_m = 0;
+    double left_m = 0;
   };
   [[nodiscard]] const Ray& ray(int laser, int column) const {
     return rays_[static_cast<std::size_t>(laser) * static_cast<std::size_t>(reference_.columns) +
@@ -63,6 +66,7 @@ class FreespaceProbeOracle {
   const LidarScan& reference_;
   const Trajectory& trajectory_;
   VotingParameters parameters_;
+  SurfaceSlopes slopes_;
   std::vector<Ray> rays_;  // row-major
 };
 

@@ -219,8 +219,10 @@ std::string point_text(const Json& point) {
                        point["evidence_of"].dump());
   }
   if (!point["observations"].empty()) out += table_of_rays(point);
-  out += fmt::format("A ray that ends within {:.2f} m of the point saw its surface.\n",
-                     point["tolerance_m"].get<double>());
+  out += fmt::format(
+      "A ray that ends within {:.2f} m of the point, or less where its surface is square to the rays, saw "
+      "its surface.\n",
+      point["tolerance_m"].get<double>());
   if (point.contains("object")) out += table_of_object(point["object"]);
   return out;
 }

@@ -41,8 +41,15 @@ constexpr float kMaxOffset_m = 2;
 // Standard deviation of an offset, as a share of the tolerance, which is four of one range: noise of both
 // ranges, and surfaces that are not quite planes. Any from 0.3 to 0.5 gives the same.
 constexpr float kOffsetStd = 0.5F;
-// How far away in the row the neighbour lies that gives the slope: nearer ones differ by noise.
-constexpr int kSlopeColumns = 3;
+// How far away in the row the neighbours lie that give the slope of a point that moves along the rays: the
+// range of nearer ones differs by noise.
+constexpr int kRangeRateColumns = 3;
+
+// The larger one counts, 0 where it is not known.
+float steepest(SurfaceSlopes slopes) {
+  const auto known = [](float slope) { return slope < SurfaceSlopes::kUnknown ? slope : 0; };
+  return std::max(known(slopes.up), known(slopes.left));
+}
 
 std::vector<ReferenceScan> query_order(std::vector<ReferenceScan> references) {
   std::stable_sort(references.begin(), references.end(), [](const ReferenceScan& a, const ReferenceScan& b) {
@@ -84,7 +91,7 @@ EvidenceCollector::EvidenceCollector(const LidarScan& scan, const LocalPoints& p
                                      const std::vector<ReferenceScan>& others)
     : scan_(scan),
       points_(points.points),
-      image_(scan),
+      slopes_(scan, points_),
       max_occluder_distance_m_(static_cast<float>(parameters.max_occluder_distance_m)),
       surface_noise_m_(static_cast<float>(kSurfaceNoise * parameters.tolerance_m)),
       own_(own, points.origin_0, parameters),
@@ -127,7 +134,7 @@ void EvidenceCollector::start(const std::vector<std::size_t>& returns, Workspace
   for (const std::size_t i : returns) {
     work.open.push_back(work.queries.size());
     work.queries.push_back({static_cast<std::uint32_t>(i), {}});
-    work.points.add(points_[i], column(i));
+    work.points.add(points_[i], column(i), slopes_.of(i, 1));
   }
 }
 
@@ -254,7 +261,9 @@ void EvidenceCollector::add_offset(const Reference& reference, const FreespacePr
 void EvidenceCollector::add_range_rate(std::size_t number, Workspace& work) const {
   PointQuery& query = work.queries[number];
   const std::span offsets = std::span(work.offsets).subspan(number * references_.size(), query.offsets);
-  if (!moves_along_rays(offsets, kOffsetStd * own_.tolerance_m(0, 0), slope(query.i))) return;
+  if (!moves_along_rays(offsets, kOffsetStd * own_.tolerance_m(0, 0),
+                        steepest(slopes_.of(query.i, kRangeRateColumns))))
+    return;
   PointEvidence& evidence = query.evidence;
   for (const RangeOffset& offset : offsets) {
     if (!offset.agrees) continue;
@@ -270,28 +279,6 @@ void EvidenceCollector::add_range_rate(std::size_t number, Workspace& work) cons
   }
   evidence.occluder_left = true;
   evidence.recently_free = true;
-}
-
-// By how much the range of the surface changes per metre across. Of the neighbours on either side the nearer
-// one counts, since the other may lie beyond an edge. Without neighbours: 0.
-float EvidenceCollector::slope(std::size_t i) const {
-  const int laser = scan_.returns[i].laser;
-  const float along =
-      std::min(slope_towards(i, laser, -kSlopeColumns), slope_towards(i, laser, kSlopeColumns));
-  const float across = std::min(slope_towards(i, laser - 1, 0), slope_towards(i, laser + 1, 0));
-  return std::max(std::isfinite(along) ? along : 0, std::isfinite(across) ? across : 0);
-}
-
-float EvidenceCollector::slope_towards(std::size_t i, int row, int columns) const {
-  if (row < 0 || row >= scan_.rows()) return std::numeric_limits<float>::infinity();
-  const LidarReturn& r = scan_.returns[i];
-  const std::int32_t n =
-      scan_.cell(row, image_.scan_column(row, image_.aligned_column(r.laser, r.column) + columns));
-  if (n < 0) return std::numeric_limits<float>::infinity();
-  const auto j = static_cast<std::size_t>(n);
-  const float deeper_m = std::abs(scan_.returns[j].range_m - r.range_m);
-  const float across2 = (points_[j] - points_[i]).squaredNorm() - deeper_m * deeper_m;
-  return across2 > 0 ? deeper_m / std::sqrt(across2) : std::numeric_limits<float>::infinity();
 }
 
 // Of the occluders near enough to be of the same object, those whose place the query scan observes free.

@@ -8,8 +8,8 @@
 
 #include "detection/evidence/point_evidence.hpp"
 #include "detection/evidence/range_rate.hpp"
+#include "detection/evidence/slope_image.hpp"
 #include "detection/freespace/packed_points.hpp"
-#include "lidar/aligned_image.hpp"
 #include <mapless/detection/explanation.hpp>
 #include <mapless/geometry/compensated_scan.hpp>
 
@@ -116,8 +116,6 @@ class EvidenceCollector {
   void add_offset(const Reference& reference, const FreespaceProbe::Answer& answer, int surface_votes,
                   PointQuery& query, Workspace& work) const;
   void add_range_rate(std::size_t number, Workspace& work) const;
-  [[nodiscard]] float slope(std::size_t i) const;
-  [[nodiscard]] float slope_towards(std::size_t i, int row, int columns) const;
   // Where the observation of a point by a reference scan is recorded; null: nowhere.
   [[nodiscard]] Observation* recorded(const Reference& reference, std::size_t i) const {
     return explanation_ ? &explanation_->observations[i * references_.size() + reference.order] : nullptr;
@@ -125,7 +123,7 @@ class EvidenceCollector {
 
   const LidarScan& scan_;
   const std::vector<Eigen::Vector3f>& points_;
-  AlignedImage image_;
+  SlopeImage slopes_;
   float max_occluder_distance_m_, surface_noise_m_;
   FreespaceProbe own_;
   std::vector<Reference> references_;  // in the order of queries

@@ -143,8 +143,11 @@ float FreespaceProbe::max_distance_m(const Sighting& nearest) const {
   return reach_at_0_m_ + reach_spacings_ * nearest.beam->spacing_rad * nearest.range_m;
 }
 
-void FreespaceProbe::add_window(const Sighting& s, bool is_nearest, Window& window) const {
-  const float tolerance = tolerance_m(s.beam->laser, s.range_m);
+void FreespaceProbe::add_window(const Sighting& s, bool is_nearest, SurfaceSlopes slopes,
+                                Window& window) const {
+  const float inclined_m = slopes.up * std::abs(s.height_m) + slopes.left * std::abs(s.left_m);
+  const float tolerance =
+      tolerance_at_0_m_ + std::min(inclined_m, tolerance_spacings_ * s.beam->spacing_rad * s.range_m);
   for (int c = s.column - half_window_; c <= s.column + half_window_; ++c) {
     const FreespaceVerdict found = compare_ranges(image_.range_m(s.beam->laser, c), s.range_m, tolerance);
     if (found == FreespaceVerdict::outside) {
@@ -158,15 +161,16 @@ void FreespaceProbe::add_window(const Sighting& s, bool is_nearest, Window& wind
   if (is_nearest) window.nearest_range_m = image_.range_m(s.beam->laser, s.column);
 }
 
-FreespaceProbe::Answer FreespaceProbe::observe_about_image(const Vector3f& q, float& column) const {
+FreespaceProbe::Answer FreespaceProbe::observe_about_image(const Vector3f& q, float& column,
+                                                           SurfaceSlopes slopes) const {
   Vector3f q_h;
   if (!find_column(q, column, q_h)) return {};
   const Bracket rays = bracket(q, column, q_h);
   const Sighting& nearest = rays.nearest();
   if (!nearest.found() || std::abs(nearest.height_m) > max_distance_m(nearest)) return {};
   Window window;
-  if (rays.above.found()) add_window(rays.above, &nearest == &rays.above, window);
-  if (rays.below.found()) add_window(rays.below, &nearest == &rays.below, window);
+  if (rays.above.found()) add_window(rays.above, &nearest == &rays.above, slopes, window);
+  if (rays.below.found()) add_window(rays.below, &nearest == &rays.below, slopes, window);
   const auto answer = [&](FreespaceVerdict verdict) {
     return Answer{verdict, nearest.beam->laser, nearest.column, nearest.range_m - window.nearest_range_m,
                   std::max(std::abs(nearest.height_m), std::abs(nearest.left_m))};

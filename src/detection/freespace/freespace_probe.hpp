@@ -15,6 +15,14 @@
 
 namespace mapless::inline v1 {
 
+/// How much the range of a surface changes per metre across the rays. Of a vertical side seen square on both
+/// are 0; of ground near the horizon `up` is many.
+struct SurfaceSlopes {
+  static constexpr float kUnknown = 1e9F;
+  float up = kUnknown;
+  float left = kUnknown;  ///< to the side, within a row
+};
+
 /// This folder answers one question: did the rays of that scan pass through this place? In: a compensated
 /// scan (RayImage) and points in the world, about an origin near them, in single precision. Out: a verdict
 /// and the firing that passes nearest. Nothing outside changes a RayImage, but to mark its dynamic returns.
@@ -23,7 +31,9 @@ namespace mapless::inline v1 {
 /// (paper Eq. 1 and 2). Of each laser the firing that passes nearest to q is taken; of these, the nearest one
 /// above q and the nearest one below; and of both lasers a window of window_columns firings.
 ///
-/// - border: a ray of the windows ends within the tolerance of q's own range. A surface is there.
+/// - border: a ray of the windows ends within the tolerance of q's own range. A surface is there. The
+///   tolerance is that of a ray which passes q's surface as far aside as the laser's nearest firing does, by
+///   the surface's slopes; and at most tolerance_m(), where they are not known.
 /// - outside: the nearest ray ends short of q.
 /// - unobserved: the nearest ray passes beyond q, but a neighbouring ray (adjacent column, or within
 ///   kHidesWithin_m) stops short: an edge, or a gap between two rings. Also where no ray passes within
@@ -49,11 +59,12 @@ class FreespaceProbe {
   };
   /// `q`: a point minus origin_0 [m]. `column`: a guess of the column whose firings pass near q; holds the
   /// column found afterwards. Any number will do, a good one is faster.
-  [[nodiscard]] Answer observe(const Eigen::Vector3f& q, float& column) const {
-    return observe_about_image(q + origin_, column);
+  [[nodiscard]] Answer observe(const Eigen::Vector3f& q, float& column, SurfaceSlopes slopes = {}) const {
+    return observe_about_image(q + origin_, column, slopes);
   }
-  [[nodiscard]] FreespaceVerdict verdict(const Eigen::Vector3f& q, float& column) const {
-    return observe(q, column).verdict;
+  [[nodiscard]] FreespaceVerdict verdict(const Eigen::Vector3f& q, float& column,
+                                         SurfaceSlopes slopes = {}) const {
+    return observe(q, column, slopes).verdict;
   }
   static constexpr std::size_t kAtOnce = 8;
   struct Points {  ///< as `q` above, mostly near one another
@@ -61,6 +72,13 @@ class FreespaceProbe {
     float near = 0;                                 ///< guess of the column in which the scan observes them
     float near_last = 0;                            ///< the same of the last of them, for the next eight
     alignas(32) std::array<float, kAtOnce> column;  ///< found for each
+    /// SurfaceSlopes of each.
+    alignas(32) std::array<float, kAtOnce> slope_up = unknown_slopes(), slope_left = unknown_slopes();
+    [[nodiscard]] static constexpr std::array<float, kAtOnce> unknown_slopes() {
+      std::array<float, kAtOnce> all{};
+      all.fill(SurfaceSlopes::kUnknown);
+      return all;
+    }
   };
   struct Answers {
     alignas(32) std::array<std::int32_t, kAtOnce> verdict{}, laser{}, column{};
@@ -88,7 +106,8 @@ class FreespaceProbe {
   void observe(std::span<Points> points, std::span<Answers> answers,
                Vectors vectors = widest_vectors()) const;
 
-  /// Largest distance between the end of a ray and a surface at `range_m` that the ray may have hit [m].
+  /// Largest distance between the end of a ray and a surface of unknown slopes at `range_m` that the ray may
+  /// have hit [m].
   [[nodiscard]] float tolerance_m(int laser, float range_m) const {
     return tolerance_at_0_m_ +
            tolerance_spacings_ * fan_.beams[static_cast<std::size_t>(laser)].spacing_rad * range_m;
@@ -132,14 +151,15 @@ class FreespaceProbe {
   struct Lanes;  // `lanes` points at once
 
   // `q` from here on: about the image's origin.
-  [[nodiscard]] Answer observe_about_image(const Eigen::Vector3f& q, float& column) const;
+  [[nodiscard]] Answer observe_about_image(const Eigen::Vector3f& q, float& column,
+                                           SurfaceSlopes slopes) const;
   [[nodiscard]] bool find_column(const Eigen::Vector3f& q, float& column, Eigen::Vector3f& q_h) const;
   [[nodiscard]] Eigen::Vector3f in_laser(const Eigen::Vector3f& q, const Beam& beam, int column) const;
   [[nodiscard]] Sighting sight(const Eigen::Vector3f& q, const Beam& beam, float column,
                                float columns_per_m) const;
   [[nodiscard]] Bracket bracket(const Eigen::Vector3f& q, float column, const Eigen::Vector3f& q_h) const;
   [[nodiscard]] float max_distance_m(const Sighting& nearest) const;
-  void add_window(const Sighting& s, bool is_nearest, Window& window) const;
+  void add_window(const Sighting& s, bool is_nearest, SurfaceSlopes slopes, Window& window) const;
 
   const RayImage& image_;
   float tolerance_at_0_m_, tolerance_spacings_;

@@ -23,7 +23,7 @@ class PackedPoints {
     eights_.reserve((size + kAtOnce - 1) / kAtOnce);
   }
   /// `column`: guess of the column in which the reference scans observe q.
-  void add(const Eigen::Vector3f& q, float column) {
+  void add(const Eigen::Vector3f& q, float column, SurfaceSlopes slopes = {}) {
     const std::size_t k = size();
     columns_.push_back(column);
     if (k / kAtOnce == eights_.size()) eights_.emplace_back();
@@ -31,6 +31,8 @@ class PackedPoints {
     eight.x[k % kAtOnce] = q.x();
     eight.y[k % kAtOnce] = q.y();
     eight.z[k % kAtOnce] = q.z();
+    eight.slope_up[k % kAtOnce] = slopes.up;
+    eight.slope_left[k % kAtOnce] = slopes.left;
   }
   /// Point `to` becomes what point `from` is.
   void move(std::size_t from, std::size_t to) {
@@ -73,6 +75,8 @@ class PackedPoints {
     target.x[to % kAtOnce] = source.x[from % kAtOnce];
     target.y[to % kAtOnce] = source.y[from % kAtOnce];
     target.z[to % kAtOnce] = source.z[from % kAtOnce];
+    target.slope_up[to % kAtOnce] = source.slope_up[from % kAtOnce];
+    target.slope_left[to % kAtOnce] = source.slope_left[from % kAtOnce];
   }
 
   std::vector<Eight> eights_;

@@ -107,6 +107,25 @@ class Seen {
   [[nodiscard]] FreespaceVerdict at(const Vector3d& q_0) const {
     return verdict_of(probe_, Vector3d::Zero(), q_0, 0);
   }
+  /// At azimuth `left_deg`, of a point whose surface is inclined, alone and beside seven others.
+  [[nodiscard]] FreespaceVerdict at(double elevation_deg, double left_deg, double range,
+                                    SurfaceSlopes slopes) const {
+    const Eigen::Vector3f q =
+        (range * Vector3d(std::cos(elevation_deg * kDegree) * std::cos(left_deg * kDegree),
+                          std::cos(elevation_deg * kDegree) * std::sin(left_deg * kDegree),
+                          std::sin(elevation_deg * kDegree)))
+            .cast<float>();
+    float column = 0;
+    const FreespaceVerdict alone = probe_.verdict(q, column, slopes);
+    FreespaceProbe::Points eight{};
+    eight.x.fill(q.x());
+    eight.y.fill(q.y());
+    eight.z.fill(q.z());
+    eight.slope_up[5] = slopes.up;
+    eight.slope_left[5] = slopes.left;
+    EXPECT_EQ(probe_.observe(eight)[5].verdict, alone);
+    return alone;
+  }
   [[nodiscard]] FreespaceVerdict at(double elevation_deg, double range) const {
     const double elevation = elevation_deg * kDegree;
     return at({range * std::cos(elevation), 0, range * std::sin(elevation)});
@@ -190,6 +209,27 @@ TEST(FreespaceProbe, ToleratesMoreWhereLasersAreFartherApart) {
     EXPECT_EQ(wall.at(1, wall_m - tolerance_m - 0.05), FreespaceVerdict::inside);
     EXPECT_EQ(wall.at(1, wall_m + tolerance_m - 0.05), FreespaceVerdict::border);
     EXPECT_EQ(wall.at(1, wall_m + tolerance_m + 0.05), FreespaceVerdict::outside);
+  }
+}
+
+// A point half-way between two beams 2 degrees apart is 0.35 m from either at 20 m, and half-way between two
+// columns 0.2 degrees apart 0.035 m. Where its surface is square to the rays, one that ends 0.08 m off does
+// not end on it; where it recedes by 0.5 m per metre up, one within 0.08 + 0.17 m may, by 4 m per metre to
+// the left one within 0.08 + 0.14 m; by 2 m per metre up one within 0.36 m, the most.
+TEST(FreespaceProbe, ToleratesWhatTheSurfacesSlopesExplain) {
+  const Seen wall("VLP-16", {wall_at(20)});
+  struct Case {
+    double left_deg;
+    SurfaceSlopes slopes;
+    double tolerance_m;
+  };
+  for (const auto& [left_deg, slopes, tolerance_m] :
+       {Case{0, {0, 0}, 0.08}, {0, {0.5F, 0}, 0.25}, {0.1, {0, 4}, 0.22}, {0, {2, 0}, 0.36}, {0, {}, 0.36}}) {
+    SCOPED_TRACE(testing::Message() << "slopes " << slopes.up << ", " << slopes.left);
+    EXPECT_EQ(wall.at(0, left_deg, 20 - tolerance_m + 0.03, slopes), FreespaceVerdict::border);
+    EXPECT_EQ(wall.at(0, left_deg, 20 - tolerance_m - 0.03, slopes), FreespaceVerdict::inside);
+    EXPECT_EQ(wall.at(0, left_deg, 20 + tolerance_m - 0.03, slopes), FreespaceVerdict::border);
+    EXPECT_EQ(wall.at(0, left_deg, 20 + tolerance_m + 0.03, slopes), FreespaceVerdict::outside);
   }
 }
 

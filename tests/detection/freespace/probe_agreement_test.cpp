@@ -100,7 +100,7 @@ bool is_right(const FreespaceProbeOracle& oracle, const Vector3d& q_0, Freespace
 enum class Mode { alone, side_by_side };
 
 struct ProbeAgreement : testing::TestWithParam<Case> {
-  void expect_agreement(Mode mode) const;
+  void expect_agreement(Mode mode, SurfaceSlopes slopes = {}) const;
 };
 
 using Vectors = FreespaceProbe::Vectors;
@@ -108,8 +108,11 @@ constexpr std::size_t kAtOnce = FreespaceProbe::kAtOnce;
 
 /// From query `first` on. The guesses of every other eight are bad, those of the others good for one of them.
 FreespaceProbe::Points points_of(const FreespaceProbe& probe, const Vector3d& origin_0,
-                                 const std::vector<Vector3d>& queries, std::size_t first) {
+                                 const std::vector<Vector3d>& queries, std::size_t first,
+                                 SurfaceSlopes slopes = {}) {
   FreespaceProbe::Points points;
+  points.slope_up.fill(slopes.up);
+  points.slope_left.fill(slopes.left);
   for (std::size_t k = 0; k < kAtOnce; ++k) {
     const Eigen::Vector3f q = (queries[first + k] - origin_0).cast<float>();
     points.x[k] = q.x();
@@ -123,7 +126,7 @@ FreespaceProbe::Points points_of(const FreespaceProbe& probe, const Vector3d& or
 
 /// A scan of the case and points to observe.
 struct Inquiry {
-  Inquiry(const Case& c, int count, std::uint64_t seed)
+  Inquiry(const Case& c, int count, std::uint64_t seed, SurfaceSlopes slopes = {})
       : random(seed),
         scene(scene_of(c)),
         scan(scan_of(c, scene, random)),
@@ -131,7 +134,7 @@ struct Inquiry {
         image(compensated),
         origin_0(image.origin_0() + Vector3d(30, -20, 1)),  // of a scan of three seconds later
         probe(image, origin_0, parameters),
-        oracle(*scan, *scene.trajectory, parameters),
+        oracle(*scan, *scene.trajectory, parameters, slopes),
         queries(queries_of(compensated, oracle, count, random)) {}
   Inquiry(const Inquiry&) = delete;
   Inquiry& operator=(const Inquiry&) = delete;
@@ -149,19 +152,20 @@ struct Inquiry {
 };
 
 std::vector<FreespaceVerdict> observe_side_by_side(const FreespaceProbe& probe, const Vector3d& origin_0,
-                                                   const std::vector<Vector3d>& queries) {
+                                                   const std::vector<Vector3d>& queries,
+                                                   SurfaceSlopes slopes) {
   std::vector<FreespaceVerdict> verdicts(queries.size());
   for (std::size_t i = 0; i < queries.size(); i += kAtOnce) {
-    FreespaceProbe::Points points = points_of(probe, origin_0, queries, i);
+    FreespaceProbe::Points points = points_of(probe, origin_0, queries, i, slopes);
     const auto answers = probe.observe(points);
     for (std::size_t k = 0; k < kAtOnce; ++k) verdicts[i + k] = answers[k].verdict;
   }
   return verdicts;
 }
 
-void ProbeAgreement::expect_agreement(Mode mode) const {
+void ProbeAgreement::expect_agreement(Mode mode, SurfaceSlopes slopes) const {
   const Case& c = GetParam();
-  const Inquiry inquiry(c, 600, 17);
+  const Inquiry inquiry(c, 600, 17, slopes);
   const FreespaceProbe& probe = inquiry.probe;
   const FreespaceProbeOracle& oracle = inquiry.oracle;
   const std::vector<Vector3d>& queries = inquiry.queries;
@@ -172,7 +176,7 @@ void ProbeAgreement::expect_agreement(Mode mode) const {
   const double turned = std::abs(c.yaw_rate_deg) / 10 * kDegree;
   const double seam = turned > 0 || c.speed > 0 ? turned + 20 * kDegree : 0;
   std::vector<FreespaceVerdict> verdicts(queries.size());
-  if (mode == Mode::side_by_side) verdicts = observe_side_by_side(probe, inquiry.origin_0, queries);
+  if (mode == Mode::side_by_side) verdicts = observe_side_by_side(probe, inquiry.origin_0, queries, slopes);
   std::vector<char> right(queries.size());
   tbb::parallel_for(std::size_t{0}, queries.size(), [&](std::size_t i) {
     if (mode == Mode::alone)
@@ -205,13 +209,18 @@ TEST_P(ProbeAgreement, WithBruteForceOverAllRays) { expect_agreement(Mode::alone
 
 TEST_P(ProbeAgreement, OfEightAtOnceWithBruteForceOverAllRays) { expect_agreement(Mode::side_by_side); }
 
+// Slopes at which the tolerance of most points is between its least and its most.
+TEST_P(ProbeAgreement, OfInclinedSurfacesWithBruteForceOverAllRays) {
+  expect_agreement(Mode::side_by_side, {0.3F, 2});
+}
+
 // To the last bit, whatever lies beside a point: labels do not depend on the processor.
 TEST_P(ProbeAgreement, OfVectorsOfEightWithVectorsOfFour) {
   if (FreespaceProbe::widest_vectors() == Vectors::of_four) GTEST_SKIP() << "of this processor";
   const Inquiry inquiry(GetParam(), 10000, 18);
   const auto& [probe, origin_0, queries] = std::tie(inquiry.probe, inquiry.origin_0, inquiry.queries);
   for (std::size_t i = 0; i < queries.size(); i += kAtOnce) {
-    FreespaceProbe::Points fours = points_of(probe, origin_0, queries, i);
+    FreespaceProbe::Points fours = points_of(probe, origin_0, queries, i, {0.3F, 2});
     FreespaceProbe::Points eights = fours;
     const auto expected = probe.observe(fours, Vectors::of_four);
     const auto answers = probe.observe(eights, Vectors::of_eight);
