@@ -205,15 +205,18 @@ int detect_of_rig(const DetectOptions& options) {
   std::optional<tbb::global_control> threads;
   if (options.threads) threads.emplace(tbb::global_control::max_allowed_parallelism, *options.threads);
   require_possible_with_rig(options);
-  return detect_rig({options.recording.path,
-                     options.output,
-                     options.trajectory,
-                     options.odometry,
-                     options.overwrite,
-                     options.probability,
-                     {options.parameters.chosen(), options.parameters.odometry()},
-                     options.parameters.profile,
-                     configuration_text(options.parameters)});
+  RigRunOptions rig;
+  rig.recording = options.recording.path;
+  rig.output = options.output;
+  rig.trajectory = options.trajectory;
+  rig.odometry = options.odometry;
+  rig.overwrite = options.overwrite;
+  rig.probability = options.probability;
+  rig.detector.detection = options.parameters.chosen();
+  rig.detector.odometry = options.parameters.odometry();
+  rig.profile = options.parameters.profile;
+  rig.configuration = configuration_text(options.parameters);
+  return detect_rig(rig);
 }
 
 int detect(const DetectOptions& options) {
