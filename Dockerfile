@@ -3,7 +3,7 @@
 FROM debian:12 AS build
 COPY . /src
 WORKDIR /src
-RUN apt-get update && apt-get install -y --no-install-recommends make python3 && scripts/install_dependencies.sh
+RUN apt-get update && apt-get install -y --no-install-recommends make python3 && scripts/install_dependencies.sh package
 RUN cmake --preset package && cmake --build --preset package && scripts/check_hardening.sh \
     build/package/apps/mapless/mapless compiled && cd build/package && cpack -G DEB && mv mapless_*.deb /mapless.deb
 

@@ -1,8 +1,9 @@
 #!/bin/sh
 # Installs the packages that building needs, on Debian 12 and 13 and on Ubuntu 22.04 and 24.04; with "test" also those
-# that testing needs, with "docs" those of the reference, with "fuzz" those of make fuzz. Only what is missing is
-# installed: it needs neither root nor a network where all is there. On other systems it says what to install.
-# usage: scripts/install_dependencies.sh [test] [docs] [fuzz]
+# that testing needs, with "docs" those of the reference, with "fuzz" those of make fuzz, with "package" those of a Debian
+# package. Only what is missing is installed: it needs neither root nor a network where all is there. On other systems
+# it says what to install.
+# usage: scripts/install_dependencies.sh [test] [docs] [fuzz] [package]
 set -eu
 
 packages="cmake g++ ninja-build pkg-config
@@ -38,7 +39,8 @@ for purpose in "$@"; do
     python3-dev binutils" ;;
   docs) packages="$packages doxygen" ;;
   fuzz) packages="$packages clang $fuzzer" ;;
-  *) fail "$purpose: no such purpose; use test, docs, fuzz, several or none" ;;
+  package) packages="$packages dpkg-dev file" ;; # both for cpack: the packages that the libraries are in
+  *) fail "$purpose: no such purpose; use test, docs, fuzz, package, several or none" ;;
   esac
 done
 
