@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <utility>
 
+#include <Eigen/Geometry>
+
 #include "core/argument_checks.hpp"
 #include <mapless/trajectory/trajectory.hpp>
 

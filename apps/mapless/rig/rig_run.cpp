@@ -138,7 +138,8 @@ class RigRun {
       member.result.create(options_.overwrite, member.summary.text());
       if (options_.probability) member.result.create_probabilities();
       write_file_atomically(member.result.config(), options_.configuration);
-      member.tables.emplace(member.result, TableChoice{true, is_first && !motion_.trajectory}, GrowingFile::Start::anew);
+      member.tables.emplace(member.result, TableChoice{true, is_first && !motion_.trajectory},
+                            GrowingFile::Start::anew);
     }
     const LidarScan& scan = labelled.scan();
     const std::size_t k = labelled.detection.sequence_number;
