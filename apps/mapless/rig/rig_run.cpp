@@ -56,12 +56,17 @@ struct Member {
 class RigRun {
  public:
   RigRun(const RigRunOptions& options, std::vector<RigSensor> sensors)
-      : options_(options), detector_(sensors, options.detector), motion_(motion_of(sensors.front())) {
+      : options_(options),
+        lock_(options.output, std::string(kProgramName)),
+        detector_(sensors, options.detector),
+        motion_(motion_of(sensors.front())) {
     for (const RigSensor& sensor : sensors)
       members_.push_back(std::make_unique<Member>(sensor, options, motion_));
     for (const auto& member : members_) scans_ += member->dataset->size();
-    const Dataset& first = *members_.front()->dataset;
-    members_.front()->summary.set_input_doubts(said_doubts(first, motion_.trajectory, {0, first.size(), 0}));
+    for (std::size_t k = 0; k < members_.size(); ++k) {
+      const Dataset& dataset = *members_[k]->dataset;
+      members_[k]->summary.set_input_doubts(said_doubts(dataset, given_to(k), {0, dataset.size(), 0}));
+    }
   }
 
   // False where it was interrupted.
@@ -105,6 +110,14 @@ class RigRun {
     const auto dataset = open_dataset(options_.recording / sensor.name, {{}, sensor.model, {}, {}, {}});
     return options_.odometry ? motion_by_odometry(*dataset, 0)
                              : given_motion(*dataset, options_.trajectory, 0);
+  }
+
+  // The given motion of a sensor; null: none is given, or its clock is another.
+  [[nodiscard]] std::shared_ptr<const Trajectory> given_to(std::size_t sensor) const {
+    const std::vector<RigSensor>& sensors = detector_.sensors();
+    if (!motion_.trajectory || sensors[sensor].clock_offset != Duration()) return nullptr;
+    return std::make_shared<const MountedTrajectory>(motion_.trajectory,
+                                                     sensors[sensor].T_bv.inverse() * sensors.front().T_bv);
   }
 
   // The sensor whose next scan starts first; null: all are read.
@@ -166,14 +179,15 @@ class RigRun {
       if (member->last_trajectory) member->tables->finish(*member->last_trajectory, member->last_end);
       reason.empty() ? member->summary.set_complete() : member->summary.set_stopped(reason);
     }
-    Member& first = *members_.front();
-    if (!motion_.trajectory && first.tables) first.summary.set_odometry(detector_.odometry_report());
     for (const auto& member : members_) {
-      if (member->tables) write_file_atomically(member->result.summary(), member->summary.text());
+      if (!member->tables) continue;
+      if (!motion_.trajectory) member->summary.set_odometry(detector_.odometry_report());
+      write_file_atomically(member->result.summary(), member->summary.text());
     }
   }
 
   const RigRunOptions& options_;
+  FolderLock lock_;  // outlives those of the sensors, which are in this folder
   RigDetector detector_;
   TrajectorySource motion_;  // of the first sensor
   std::vector<std::unique_ptr<Member>> members_;

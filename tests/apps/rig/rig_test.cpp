@@ -1,5 +1,6 @@
 #include <filesystem>
 #include <memory>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -75,6 +76,20 @@ TEST_F(RigTest, OneSensorAloneGivesTheBytesOfItsOwnRecording) {
   for (const char* name : {"objects.csv", "trajectory.txt", "poses_kitti.txt", "config.yaml",
                            "labels/000007.label", "labels/000011.label", "stages/000007.stages"})
     EXPECT_EQ(read_whole_file(rig / name), read_whole_file(alone / name)) << name;
+}
+
+// A quarter turn in the bumper's place: along the poses of the roof it would drive sideways.
+TEST_F(RigTest, APlaceThatTheScansContradictIsNotTrusted) {
+  const fs::path rig = fs::path(folder / "rig");
+  fs::create_directories(rig);
+  for (const char* sensor : {"roof", "bumper"})
+    fs::create_directory_symlink(*shared / "rig" / sensor, rig / sensor);
+  const SE3 turned(so3_exp({0, 0, std::numbers::pi / 2}), T_roof_bumper().translation());
+  write_rig_yaml(rig / "rig.yaml", {{"roof", SE3(), {}, ""}, {"bumper", turned, {}, ""}});
+  const auto run = run_command({"detect", rig.string(), "-o", folder / "out"});
+  EXPECT_EQ(run.exit_code, 3) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("bumper"));
+  EXPECT_FALSE(fs::exists(folder / "out"));
 }
 
 TEST_F(RigTest, OptionsOfOneRecordingAreRefused) {
