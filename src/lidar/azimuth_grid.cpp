@@ -22,14 +22,11 @@ constexpr double kCoarseAcross_m = 0.002, kMediumAcross_m = 0.001, kFineAcross_m
 // Least gain in concentration of a horizontal origin over none. Chosen: small against the 1/sqrt(1500) =
 // 0.026 to which a mean of as many random phases is known, and above the rounding of the azimuths.
 constexpr double kLeastGain = 0.005;
-// The azimuths of a ring are on the grid from this concentration on (at most 1; random azimuths have
-// 1/sqrt(size)). A Gaussian spread of the azimuths of 0.16 of the grid's spacing gives 0.6.
-constexpr double kConcentrated = 0.6;
 // Azimuth offsets of two lasers differ by less: 20 degrees (HDL-64E: 18.5 degrees).
 constexpr double kLargestOffset_rad = 0.35;
 // Sample sizes that bound the time of the search; each mean over them is known to 1/sqrt(size).
 constexpr std::size_t kPointsPerRing = 1500, kStepsInSample = 5000, kPositionsInSample = 2500;
-constexpr std::size_t kRingsForGrid = 6, kPointsPerRingForGrid = 300;
+constexpr std::size_t kRingsForGrid = 6, kPointsPerRingForGrid = 300, kPointsForConcentration = 800;
 // Fewer points of a ring show no phase: its mean is known to 1/sqrt(20) = 0.22.
 constexpr std::size_t kFewestPointsForPhase = 20;
 
@@ -141,32 +138,6 @@ Placement best_placement(const std::vector<const RingPoint*>& ring, double start
     to_beat = std::abs(mean);
   }
   return best;
-}
-
-// Whole number of grid positions in a turn near the spacing found, from the rings with the most points.
-int grid_positions(const std::vector<RingPoints>& rings, double spacing, double start_azimuth_rad) {
-  std::vector<const RingPoints*> by_size;
-  for (const RingPoints& ring : rings) by_size.push_back(&ring);
-  std::stable_sort(by_size.begin(), by_size.end(), [](auto* a, auto* b) { return a->size() > b->size(); });
-  if (by_size.size() > kRingsForGrid) by_size.resize(kRingsForGrid);
-  std::vector<std::vector<const RingPoint*>> samples;
-  for (const RingPoints* ring : by_size) samples.push_back(sample_of(*ring, kPointsPerRingForGrid));
-  const auto middle = static_cast<int>(std::lround(kTwoPi / spacing));
-  const int reach = std::max(2, middle / kPositionsReach);
-  int best = 0;
-  double best_score = 0;
-  for (int n = middle - reach; n <= middle + reach; ++n) {
-    double score = 0;
-    for (const auto& sample : samples) {
-      score +=
-          std::abs(best_placement(sample, start_azimuth_rad, n, 0, kLargestAcross_m, kCoarseAcross_m).mean);
-    }
-    if (score > best_score) {
-      best = n;
-      best_score = score;
-    }
-  }
-  return best_score > kConcentrated * static_cast<double>(samples.size()) ? best : 0;
 }
 
 // Grid positions of the points of every ring, counted in the direction of spin from the seam, one row per
@@ -335,6 +306,43 @@ void take_whole_offsets(const std::vector<RingPoints>& rings, double start_azimu
 
 }  // namespace
 
+double find_grid_spacing(const std::vector<RingPoints>& rings) {
+  const std::vector<double> steps = azimuth_steps(rings);
+  return steps.empty() ? 0 : grid_spacing(steps, median(steps));
+}
+
+// From the rings with the most points.
+int find_grid_positions(const std::vector<RingPoints>& rings, double spacing_rad, double start_azimuth_rad) {
+  std::vector<const RingPoints*> by_size;
+  for (const RingPoints& ring : rings) by_size.push_back(&ring);
+  std::stable_sort(by_size.begin(), by_size.end(), [](auto* a, auto* b) { return a->size() > b->size(); });
+  if (by_size.size() > kRingsForGrid) by_size.resize(kRingsForGrid);
+  std::vector<std::vector<const RingPoint*>> samples;
+  for (const RingPoints* ring : by_size) samples.push_back(sample_of(*ring, kPointsPerRingForGrid));
+  const auto middle = static_cast<int>(std::lround(kTwoPi / spacing_rad));
+  const int reach = std::max(2, middle / kPositionsReach);
+  int best = 0;
+  double best_score = 0;
+  for (int n = middle - reach; n <= middle + reach; ++n) {
+    double score = 0;
+    for (const auto& sample : samples) {
+      score +=
+          std::abs(best_placement(sample, start_azimuth_rad, n, 0, kLargestAcross_m, kCoarseAcross_m).mean);
+    }
+    if (score > best_score) {
+      best = n;
+      best_score = score;
+    }
+  }
+  return best_score > kConcentrated * static_cast<double>(samples.size()) ? best : 0;
+}
+
+double grid_concentration(const RingPoints& ring, double start_azimuth_rad, int positions) {
+  const auto sample = sample_of(ring, kPointsForConcentration);
+  return std::abs(
+      best_placement(sample, start_azimuth_rad, positions, 0, kLargestAcross_m, kCoarseAcross_m).mean);
+}
+
 AzimuthGrid find_azimuth_grid(const std::vector<RingPoints>& rings, double start_azimuth_rad, double sign) {
   AzimuthGrid grid;
   grid.rings.resize(rings.size());
@@ -351,7 +359,7 @@ AzimuthGrid find_azimuth_grid(const std::vector<RingPoints>& rings, double start
   grid.columns = static_cast<int>(std::lround(kTwoPi * count / sum));
   const double spacing = grid_spacing(steps, median_step);
   if (spacing == 0) return grid;
-  grid.encoder_steps = grid_positions(rings, spacing, start_azimuth_rad);
+  grid.encoder_steps = find_grid_positions(rings, spacing, start_azimuth_rad);
   if (grid.encoder_steps == 0) return grid;
   place_rings(rings, start_azimuth_rad, grid);
   std::size_t fullest = 0;

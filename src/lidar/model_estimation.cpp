@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <numeric>
+#include <utility>
 
 #include <fmt/format.h>
 
-#include "lidar/ring_points.hpp"
 #include <mapless/core/errors.hpp>
 
 namespace mapless::inline v1 {
@@ -59,37 +60,6 @@ double checked_residual(double residual_m, std::size_t rings, const std::string&
                     "the sensor, not of the world"});
 }
 
-// The scans with as many rings as most have.
-std::vector<RingedCloud> clouds_with_rings(const std::vector<Cloud>& clouds,
-                                           const std::vector<std::vector<std::size_t>>& starts,
-                                           std::size_t count) {
-  std::vector<RingedCloud> ringed;
-  for (std::size_t s = 0; s < clouds.size(); ++s) {
-    if (starts[s].size() != count) continue;
-    ringed.push_back({clouds[s], std::vector<std::int32_t>(clouds[s].size(), 0)});
-    for (std::size_t ring = 0; ring < count; ++ring) {
-      std::fill(ringed.back().rings.begin() + static_cast<std::ptrdiff_t>(starts[s][ring]),
-                ringed.back().rings.end(), static_cast<std::int32_t>(ring));
-    }
-  }
-  return ringed;
-}
-
-std::vector<RingPoints> collect_rings(const std::vector<RingedCloud>& clouds, std::size_t count) {
-  std::vector<RingPoints> rings(count);
-  int scan = 0;
-  for (const RingedCloud& cloud : clouds) {
-    for (std::size_t i = 0; i < cloud.points.size(); ++i) {
-      if (cloud.rings[i] < 0 || !is_usable(cloud.points[i])) continue;
-      const Eigen::Vector3d p = cloud.points[i].cast<double>();
-      rings[static_cast<std::size_t>(cloud.rings[i])].push_back(
-          {std::atan2(p.y(), p.x()), std::hypot(p.x(), p.y()), p.z(), scan});
-    }
-    ++scan;
-  }
-  return rings;
-}
-
 Laser make_laser(const RingLine& line, const RingAzimuth& azimuth) {
   Laser laser;
   laser.elevation_rad = line.elevation_rad;
@@ -97,6 +67,19 @@ Laser make_laser(const RingLine& line, const RingAzimuth& azimuth) {
   laser.origin_h_m = {-azimuth.across_m * std::sin(azimuth.offset_rad),
                       azimuth.across_m * std::cos(azimuth.offset_rad), line.origin_z_m};
   return laser;
+}
+
+// Of the offsets that are possible by the grid, those nearest to the ones known roughly.
+void take_nearest(const std::vector<double>& near_rad, AzimuthGrid& grid) {
+  const double column = 2 * std::numbers::pi / grid.columns;
+  for (std::size_t i = 0; i < grid.rings.size(); ++i) {
+    RingAzimuth& ring = grid.rings[i];
+    if (ring.known) {
+      ring.offset_rad += column * std::round((near_rad[i] - ring.offset_rad) / column);
+    } else {
+      ring.offset_rad = near_rad[i];
+    }
+  }
 }
 
 double azimuth_residual(const std::vector<RingedCloud>& clouds, const EstimatedModel& estimated) {
@@ -132,12 +115,43 @@ LidarModel model_without_lasers(const ModelEstimationOptions& options, int colum
 
 }  // namespace
 
-EstimatedModel estimate_model(const std::vector<Cloud>& clouds, const ModelEstimationOptions& options,
-                              const std::string& source) {
+RingedClouds find_rings(const std::vector<Cloud>& clouds, int expected_rings, const std::string& source) {
   std::vector<std::vector<std::size_t>> starts;
   for (const Cloud& cloud : clouds) starts.push_back(ring_starts(cloud));
-  const std::size_t count = ring_count(starts, options.expected_rings, source);
-  return estimate_model_of_rings(clouds_with_rings(clouds, starts, count), count, options, source);
+  RingedClouds found;
+  found.ring_count = ring_count(starts, expected_rings, source);
+  for (std::size_t s = 0; s < clouds.size(); ++s) {
+    if (starts[s].size() != found.ring_count) continue;
+    RingedCloud cloud{clouds[s], std::vector<std::int32_t>(clouds[s].size(), 0)};
+    for (std::size_t ring = 0; ring < found.ring_count; ++ring) {
+      std::fill(cloud.rings.begin() + static_cast<std::ptrdiff_t>(starts[s][ring]), cloud.rings.end(),
+                static_cast<std::int32_t>(ring));
+    }
+    found.clouds.push_back(std::move(cloud));
+    found.numbers.push_back(s);
+  }
+  return found;
+}
+
+std::vector<RingPoints> collect_rings(const std::vector<RingedCloud>& clouds, std::size_t count) {
+  std::vector<RingPoints> rings(count);
+  int scan = 0;
+  for (const RingedCloud& cloud : clouds) {
+    for (std::size_t i = 0; i < cloud.points.size(); ++i) {
+      if (cloud.rings[i] < 0 || !is_usable(cloud.points[i])) continue;
+      const Eigen::Vector3d p = cloud.points[i].cast<double>();
+      rings[static_cast<std::size_t>(cloud.rings[i])].push_back(
+          {std::atan2(p.y(), p.x()), std::hypot(p.x(), p.y()), p.z(), scan});
+    }
+    ++scan;
+  }
+  return rings;
+}
+
+EstimatedModel estimate_model(const std::vector<Cloud>& clouds, const ModelEstimationOptions& options,
+                              const std::string& source) {
+  const RingedClouds found = find_rings(clouds, options.expected_rings, source);
+  return estimate_model_of_rings(found.clouds, found.ring_count, options, source);
 }
 
 EstimatedModel estimate_model_of_rings(const std::vector<RingedCloud>& clouds, std::size_t count,
@@ -148,12 +162,13 @@ EstimatedModel estimate_model_of_rings(const std::vector<RingedCloud>& clouds, s
   const std::vector<RingPoints> rings = collect_rings(clouds, count);
   const std::vector<RingLine> lines = fit_ring_lines(rings);
   estimate.elevation_residual_m = checked_residual(ring_line_residual(rings, lines), count, source);
-  const AzimuthGrid grid =
+  AzimuthGrid grid =
       find_azimuth_grid(rings, options.start_azimuth_rad, static_cast<double>(options.direction));
   if (grid.columns <= 0) {
     throw InputError({source, "azimuths", "", "no two neighbouring points to take the column step from",
                       "name the sensor"});
   }
+  if (!grid.absolute && !options.offsets_near_rad.empty()) take_nearest(options.offsets_near_rad, grid);
 
   std::vector<int> ring_of_row(count);
   std::iota(ring_of_row.begin(), ring_of_row.end(), 0);

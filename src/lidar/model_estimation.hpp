@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 
+#include "lidar/ring_points.hpp"
 #include "lidar/ring_recovery.hpp"
 #include <mapless/lidar/lidar_model.hpp>
 
@@ -20,6 +21,9 @@ struct ModelEstimationOptions {
   double min_range_m = 0;
   double max_range_m = 120;  ///< HDL-64E
   int expected_rings = 64;   ///< preferred if scans differ in their number of rings
+  /// Azimuth offsets, one per ring, known to a few columns (find_firing_offsets); empty: not known. Where the
+  /// grid leaves whole columns open, those nearest to them are taken.
+  std::vector<double> offsets_near_rad = {};
 };
 
 struct EstimatedModel {
@@ -33,6 +37,19 @@ struct RingedCloud {
   std::vector<Eigen::Vector3f> points;
   std::vector<std::int32_t> rings;  ///< one per point; negative: not used
 };
+
+/// The clouds that have as many rings as most have, the n-th stored one as ring n.
+struct RingedClouds {
+  std::vector<RingedCloud> clouds;
+  std::vector<std::size_t> numbers;  ///< of each among those given
+  std::size_t ring_count = 0;
+};
+/// Throws InputError naming `source` if no rings are found.
+[[nodiscard]] RingedClouds find_rings(const std::vector<std::vector<Eigen::Vector3f>>& clouds,
+                                      int expected_rings, const std::string& source);
+
+[[nodiscard]] std::vector<RingPoints> collect_rings(const std::vector<RingedCloud>& clouds,
+                                                    std::size_t ring_count);
 
 /// Estimates every laser from a few uncompensated bare clouds of one sensor, stored ring after ring.
 /// Elevation and vertical origin follow from a robust line z = z_0 + rho tan(elevation) through each ring,

@@ -48,6 +48,20 @@ struct AzimuthGrid {
   std::vector<RingAzimuth> rings;
 };
 
+/// The widest spacing [rad] of which nearly all steps of azimuth between neighbours are multiples; 0: none.
+[[nodiscard]] double find_grid_spacing(const std::vector<RingPoints>& rings);
+
+/// Number of grid positions of the azimuths in a turn, near that spacing; 0: they are on no grid.
+[[nodiscard]] int find_grid_positions(const std::vector<RingPoints>& rings, double spacing_rad,
+                                      double start_azimuth_rad);
+
+/// The azimuths of a ring are on a grid from this concentration on: a Gaussian spread of 0.16 of its spacing.
+inline constexpr double kConcentrated = 0.6;
+
+/// How well the azimuths of a ring lie on a grid of so many positions in a turn, under its best horizontal
+/// origin: 1 for exactly, 1/sqrt(size) by chance.
+[[nodiscard]] double grid_concentration(const RingPoints& ring, double start_azimuth_rad, int positions);
+
 /// Estimates the grid of the azimuths and the phase of every ring on it. `sign`: LidarModel::sign().
 [[nodiscard]] AzimuthGrid find_azimuth_grid(const std::vector<RingPoints>& rings, double start_azimuth_rad,
                                             double sign);

@@ -18,8 +18,10 @@ constexpr double kTurn_rad = 2 * std::numbers::pi;
 // than 2 degrees because of horizontal origins, and by a few degrees at the seam because of motion
 // compensation while turning.
 constexpr double kRingDrop_rad = 0.5;
-// Rounding and compensation move points by less than this across the front, where rings begin: 2 cm at 100 m.
-constexpr double kFrontJitter_rad = 2e-4;
+// Points are stored by the hub's angle. Their azimuths differ from it by rounding and compensation, 2 cm at
+// 100 m, and by the horizontal origin of the laser, 0.026 m for an HDL-64E: so far from the front, where
+// rings begin, a point may lie on the other side of it.
+constexpr double kFrontJitter_rad = 2e-4, kFrontJitter_m = 0.03;
 // Mean distance from the beams, in steps of elevation, of points that have nothing to do with the lasers.
 constexpr double kRandomMisfit = 0.25;
 
@@ -41,12 +43,17 @@ bool belongs_to(const std::vector<Eigen::Vector3f>& points, std::size_t i, std::
   return std::abs(slope - slope_of(points[a])) < std::abs(slope - slope_of(points[b]));
 }
 
-// True if all usable points of [begin, end) lie on the front itself: rounding, not a ring.
+double front_jitter_rad(const Eigen::Vector3f& p) {
+  return kFrontJitter_rad + kFrontJitter_m / static_cast<double>(p.head<2>().norm());
+}
+
+bool is_behind_front(const Eigen::Vector3f& p) { return azimuth_of(p) < front_jitter_rad(p); }
+bool is_before_front(const Eigen::Vector3f& p) { return azimuth_of(p) > kTurn_rad - front_jitter_rad(p); }
+
+// True if all usable points of [begin, end) lie on the front itself: not a ring.
 bool is_jitter(const std::vector<Eigen::Vector3f>& points, std::size_t begin, std::size_t end) {
   for (std::size_t i = begin; i < end; ++i) {
-    if (!is_usable(points[i])) continue;
-    const double azimuth = azimuth_of(points[i]);
-    if (azimuth > kFrontJitter_rad && azimuth < kTurn_rad - kFrontJitter_rad) return false;
+    if (is_usable(points[i]) && !is_behind_front(points[i]) && !is_before_front(points[i])) return false;
   }
   return true;
 }
@@ -56,13 +63,19 @@ void settle_points_on_the_front(const std::vector<Eigen::Vector3f>& points,
                                 std::vector<std::size_t>& starts) {
   if (starts.size() > 1 && is_jitter(points, starts.back(), points.size())) starts.pop_back();
   if (starts.size() > 1 && is_jitter(points, 0, starts[1])) starts.erase(starts.begin() + 1);
+  for (std::size_t k = 1; k + 1 < starts.size();) {
+    if (is_jitter(points, starts[k], starts[k + 1])) {
+      starts.erase(starts.begin() + static_cast<std::ptrdiff_t>(k));
+    } else {
+      ++k;
+    }
+  }
   for (std::size_t k = 1; k < starts.size(); ++k) {
     std::size_t& s = starts[k];
     if (s < 2 || s + 1 >= points.size()) continue;
-    const bool before_front = azimuth_of(points[s - 1]) > kTurn_rad - kFrontJitter_rad;
-    if (before_front && belongs_to(points, s - 1, s, s - 2)) {
+    if (is_before_front(points[s - 1]) && belongs_to(points, s - 1, s, s - 2)) {
       --s;
-    } else if (azimuth_of(points[s]) < kFrontJitter_rad && belongs_to(points, s, s - 1, s + 1)) {
+    } else if (is_behind_front(points[s]) && belongs_to(points, s, s - 1, s + 1)) {
       ++s;
     }
   }

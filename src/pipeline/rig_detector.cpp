@@ -220,7 +220,7 @@ void RigDetector::State::detect_waiting(std::size_t sensor, bool last, std::vect
   }
 }
 
-RigDetector::RigDetector(std::vector<RigSensor> sensors, OnlineDetectorOptions options)
+RigDetector::RigDetector(std::vector<RigSensor> sensors, const OnlineDetectorOptions& options)
     : state_(std::make_unique<State>(std::move(sensors), options)) {}
 RigDetector::~RigDetector() = default;
 RigDetector::RigDetector(RigDetector&&) noexcept = default;

@@ -78,6 +78,22 @@ TEST(RingStarts, PointsRoundedAcrossTheFrontStayInTheirRing) {
   }
 }
 
+// Lasers beside the axis see near and far things alternately: the azimuths of a ring pass the front twice.
+TEST(RingStarts, ARingThatPassesTheFrontTwiceIsOne) {
+  Cloud cloud;
+  for (int ring = 0; ring < 3; ++ring) {
+    const float z = -0.3F * static_cast<float>(ring);
+    for (int i = 1; i < 21; ++i) {
+      const float a = static_cast<float>(i) * 0.3F;
+      cloud.emplace_back(2 * std::cos(a), 2 * std::sin(a), z);
+    }
+    cloud.emplace_back(2, -4e-3F, z);
+    cloud.emplace_back(2, 2e-3F, z);
+    cloud.emplace_back(2, -1e-3F, z);
+  }
+  EXPECT_EQ(ring_starts(cloud), (std::vector<std::size_t>{0, 23, 46}));
+}
+
 TEST(RecoverLasers, RingsFollowFromTheOrderAlone) {
   const LidarModel model = make_bare_cloud_model(16, 500);
   const Cloud cloud = make_bare_cloud(model, 0);

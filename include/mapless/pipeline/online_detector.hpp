@@ -188,7 +188,7 @@ class RigDetector {
  public:
   /// Throws ParameterError for no sensors, an empty name, two of one name, and a parameter out of bounds.
   /// OnlineDetectorOptions::side_by_side is without effect.
-  explicit RigDetector(std::vector<RigSensor> sensors, OnlineDetectorOptions options = {});
+  explicit RigDetector(std::vector<RigSensor> sensors, const OnlineDetectorOptions& options = {});
   ~RigDetector();
   RigDetector(RigDetector&&) noexcept;
   RigDetector& operator=(RigDetector&&) noexcept;

@@ -11,6 +11,7 @@
 #include "core/median.hpp"
 #include "io/files/numbered_files.hpp"
 #include "io/formats/kitti/kitti_files.hpp"
+#include "lidar/firing_offsets.hpp"
 #include "lidar/model_estimation.hpp"
 #include "lidar/ring_recovery.hpp"
 #include <mapless/core/errors.hpp>
@@ -34,28 +35,16 @@ double median_duration_s(const std::vector<BareCloudScan>& scans) {
   return median(std::move(durations));
 }
 
-// The points as measured. The instant of each follows from the azimuth at which it was measured, which the
-// compensation has changed a little: a fixed-point iteration, each pass of which leaves about a hundredth of
-// the error.
-void take_compensation_back(Cloud& cloud, const BareCloudScan& scan, const Trajectory& trajectory) {
-  constexpr int kSteps = 1024;  // poses per turn: 0.1 ms apart, in which 15 m/s are 1.5 mm
-  constexpr int kPasses = 3;
+// The sensor during the turn, from the frame of the compensated points.
+std::vector<SE3> motion_of_turn(const BareCloudScan& scan, const Trajectory& trajectory) {
+  constexpr int kSteps = 1024;  // 0.1 ms apart, in which 15 m/s are 1.5 mm
   const SE3 T_0c = trajectory.at(*scan.compensated_to).T_v0.inverse();
   std::vector<SE3> T_vc;
   for (int i = 0; i < kSteps; ++i) {
     const Time t = scan.start + (scan.end - scan.start) * ((i + 0.5) / kSteps);
     T_vc.push_back(trajectory.at(t).T_v0 * T_0c);
   }
-  for (Eigen::Vector3f& p : cloud) {
-    if (!is_usable(p)) continue;
-    const Eigen::Vector3d p_c = p.cast<double>();
-    Eigen::Vector3d p_v = p_c;
-    for (int pass = 0; pass < kPasses; ++pass) {
-      const double turn = (1 - std::atan2(p_v.y(), p_v.x()) / std::numbers::pi) / 2;
-      p_v = T_vc[static_cast<std::size_t>(std::clamp(turn * kSteps, 0.0, kSteps - 1.0))] * p_c;
-    }
-    p = p_v.cast<float>();
-  }
+  return T_vc;
 }
 
 class BareCloudDataset final : public Dataset {
@@ -118,25 +107,52 @@ class BareCloudDataset final : public Dataset {
     model_ = std::make_shared<const LidarModel>(std::move(model));
   }
 
+  struct Sample {
+    std::vector<std::size_t> scans;
+    std::vector<Cloud> clouds;
+  };
   // A scan that cannot be read is left out here; reading it later throws.
-  [[nodiscard]] std::vector<Cloud> clouds_for_estimate() const {
+  [[nodiscard]] Sample clouds_for_estimate() const {
     std::set<std::size_t> chosen;
     const std::size_t last = recording_.scans.size() - 1;
     for (std::size_t i = 0; i < kScansForEstimate; ++i) chosen.insert(i * last / (kScansForEstimate - 1));
-    std::vector<Cloud> clouds;
+    Sample out;
     for (const std::size_t k : chosen) {
-      const BareCloudScan& scan = recording_.scans[k];
       try {
-        clouds.push_back(read_kitti_cloud(scan.file));
+        out.clouds.push_back(read_kitti_cloud(recording_.scans[k].file));
+        out.scans.push_back(k);
       } catch (const InputError&) {
-        if (k == last && clouds.empty()) throw;
-        continue;
-      }
-      if (scan.compensated_to && recording_.trajectory) {
-        take_compensation_back(clouds.back(), scan, *recording_.trajectory);
+        if (k == last && out.clouds.empty()) throw;
       }
     }
-    return clouds;
+    return out;
+  }
+
+  // Compensated clouds: taken back by the azimuths of the points, as KITTI has compensated them; where that
+  // does not bring them to the encoder's grid, by the instants of the firings.
+  [[nodiscard]] EstimatedModel estimated_by(ModelEstimationOptions options) const {
+    const Sample sample = clouds_for_estimate();
+    const std::string source = recording_.folder.string();
+    if (!recording_.trajectory || !recording_.scans.front().compensated_to)
+      return estimate_model(sample.clouds, options, source);
+    RingedClouds rings = find_rings(sample.clouds, options.expected_rings, source);
+    std::vector<CompensatedCloud> compensated;
+    for (std::size_t i = 0; i < rings.clouds.size(); ++i) {
+      const BareCloudScan& scan = recording_.scans[sample.scans[rings.numbers[i]]];
+      compensated.push_back({std::move(rings.clouds[i]), motion_of_turn(scan, *recording_.trajectory)});
+    }
+    const auto estimated = [&](const std::vector<double>& offsets_rad) {
+      std::vector<RingedCloud> measured;
+      for (const CompensatedCloud& cloud : compensated)
+        measured.push_back({measured_points(cloud, offsets_rad), cloud.cloud.rings});
+      return estimate_model_of_rings(measured, rings.ring_count, options, source);
+    };
+    EstimatedModel by_azimuth = estimated(std::vector<double>(rings.ring_count, 0));
+    if (by_azimuth.estimate.encoder_steps > 0) return by_azimuth;
+    const auto offsets_rad = find_firing_offsets(compensated, rings.ring_count);
+    if (!offsets_rad) return by_azimuth;
+    options.offsets_near_rad = *offsets_rad;
+    return estimated(*offsets_rad);
   }
 
   void estimate() {
@@ -144,7 +160,7 @@ class BareCloudDataset final : public Dataset {
     options.name = "estimated from the points";
     options.rotation_rate_hz = 1 / median_duration_s(recording_.scans);
     options.start_azimuth_rad = kSeam_rad;
-    EstimatedModel estimated = estimate_model(clouds_for_estimate(), options, recording_.folder.string());
+    EstimatedModel estimated = estimated_by(options);
     const ModelEstimate& e = estimated.estimate;
     notes_.push_back(fmt::format(
         "sensor: {} lasers and their elevations and vertical origins estimated from {} scans, to {:.2f} mm "
