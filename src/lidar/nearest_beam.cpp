@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "core/median.hpp"
-#include "lidar/ring_recovery.hpp"
+#include "lidar/recovery/ring_recovery.hpp"
 
 namespace mapless::inline v1 {
 namespace {

@@ -10,7 +10,7 @@
 
 #include "core/parallel_parts.hpp"
 #include "lidar/number_span.hpp"
-#include "lidar/ring_recovery.hpp"
+#include "lidar/recovery/ring_recovery.hpp"
 #include <mapless/core/errors.hpp>
 
 namespace mapless::inline v1 {

@@ -9,7 +9,7 @@
 #include "core/parallel_parts.hpp"
 #include "core/time_check.hpp"
 #include "lidar/nearest_beam.hpp"
-#include "lidar/ring_recovery.hpp"
+#include "lidar/recovery/ring_recovery.hpp"
 #include "lidar/scan_builder/raw_points.hpp"
 #include "lidar/scan_builder/sensor_recovery.hpp"
 #include <mapless/core/errors.hpp>

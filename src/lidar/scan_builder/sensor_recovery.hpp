@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "lidar/model_estimation.hpp"
-#include "lidar/ring_recovery.hpp"
+#include "lidar/recovery/model_estimation.hpp"
+#include "lidar/recovery/ring_recovery.hpp"
 #include "lidar/scan_builder/raw_points.hpp"
 
 namespace mapless::inline v1 {

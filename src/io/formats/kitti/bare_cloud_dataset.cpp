@@ -11,9 +11,9 @@
 #include "core/median.hpp"
 #include "io/files/numbered_files.hpp"
 #include "io/formats/kitti/kitti_files.hpp"
-#include "lidar/firing_offsets.hpp"
-#include "lidar/model_estimation.hpp"
-#include "lidar/ring_recovery.hpp"
+#include "lidar/recovery/firing_offsets.hpp"
+#include "lidar/recovery/model_estimation.hpp"
+#include "lidar/recovery/ring_recovery.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/io/files.hpp>
 #include <mapless/io/labels.hpp>

@@ -1,4 +1,4 @@
-#include "lidar/firing_offsets.hpp"
+#include "lidar/recovery/firing_offsets.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 
 #include <tbb/parallel_for.h>
 
-#include "lidar/ring_points.hpp"
+#include "lidar/recovery/ring_points.hpp"
 
 namespace mapless::inline v1 {
 namespace {

@@ -8,7 +8,7 @@
 #include <tbb/parallel_for.h>
 
 #include "core/median.hpp"
-#include "lidar/ring_points.hpp"
+#include "lidar/recovery/ring_points.hpp"
 
 namespace mapless::inline v1 {
 namespace {

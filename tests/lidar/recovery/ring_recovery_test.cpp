@@ -1,4 +1,4 @@
-#include "lidar/ring_recovery.hpp"
+#include "lidar/recovery/ring_recovery.hpp"
 
 #include <cmath>
 #include <limits>

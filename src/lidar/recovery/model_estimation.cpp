@@ -1,4 +1,4 @@
-#include "lidar/model_estimation.hpp"
+#include "lidar/recovery/model_estimation.hpp"
 
 #include <algorithm>
 #include <cmath>

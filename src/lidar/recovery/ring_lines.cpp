@@ -3,7 +3,7 @@
 #include <optional>
 
 #include "core/median.hpp"
-#include "lidar/ring_points.hpp"
+#include "lidar/recovery/ring_points.hpp"
 
 namespace mapless::inline v1 {
 namespace {

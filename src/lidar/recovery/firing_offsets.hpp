@@ -6,7 +6,7 @@
 
 #include <Eigen/Core>
 
-#include "lidar/model_estimation.hpp"
+#include "lidar/recovery/model_estimation.hpp"
 #include <mapless/core/se3.hpp>
 
 namespace mapless::inline v1 {

@@ -1,4 +1,4 @@
-#include "lidar/model_estimation.hpp"
+#include "lidar/recovery/model_estimation.hpp"
 
 #include <cmath>
 #include <numbers>
@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "lidar/ring_recovery.hpp"
+#include "lidar/recovery/ring_recovery.hpp"
 #include "support/bare_cloud.hpp"
 #include <mapless/core/errors.hpp>
 

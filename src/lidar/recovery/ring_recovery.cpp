@@ -1,4 +1,4 @@
-#include "lidar/ring_recovery.hpp"
+#include "lidar/recovery/ring_recovery.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <numeric>
 
 #include "core/parallel_parts.hpp"
-#include "lidar/ring_points.hpp"
+#include "lidar/recovery/ring_points.hpp"
 #include <mapless/core/errors.hpp>
 
 namespace mapless::inline v1 {

@@ -6,8 +6,8 @@
 
 #include <Eigen/Core>
 
-#include "lidar/ring_points.hpp"
-#include "lidar/ring_recovery.hpp"
+#include "lidar/recovery/ring_points.hpp"
+#include "lidar/recovery/ring_recovery.hpp"
 #include <mapless/lidar/lidar_model.hpp>
 
 namespace mapless::inline v1 {

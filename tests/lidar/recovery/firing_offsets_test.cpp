@@ -1,4 +1,4 @@
-#include "lidar/firing_offsets.hpp"
+#include "lidar/recovery/firing_offsets.hpp"
 
 #include <cmath>
 #include <numbers>
