@@ -29,10 +29,10 @@ def info():
 
 @pytest.fixture(scope="module")
 def ouster_drive(info, tmp_path_factory) -> pathlib.Path:
-    """Ten scans of that sensor, simulated by its metadata, without rays known to hit nothing, which packets do not say."""
+    """Ten scans of that sensor among 12,000 moving points, simulated by its metadata, without rays known to hit nothing, which packets do not say."""
     folder = tmp_path_factory.mktemp("ouster")
     (folder / "sensor.json").write_text(info.to_json_string())
-    mapless.simulate("town1", folder / "native", sensor=folder / "sensor.json", duration_s=1.0)
+    mapless.simulate("highway", folder / "native", sensor=folder / "sensor.json", duration_s=1.0)
     without_empty_rays(folder / "native")
     return folder / "native"
 
