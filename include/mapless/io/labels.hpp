@@ -66,7 +66,7 @@ struct ObjectTruth {
   std::map<std::pair<std::size_t, std::uint32_t>, ObjectState> states;  ///< by scan and object id
 };
 
-/// Reads objects.csv (object_id,class,kind) and object_states.csv
+/// Reads objects.csv (object_id,class,kind; or id,class, of objects of no known kind) and object_states.csv
 /// (scan,object_id,time_s,x_m,y_m,z_m,vx_mps,vy_mps,vz_mps,speed_mps) of a folder, if present. Throws
 /// InputError naming file and line for another table, and for an object or a state that occurs twice.
 [[nodiscard]] ObjectTruth read_object_truth(const std::filesystem::path& folder);

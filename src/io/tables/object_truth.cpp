@@ -16,6 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view kObjectsHead = "object_id,class,kind";
+constexpr std::string_view kClassesHead = "id,class";  // of truth by others, who know no kinds
 constexpr std::string_view kStatesHead = "scan,object_id,time_s,x_m,y_m,z_m,vx_mps,vy_mps,vz_mps,speed_mps";
 
 // One line of a table of truth.
@@ -35,8 +36,10 @@ std::vector<TruthLine> lines_of(const fs::path& file, std::string_view text, std
 
 void read_descriptions(const fs::path& file, ObjectTruth& truth) {
   const std::string text = read_whole_file(file);
-  for (const TruthLine& line : lines_of(file, text, kObjectsHead)) {
-    const ObjectDescription description{std::string(line.cells[1]), std::string(line.cells[2])};
+  const bool has_kinds = text.substr(0, text.find_first_of("\r\n")) != kClassesHead;
+  for (const TruthLine& line : lines_of(file, text, has_kinds ? kObjectsHead : kClassesHead)) {
+    const ObjectDescription description{std::string(line.cells[1]),
+                                        has_kinds ? std::string(line.cells[2]) : ""};
     if (!truth.descriptions.emplace(line.object_id(0), description).second)
       line.refuse("object_id", line.cells[0], "given twice");
   }

@@ -47,6 +47,15 @@ TEST(ObjectTruth, ReadsBothTables) {
   EXPECT_EQ(state.speed_mps, 5);
 }
 
+TEST(ObjectTruth, ATableOfClassesAloneLeavesTheKindsOpen) {
+  const test::TemporaryFolder folder;
+  write(folder / "objects.csv", "id,class\n7,car\n8,person\n");
+  const ObjectTruth truth = read_object_truth(folder.path());
+  EXPECT_TRUE(truth.has_descriptions);
+  EXPECT_EQ(truth.descriptions.at(8).object_class, "person");
+  EXPECT_EQ(truth.descriptions.at(8).kind, "");
+}
+
 TEST(ObjectTruth, RefusesInvalidObjects) {
   const test::TemporaryFolder folder;
   const std::string head = "object_id,class,kind\n";
