@@ -95,7 +95,9 @@ TrackMotion MotionClassifier::update(const TrackMotion& last, const TrackedObjec
   const double required = required_evidence(object);
   const bool young = object.age <= kYoungScans && evidence.votes >= 0;
   const bool plausible = next.velocity_known || young || next.evidence >= kSufficientRayEvidence * required;
-  const bool may_be_zero = object.age > 1 && known && !differs;
+  // Before it has moved, a velocity that was known and is no longer may be zero, too.
+  const bool was_known = !last.moves && last.velocity_known;
+  const bool may_be_zero = object.age > 1 && (known || was_known) && !differs;
   if (last.moves) {
     const bool stays_slow = (next.slow && (last.slow || (known && !displaced))) || (last.slow && may_be_zero);
     const bool unsupported = required > parameters_.min_evidence && next.evidence < kGoesOnShare * required;

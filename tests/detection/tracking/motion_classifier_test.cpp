@@ -243,6 +243,19 @@ TEST(MotionClassifier, ATrackOfUnknownVelocityBeginsWithADisplacementAlone) {
   EXPECT_FALSE(next(standing(), object(19, kBadly_mps), kNotDisplaced_m).moves);
 }
 
+// The parts of a parked car that a near sensor sees change: its velocity is found, and lost again.
+TEST(MotionClassifier, AVelocityThatWasKnownBeginsNoMotionByGettingLost) {
+  TrackMotion was_known = standing();
+  was_known.velocity_known = true;
+  const TrackedObject lost = object(kFast_mps, kBadly_mps);
+  EXPECT_FALSE(next(was_known, lost, kDisplaced_m).moves);
+  EXPECT_EQ(next(was_known, lost, kDisplaced_m).reason, TrackReason::may_be_zero);
+  EXPECT_TRUE(next(was_known, object(2.1 * kBadly_mps, kBadly_mps), kDisplaced_m).moves);  // beyond 2 sigma
+  TrackMotion moved = was_known;
+  moved.moves = true;
+  EXPECT_TRUE(next(moved, lost, kDisplaced_m).moves);  // goes on
+}
+
 TEST(MotionClassifier, AKnownSpeedDecidesWhatIsSlow) {
   for (const float displacement_m : {kDisplaced_m, kNotDisplaced_m}) {
     EXPECT_TRUE(next(moving(), object(kSlow_mps, kWell_mps), displacement_m).slow);
