@@ -2,27 +2,23 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace mapless::inline v1 {
 namespace {
 
 // Between two key scans a static surface moves in the sensor frame by this much, or by this angle: over
-// kFewestKeyScans, by several tolerances at a metre. Chosen.
-constexpr double kKeyDistance_m = 0.1;
-constexpr double kKeyAngle_rad = 0.05;
+// kFewestFirstKeyScans, by two tolerances and more. Chosen.
+constexpr double kKeyDistance_m = 0.05;
+constexpr double kKeyAngle_rad = 0.025;
 
-// Chosen: the roof and the bonnet of a car, seen from its roof, are nearer. The side of a car alongside,
-// 2.6 m away, reaches beyond it, and so does not end freely.
-constexpr float kLargestRange_m = 4;
+// Longer than a lorry with trailer behind its cab, or a bus. Chosen.
+constexpr float kLargestRange_m = 18;
 
-// Chosen: a metre of motion, and a second with ten scans a second. In less, what keeps pace with the sensor
-// looks constant.
-constexpr int kFewestKeyScans = 10;
-
-// In the first second this suffices nearer than kNear_m, where hardly anything but the own vehicle keeps pace
-// with the sensor: a car in the next lane is farther away. The first labels wait for five scans, too.
+// Half a metre of motion, and half a second with ten scans a second; the first labels wait for five scans,
+// too. From kFewestKeyScans on, some of them may have had another range. Chosen.
 constexpr int kFewestFirstKeyScans = 5;
-constexpr float kNear_m = 2;
+constexpr int kFewestKeyScans = 10;
 
 // Chosen: one range in ten may be an outlier, or that of something in front of the own vehicle.
 constexpr int kSamePerOther = 9;
@@ -40,11 +36,14 @@ constexpr int kRemembered = 200;
 // A new range has at most so many others against it: then it is taken after 90 key scans.
 constexpr int kMostOthers = 10;
 
-// A row of constant cells ends freely where at most half of the next kBeyondEnd columns have a return within
-// kLinked_m of its last range. The end of a side that slides along itself moves by three columns, 0.02 m at
-// 3 m, in kFewestKeyScans or less. Measured: docs/notebook/detection.md, "learnt as the own vehicle".
+// A run of constant cells ends freely where at most half of the next kBeyondEnd columns have a return within
+// kLinked_m of its last range, and none of them but the first, where firings jitter, had such a range in
+// more than three of ten key scans and another range since or before. Where an end moves by D columns in the
+// key scans so far, the columns beyond the constant ones had the surface in 1 - 1/D, 1 - 2/D, ... of them.
+// Measured: docs/notebook/detection.md, "The sensor's own vehicle".
 constexpr int kBeyondEnd = 4;
 constexpr float kLinked_m = 0.2F;
+constexpr int kEndedPerTen = 3;
 
 // So many cells beside one another may have too few returns yet: of paint that returns every second firing,
 // one cell in seven after five key scans. Chosen.
@@ -69,9 +68,8 @@ float nearest(const LidarScan& scan, int laser, int column, int aside, float ran
 }  // namespace
 
 bool OwnVehicle::Cell::constant(int key_scans) const {
-  const int first = range_m < kNear_m ? kFewestFirstKeyScans : kFewestKeyScans;
   const int needed = others > 0 ? key_scans : key_scans * kReturnedPerTen / 10;
-  return same >= std::clamp(needed, first, kFewestKeyScans) && same >= kSamePerOther * others;
+  return same >= std::clamp(needed, kFewestFirstKeyScans, kFewestKeyScans) && same >= kSamePerOther * others;
 }
 
 void OwnVehicle::Cell::add(float seen_m, float tolerance_m) {
@@ -139,19 +137,56 @@ void OwnVehicle::count_range(const LidarScan& scan, int row, int column, float t
   }
 }
 
-// Of the constant cells, those in runs that end freely on both sides.
-void OwnVehicle::find_own_cells(const LidarScan& scan) {
-  const int columns = model_->columns;
-  own_.assign(cells_.size(), false);
+std::vector<OwnVehicle::Run> OwnVehicle::all_runs(const LidarScan& scan) const {
+  std::vector<Run> runs;
   for (int row = 0; row < scan.rows(); ++row) {
-    const std::vector<std::vector<int>> runs = constant_runs(row);
-    for (const std::vector<int>& run : runs) {
+    std::vector<std::vector<int>> of_row = constant_runs(row);
+    for (std::vector<int>& columns : of_row) {
       // A run all around has no end. It is the own vehicle or flat ground: static, either way.
-      const bool ring = runs.size() == 1 && static_cast<int>(run.size()) + kColumnsAside >= columns;
-      if (!ring && !(ends_freely(scan, row, run.front(), -1) && ends_freely(scan, row, run.back(), 1)))
-        continue;
-      for (const int c : run) own_[cell_index(row, c)] = true;
+      const bool ring =
+          of_row.size() == 1 && static_cast<int>(columns.size()) + kColumnsAside >= model_->columns;
+      const bool free =
+          ring || (ends_freely(scan, row, columns.front(), -1) && ends_freely(scan, row, columns.back(), 1));
+      runs.push_back({row, free, std::move(columns)});
     }
+  }
+  return runs;
+}
+
+// A body: the runs of neighbouring rows with cells one above the other on one surface, and so on.
+DisjointSets OwnVehicle::bodies_of(const std::vector<Run>& runs) const {
+  DisjointSets bodies(runs.size());
+  const auto columns = static_cast<std::size_t>(model_->columns);
+  std::vector<std::int32_t> run_at(cells_.size(), -1);
+  for (std::int32_t k = 0; k < static_cast<std::int32_t>(runs.size()); ++k) {
+    const Run& run = runs[static_cast<std::size_t>(k)];
+    for (const int c : run.columns) {
+      const std::size_t at = cell_index(run.row, c);
+      run_at[at] = k;
+      if (run.row == 0 || run_at[at - columns] < 0) continue;
+      if (std::abs(cells_[at].range_m - cells_[at - columns].range_m) <= kLinked_m)
+        bodies.unite(run_at[at - columns], k);
+    }
+  }
+  return bodies;
+}
+
+// The cells of the bodies at least half of whose cells are in runs that end freely.
+void OwnVehicle::find_own_cells(const LidarScan& scan) {
+  const std::vector<Run> runs = all_runs(scan);
+  DisjointSets bodies = bodies_of(runs);
+  std::vector<int> excess(runs.size());  // of each body: cells of free runs less those of others
+  const auto excess_of = [&](std::size_t run) -> int& {
+    return excess[static_cast<std::size_t>(bodies.find(static_cast<std::int32_t>(run)))];
+  };
+  for (std::size_t k = 0; k < runs.size(); ++k) {
+    const int cells = static_cast<int>(runs[k].columns.size());
+    excess_of(k) += runs[k].ends_freely ? cells : -cells;
+  }
+  own_.assign(cells_.size(), false);
+  for (std::size_t k = 0; k < runs.size(); ++k) {
+    if (excess_of(k) < 0) continue;
+    for (const int c : runs[k].columns) own_[cell_index(runs[k].row, c)] = true;
   }
 }
 
@@ -197,10 +232,14 @@ bool OwnVehicle::ends_freely(const LidarScan& scan, int row, int column, int sid
   const float range_m = cells_[cell_index(row, column)].range_m;
   int linked = 0;
   for (int k = 1; k <= kBeyondEnd; ++k) {
-    const int c = (column + side * k) % scan.columns;
-    const std::int32_t i = scan.cell(row, c < 0 ? c + scan.columns : c);
+    const int c = (column + side * k + model_->columns) % model_->columns;
+    const std::int32_t i = c < scan.columns ? scan.cell(row, c) : -1;
     if (i >= 0 && std::abs(scan.returns[static_cast<std::size_t>(i)].range_m - range_m) <= kLinked_m)
       ++linked;
+    const Cell& beyond = cells_[cell_index(row, c)];
+    const bool was_linked = beyond.others > 0 && std::abs(beyond.range_m - range_m) <= kLinked_m;
+    const int remembered = std::min(key_scans_, kRemembered / 2);
+    if (k > 1 && was_linked && 10 * beyond.same > kEndedPerTen * remembered) return false;
   }
   return 2 * linked <= kBeyondEnd;
 }

@@ -14,7 +14,7 @@ namespace mapless::inline v1 {
 // the evidence of each of its points, unchanged. Out: seeds, then whole objects, numbered, with the evidence
 // of each. Nothing is kept between scans, and no object is dropped here: which of them move, tracking
 // decides. From outside only this header and the types of object_evidence.hpp are used; disjoint_sets.hpp
-// serves the published method, too.
+// serves the published method and the own vehicle, too.
 
 /// Labelled linked neighbours in the 3 x 5 window from which on a hole is filled: more than a third of 14.
 inline constexpr int kFillNeighbours = 5;
