@@ -76,10 +76,7 @@ void OwnVehicle::Cell::add(float seen_m, float tolerance_m) {
   if (range_m > 0 && std::abs(seen_m - range_m) <= tolerance_m) {
     ++same;
     if (same <= kAveraged) range_m += (seen_m - range_m) / static_cast<float>(same);
-  } else {
-    ++others;
-  }
-  if (others > same) {
+  } else if (++others > same) {
     range_m = seen_m < kLargestRange_m ? seen_m : 0;
     others = static_cast<std::uint8_t>(std::min(same + others - 1, kMostOthers));
     same = range_m > 0 ? 1 : 0;
