@@ -19,4 +19,7 @@ skip() {
 python3 -m venv "$work/environment"
 "$work/environment/bin/python" -m pip install --quiet --disable-pip-version-check 'cyclonedds>=0.10.5' >"$work/log" 2>&1 ||
   skip "cyclonedds cannot be installed from PyPI: $(tail -n 1 "$work/log")"
-PYTHONDONTWRITEBYTECODE=1 "$work/environment/bin/python" tests/live/live_client.py "$mapless" "$work/drive"
+# A process and a domain each: a client that is left over from the first was now and then the only one the second node found.
+for motion in tf own; do
+  PYTHONDONTWRITEBYTECODE=1 "$work/environment/bin/python" tests/live/live_client.py "$mapless" "$work/drive" "$motion"
+done

@@ -2,7 +2,7 @@
 """Drives `mapless live` as a driver and as a user of ROS 2 do, with another DDS library on the loopback interface:
 clouds of a simulated drive and its poses go in, and what comes out is compared with the truth.
 
-usage: live_client.py MAPLESS DRIVE      DRIVE: of mapless simulate, VLP-16
+usage: live_client.py MAPLESS DRIVE MOTION      DRIVE: of mapless simulate, VLP-16; MOTION: tf or own
 """
 
 import os
@@ -242,20 +242,18 @@ def run(client, drive, own_odometry):
 
 
 def main():
-    command, drive = sys.argv[1], pathlib.Path(sys.argv[2])
-    for own_odometry in (False, True):
-        motion = "own" if own_odometry else "tf"
-        options = ["--use-imu", "--use-wheel-odometry"] if own_odometry else []
-        node = subprocess.Popen([command, "live", "--sensor", "VLP-16", "--motion", motion, *options])
-        try:
-            client = Client()
-            client.wait_for_node()
-            run(client, drive, own_odometry)
-            node.send_signal(signal.SIGINT)
-            assert node.wait(timeout=30) == 0, "the exit code after SIGINT is not 0"
-        finally:
-            node.kill()
-        print(f"motion {motion}: passed")
+    command, drive, motion = sys.argv[1], pathlib.Path(sys.argv[2]), sys.argv[3]
+    options = ["--use-imu", "--use-wheel-odometry"] if motion == "own" else []
+    node = subprocess.Popen([command, "live", "--sensor", "VLP-16", "--motion", motion, *options])
+    try:
+        client = Client()
+        client.wait_for_node()
+        run(client, drive, own_odometry=motion == "own")
+        node.send_signal(signal.SIGINT)
+        assert node.wait(timeout=30) == 0, "the exit code after SIGINT is not 0"
+    finally:
+        node.kill()
+    print(f"motion {motion}: passed")
 
 
 if __name__ == "__main__":
