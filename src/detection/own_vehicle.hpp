@@ -27,9 +27,8 @@ namespace mapless::inline v1 {
 ///   The side of a lorry that passes slides along itself, so its ranges are constant; but its ends and its
 ///   gaps move: next to the constant cells the surface goes on, or went on before. Cells of few returns, up
 ///   to kMostBridged, do not divide a run.
-/// - A body is made of runs of neighbouring rows, of one surface. It is on the own vehicle if at least half
-/// of
-///   its cells are in runs that end freely. Ground between parts of the own vehicle may count as one of them.
+/// - A body is made of runs of neighbouring rows, of one surface. It is on the own vehicle if half of it or
+///   more is in runs that end freely. Ground between parts of the own vehicle may count as one of them.
 /// - A return is on the own vehicle if its range is that of such a cell in its row, at most
 ///   kColumnsAside from its own. Anything in front of the own vehicle has another range.
 ///

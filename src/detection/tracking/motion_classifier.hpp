@@ -32,9 +32,8 @@ struct TrackMotion {
 /// min_displacement_m.
 ///
 /// A track begins to move if all of these hold:
-/// - its speed is at least min_speed_mps, and a velocity that is known, or was in some scan, differs from
-/// zero
-///   by more than 2 sigma (in its first scan there is no velocity);
+/// - its speed is at least min_speed_mps, and a velocity that is known, or was once, differs from zero by
+///   more than 2 sigma (in its first scan there is no velocity);
 /// - the rays show a displacement; after kStaticScans static scans, one of half of the path that its velocity
 ///   makes in kRecentGap scans;
 /// - its evidence reaches min_evidence, times the factor of its Body, times the standard deviation of its
