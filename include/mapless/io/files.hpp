@@ -89,7 +89,7 @@ void write_sensor_yaml(const std::filesystem::path& file, const LidarModel& mode
 /// ParameterError.
 [[nodiscard]] LidarModel model_from_name_or_file(const std::string& name_or_file);
 
-/// The file that makes a folder the recording of a rig (docs/formats.md, "Several lidars"): beside it lies
+/// The file that makes a folder the recording of a rig (docs/rigs.md): beside it lies
 /// the recording of each sensor, in a folder of the sensor's name.
 inline constexpr std::string_view kRigFile = "rig.yaml";
 /// Whether the folder holds the recording of a rig.
