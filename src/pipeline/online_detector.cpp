@@ -282,7 +282,6 @@ std::vector<LabelledScan> OnlineDetector::flush() {
   return joined(std::move(done), state_->labelled(state_->detector.flush()));
 }
 
-std::shared_ptr<const Trajectory> OnlineDetector::estimated_trajectory() const { return state_->estimated; }
 std::vector<std::shared_ptr<const RayImage>> OnlineDetector::new_rays() {
   return state_->detector.new_rays();
 }

@@ -28,11 +28,12 @@ namespace {
 
 // One sensor of the rig: its recording, and its result as far as it is written.
 struct Member {
-  Member(const RigSensor& sensor, const RigRunOptions& options, const TrajectorySource& motion)
+  Member(const RigSensor& sensor, std::unique_ptr<Dataset> recording, const RigRunOptions& options,
+         const TrajectorySource& motion)
       : offset(sensor.clock_offset),
         result(options.output / sensor.name),
         lock(result.path(), std::string(kProgramName)),
-        dataset(open_dataset(options.recording / sensor.name, {{}, sensor.model, {}, {}, {}})),
+        dataset(std::move(recording)),
         summary(*dataset, (options.recording / sensor.name).string(), motion, options.profile, 0,
                 dataset->size()) {
     result.require_free(options.overwrite);
@@ -58,10 +59,12 @@ class RigRun {
   RigRun(const RigRunOptions& options, std::vector<RigSensor> sensors)
       : options_(options),
         lock_(options.output, std::string(kProgramName)),
-        detector_(sensors, options.detector),
-        motion_(motion_of(sensors.front())) {
-    for (const RigSensor& sensor : sensors)
-      members_.push_back(std::make_unique<Member>(sensor, options, motion_));
+        detector_(sensors, options.detector) {
+    for (const RigSensor& sensor : sensors) {
+      auto recording = open_dataset(options.recording / sensor.name, {{}, sensor.model, {}, {}, {}});
+      if (members_.empty()) motion_ = motion_of(*recording);
+      members_.push_back(std::make_unique<Member>(sensor, std::move(recording), options, motion_));
+    }
     for (const auto& member : members_) scans_ += member->dataset->size();
     for (std::size_t k = 0; k < members_.size(); ++k) {
       const Dataset& dataset = *members_[k]->dataset;
@@ -106,10 +109,9 @@ class RigRun {
 
  private:
   // Of the first sensor.
-  [[nodiscard]] TrajectorySource motion_of(const RigSensor& sensor) const {
-    const auto dataset = open_dataset(options_.recording / sensor.name, {{}, sensor.model, {}, {}, {}});
-    return options_.odometry ? motion_by_odometry(*dataset, 0)
-                             : given_motion(*dataset, options_.trajectory, 0);
+  [[nodiscard]] TrajectorySource motion_of(const Dataset& dataset) const {
+    return options_.odometry ? motion_by_odometry(dataset, 0)
+                             : given_motion(dataset, options_.trajectory, 0);
   }
 
   // The given motion of a sensor; null: none is given, or its clock is another.

@@ -145,9 +145,6 @@ class OnlineDetector {
   /// Labels the scans that are still held back, with what is known now. The detector can then go on.
   [[nodiscard]] std::vector<LabelledScan> flush();
 
-  /// T_v0(t) as lidar odometry knows it after the newest scan, for the other sensors of a rig; null before it
-  /// has started, and where poses are given.
-  [[nodiscard]] std::shared_ptr<const Trajectory> estimated_trajectory() const;
   /// Detector::new_rays and Detector::add_rays_of_another_sensor.
   [[nodiscard]] std::vector<std::shared_ptr<const RayImage>> new_rays();
   void add_rays_of_another_sensor(std::shared_ptr<const RayImage> rays);
