@@ -77,7 +77,8 @@ std::optional<Duration> CloudQueue::period() const {
 }
 
 std::optional<Time> CloudQueue::current_stamp(Time now) const {
-  return silence(now) ? std::nullopt : std::optional(stamps_.back());
+  if (silence(now)) return std::nullopt;
+  return stamps_.back() + Duration::from_seconds(parameters_.clock_offset_s);
 }
 
 std::optional<LiveEvent> CloudQueue::silence(Time now) const {

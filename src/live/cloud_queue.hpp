@@ -52,7 +52,8 @@ class CloudQueue {
   [[nodiscard]] std::string jump(Duration step) const;
 
   [[nodiscard]] std::optional<Time> last_arrival() const { return last_arrival_; }
-  /// The stamp of the cloud that arrived last; none where that is longer ago than max_gap_s.
+  /// The stamp of the cloud that arrived last, on the clock of the other inputs (clock_offset_s); none where
+  /// that is longer ago than max_gap_s.
   [[nodiscard]] std::optional<Time> current_stamp(Time now) const;
   /// That no cloud has come for longer than max_gap_s, or none yet; none where clouds come.
   [[nodiscard]] std::optional<LiveEvent> silence(Time now) const;

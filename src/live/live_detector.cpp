@@ -44,7 +44,7 @@ struct LiveDetector::State {
         now(clock ? std::move(clock) : steady_now),
         queue(o.live, o.topic),
         measurements(o.live),
-        scans(o.sensor, o.topic),
+        scans(o.sensor, o.topic, Duration::from_seconds(o.live.clock_offset_s)),
         online(std::make_unique<OnlineDetector>(o.detector)) {}
 
   // With the lock:
@@ -124,9 +124,9 @@ bool LiveDetector::State::is_usable(Arrival& arrival) {
     report(LiveLevel::error, "unusable cloud", error.what());
     return false;
   }
-  if (view.size() > 0) return true;
-  report(LiveLevel::warning, "empty cloud", "a cloud without points: see whether the sensor is covered");
-  return false;
+  if (view.size() == 0)
+    report(LiveLevel::warning, "empty cloud", "a cloud without points: see whether the sensor is covered");
+  return view.size() > 0;
 }
 
 // Of the clouds that arrive. `settled`: only where it is known well.
@@ -238,7 +238,8 @@ std::vector<LiveOutput> LiveDetector::State::push_waiting() {
       transform_came = false;
       found = transforms.find(made.arrival.cloud.view.frame_id, options.world_frame, made.scan->start,
                               made.scan->end());
-      given_up = !found.trajectory && (now() - made.arrival.arrived).seconds() >= options.live.pose_wait_s;
+      const bool waited = (now() - made.arrival.arrived).seconds() >= options.live.pose_wait_s;
+      given_up = !found.trajectory && (found.over || waited);
       if (given_up) report(LiveLevel::error, "no pose", found.reason + "; the cloud is not labelled");
     }
     if (!found.trajectory && !given_up) return done;

@@ -13,6 +13,8 @@ constexpr std::uint8_t kUint8 = 2;  // PointField.datatype
 constexpr std::uint8_t kUint32 = 6;
 constexpr std::uint8_t kFloat32 = 7;
 constexpr std::uint32_t kAlignment = 4;
+// Chosen: 50 Hz at 10 turns a second, as wheel odometry is usually published.
+constexpr int kPosesPerScan = 5;
 
 // Calls visit(index of the point, its first byte) for the points from `begin` to before `end`.
 template <class Visit>
@@ -47,6 +49,11 @@ std::vector<std::uint32_t> ids_by_number(const Detection& detection) {
     if (object.number <= largest) ids[static_cast<std::size_t>(object.number)] = object.id;
   }
   return ids;
+}
+
+bool has_odometry(const LiveOutput& output) {
+  const auto& update = output.labelled.odometry;
+  return update && !update->knots.empty() && update->state != MotionState::lost && output.body_known;
 }
 
 }  // namespace
@@ -123,12 +130,22 @@ std::vector<LiveObject> live_objects(const LiveOutput& output) {
   return objects;
 }
 
+std::vector<LivePose> live_poses(const LiveOutput& output) {
+  std::vector<LivePose> poses;
+  if (!has_odometry(output)) return poses;
+  const LidarScan& scan = output.labelled.scan();
+  for (int i = 1; i <= kPosesPerScan; ++i) {
+    const Time time = scan.start + (scan.end() - scan.start) * (static_cast<double>(i) / kPosesPerScan);
+    poses.push_back({time, output.T_w0 * output.labelled.trajectory->at(time).T_v0.inverse() * output.T_vb});
+  }
+  return poses;
+}
+
 // A perturbation xi of the sensor, exp(xi) T_v0, is Ad(T_bv) xi of the body; so is the velocity. On T_wb it
 // acts from the right, as exp(-Ad xi): along the axes of w it is that, rotated.
 std::optional<LiveOdometry> live_odometry(const LiveOutput& output) {
+  if (!has_odometry(output)) return std::nullopt;
   const auto& update = output.labelled.odometry;
-  if (!update || update->knots.empty() || update->state == MotionState::lost || !output.body_known)
-    return std::nullopt;
   const TrajectoryKnot& knot = update->knots.back();
   LiveOdometry odometry;
   odometry.time = knot.time;

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "core/time_check.hpp"
 #include <mapless/core/errors.hpp>
 
 namespace mapless::inline v1 {
@@ -20,8 +21,8 @@ constexpr double kTurnFactors[] = {0.5, 1.0, 2.0};
 
 }  // namespace
 
-ScanMaker::ScanMaker(std::optional<LidarModel> sensor, std::string topic)
-    : sensor_(std::move(sensor)), topic_(std::move(topic)) {
+ScanMaker::ScanMaker(std::optional<LidarModel> sensor, std::string topic, Duration clock_offset)
+    : sensor_(std::move(sensor)), topic_(std::move(topic)), clock_offset_(clock_offset) {
   if (sensor_) validate(*sensor_, "sensor");
 }
 
@@ -77,6 +78,8 @@ std::optional<MadeScan> ScanMaker::make(Arrival arrival, const Refuse& refuse) {
   try {
     const DriverFields fields = read_point_cloud2(arrival.cloud.view, topic_);
     LidarScan scan = builder_->build(fields.fields, arrival.cloud.view.stamp, topic_);
+    scan.start = scan.start + clock_offset_;
+    require_time("topic " + topic_, "header.stamp + clock_offset_s", scan.start);
     return MadeScan{std::move(arrival), std::make_shared<const LidarScan>(std::move(scan))};
   } catch (const Error& error) {
     refuse(error.what());

@@ -26,7 +26,8 @@ class ScanMaker {
   /// Called with the reason why a cloud cannot be used.
   using Refuse = std::function<void(const std::string&)>;
 
-  ScanMaker(std::optional<LidarModel> sensor, std::string topic);
+  /// `clock_offset`: LiveParameters::clock_offset_s.
+  ScanMaker(std::optional<LidarModel> sensor, std::string topic, Duration clock_offset);
 
   /// Takes the next cloud and returns the scans that can be made now, in order. `period`: of the clouds.
   [[nodiscard]] std::vector<MadeScan> add(Arrival arrival, std::optional<Duration> period,
@@ -47,6 +48,7 @@ class ScanMaker {
 
   std::optional<LidarModel> sensor_;
   std::string topic_;
+  Duration clock_offset_;
   std::optional<ScanBuilder> builder_;
   std::optional<Duration> turn_;
   std::deque<Arrival> kept_;                // until the sensor is known

@@ -115,13 +115,17 @@ TransformBuffer::Lookup TransformBuffer::find(const std::string& frame, const st
   for (std::size_t i = 0; i < path.size(); ++i) {
     const auto& poses = path[i]->poses;
     if (path[i]->is_static) continue;
-    if (poses.size() < 2 || poses.front().time > begin || poses.back().time < end) {
-      const double lag_s = (end - poses.back().time).seconds();
+    if (const double missed_s = (poses.front().time - begin).seconds(); missed_s > 0) {
+      return {nullptr,
+              fmt::format("the poses in frame {} begin {:.3f} s after the cloud", path[i]->parent, missed_s),
+              true};
+    }
+    if (poses.size() < 2 || poses.back().time < end) {
       return {
           nullptr,
           fmt::format("the poses in frame {} do not cover the cloud: the newest is {:.3f} s before its end",
-                      path[i]->parent, lag_s),
-          lag_s > 0};
+                      path[i]->parent, (end - poses.back().time).seconds()),
+          false};
     }
     for (const TimedPose& pose : poses) {
       if (pose.time > begin && pose.time < end) times.insert(pose.time);

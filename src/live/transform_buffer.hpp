@@ -25,7 +25,7 @@ class TransformBuffer {
   struct Lookup {
     std::shared_ptr<const Trajectory> trajectory;  ///< T_v0 over [begin, end]; null: not known
     std::string reason;                            ///< why it is not known
-    bool late = false;  ///< the frames are connected, and newer transforms may still come
+    bool over = false;  ///< it will never be known: the transforms begin after `begin`
   };
   /// The trajectory of `frame` in the world `world`.
   [[nodiscard]] Lookup find(const std::string& frame, const std::string& world, Time begin, Time end) const;

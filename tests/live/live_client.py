@@ -84,9 +84,9 @@ def read_scan(drive, k):
     return bytes(points), moving
 
 
-def cloud_of(points, ns):
+def cloud_of(points, ns, frame="lidar"):
     return PointCloud2(
-        header=Header(stamp(ns), "lidar"),
+        header=Header(stamp(ns), frame),
         height=1,
         width=len(points) // STEP,
         fields=[PointField(name, offset, kind, 1) for name, offset, kind in FIELDS],
@@ -158,19 +158,24 @@ class Client:
         return DataWriter(self.participant, Topic(self.participant, f"rt/{name}", kind), qos=qos)
 
     def collect(self, milliseconds):
-        """What has come, at once where labels have come, else after so long."""
-        for message in self.readers["points_labelled"].take_iter(timeout=duration(milliseconds=milliseconds)):
-            self.received["points_labelled"].append(message)
+        """What has come, at once where labels (of the first reader) have come, else after so long."""
+        first = next(iter(self.readers))
+        for message in self.readers[first].take_iter(timeout=duration(milliseconds=milliseconds)):
+            self.received[first].append(message)
             break
         for name, reader in self.readers.items():
             self.received[name] += [m for m in reader.take(N=50) if hasattr(m, "header")]
 
-    def wait_for_node(self):
+    def wait_until(self, is_found):
         for _ in range(300):
-            if self.points.get_matched_subscriptions() and self.readers["points_labelled"].get_matched_publications():
+            if is_found():
                 return
             self.collect(100)
         sys.exit("mapless live was not found within 30 s")
+
+    def wait_for_node(self):
+        labelled = self.readers["points_labelled"]
+        self.wait_until(lambda: self.points.get_matched_subscriptions() and labelled.get_matched_publications())
 
 
 def check_labels(received, truth):

@@ -150,7 +150,8 @@ void LiveNode::publish_odometry(const LiveOutput& output) {
   if (!odometry) return;
   if (odometry_.has_readers())
     odometry_.write(odometry_message(*odometry, output.world_frame, output.body_frame).message);
-  if (tf_out_) tf_out_->write(transform_message(*odometry, output.world_frame, output.body_frame).message);
+  if (tf_out_)
+    tf_out_->write(transforms_message(live_poses(output), output.world_frame, output.body_frame).message);
 }
 
 // A wrong name of a topic is the usual reason for no cloud, small buffers of the sockets the next.

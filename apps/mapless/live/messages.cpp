@@ -164,15 +164,18 @@ OdometryMessage odometry_message(const LiveOdometry& odometry, const std::string
   return out;
 }
 
-TransformMessage transform_message(const LiveOdometry& odometry, const std::string& world_frame,
-                                   const std::string& body_frame) {
+TransformMessage transforms_message(const std::vector<LivePose>& poses, const std::string& world_frame,
+                                    const std::string& body_frame) {
   TransformMessage out;
-  geometry_msgs_msg_dds__TransformStamped_ transform = {};
-  transform.header = header_of(out, odometry.time, world_frame);
-  transform.child_frame_id = out.text(body_frame);
-  transform.transform = {vector_of<geometry_msgs_msg_dds__Vector3_>(odometry.T_wb.translation()),
-                         quaternion_of(odometry.T_wb.rotation())};
-  out.set(out.message.transforms, std::vector{transform});
+  std::vector<geometry_msgs_msg_dds__TransformStamped_> transforms;
+  for (const LivePose& pose : poses) {
+    auto& transform = transforms.emplace_back();
+    transform.header = header_of(out, pose.time, world_frame);
+    transform.child_frame_id = out.text(body_frame);
+    transform.transform = {vector_of<geometry_msgs_msg_dds__Vector3_>(pose.T_wb.translation()),
+                           quaternion_of(pose.T_wb.rotation())};
+  }
+  out.set(out.message.transforms, std::move(transforms));
   return out;
 }
 

@@ -36,6 +36,7 @@ struct LiveParameters {
   int start_queue_clouds = 40;
   double max_gap_s = 1.0;
   double pose_wait_s = 0.3;
+  double clock_offset_s = 0;
 
   static constexpr auto declarations() {
     using P = LiveParameters;
@@ -67,6 +68,11 @@ struct LiveParameters {
         declare(&P::pose_wait_s, "pose_wait_s", "s", 0, 10,
                 "with poses from tf or a topic: a cloud waits at most this long for poses that cover it",
                 "docs/ros2.md"),
+        declare(
+            &P::clock_offset_s, "clock_offset_s", "s", -2e9, 2e9,
+            "added to the stamps of the clouds where the clock of the lidar is not that of the poses, the "
+            "imu and the wheels; labelled clouds keep their stamps",
+            "docs/rigs.md"),
     };
   }
 };

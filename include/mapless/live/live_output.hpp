@@ -73,6 +73,16 @@ struct LiveOdometry {
 /// None where poses were given, the motion is lost, or the body is not known.
 [[nodiscard]] std::optional<LiveOdometry> live_odometry(const LiveOutput& output);
 
+/// A pose of the body b in the world frame w.
+struct LivePose {
+  Time time;
+  SE3 T_wb;
+};
+
+/// Poses of the own odometry at five instants of the scan, the last one at its end, for tf: another lidar on
+/// the same body turns at instants of its own. Empty where live_odometry is none.
+[[nodiscard]] std::vector<LivePose> live_poses(const LiveOutput& output);
+
 /// As diagnostic_msgs/DiagnosticStatus.
 enum class LiveLevel : std::uint8_t { ok = 0, warning = 1, error = 2 };
 

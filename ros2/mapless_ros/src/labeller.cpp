@@ -128,7 +128,7 @@ void Labeller::publish_odometry(const mapless::LiveOutput& output) {
   if (!odometry) return;
   const auto message = odometry_message(*odometry, output.world_frame, output.body_frame);
   if (is_read(*odometry_)) odometry_->publish(message);
-  if (tf_out_) tf_out_->publish(transform_message(message));
+  if (tf_out_) tf_out_->publish(transforms_message(output));
 }
 
 void Labeller::publish_diagnostics() {

@@ -149,15 +149,16 @@ nav_msgs::msg::Odometry odometry_message(const mapless::LiveOdometry& odometry,
   return message;
 }
 
-tf2_msgs::msg::TFMessage transform_message(const nav_msgs::msg::Odometry& odometry) {
+tf2_msgs::msg::TFMessage transforms_message(const mapless::LiveOutput& output) {
   tf2_msgs::msg::TFMessage message;
-  auto& transform = message.transforms.emplace_back();
-  transform.header = odometry.header;
-  transform.child_frame_id = odometry.child_frame_id;
-  transform.transform.translation.x = odometry.pose.pose.position.x;
-  transform.transform.translation.y = odometry.pose.pose.position.y;
-  transform.transform.translation.z = odometry.pose.pose.position.z;
-  transform.transform.rotation = odometry.pose.pose.orientation;
+  for (const mapless::LivePose& pose : mapless::live_poses(output)) {
+    auto& transform = message.transforms.emplace_back();
+    transform.header.stamp = stamp_of(pose.time);
+    transform.header.frame_id = output.world_frame;
+    transform.child_frame_id = output.body_frame;
+    set(transform.transform.translation, pose.T_wb.translation());
+    set(transform.transform.rotation, pose.T_wb.rotation());
+  }
   return message;
 }
 

@@ -31,7 +31,7 @@ mapless::PointCloud2 cloud_of(const sensor_msgs::msg::PointCloud2::ConstSharedPt
 sensor_msgs::msg::PointCloud2::UniquePtr cloud_message(const mapless::PointCloud2& cloud);
 nav_msgs::msg::Odometry odometry_message(const mapless::LiveOdometry& odometry,
                                          const std::string& world_frame, const std::string& body_frame);
-tf2_msgs::msg::TFMessage transform_message(const nav_msgs::msg::Odometry& odometry);
+tf2_msgs::msg::TFMessage transforms_message(const mapless::LiveOutput& output);
 diagnostic_msgs::msg::DiagnosticStatus status_message(const mapless::LiveDiagnostics& diagnostics,
                                                       const std::string& name);
 vision_msgs::msg::Detection3DArray objects_message(const mapless::LiveOutput& output);
