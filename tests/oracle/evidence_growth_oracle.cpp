@@ -209,17 +209,14 @@ int EvidenceGrowthOracle::weighted_votes(const std::vector<PointEvidence>& votes
 Body EvidenceGrowthOracle::body(const std::vector<PointEvidence>& votes,
                                 const std::vector<std::size_t>& object) const {
   std::set<int> rows;
-  std::size_t whole = 0, both = 0;
+  std::size_t whole = 0, stood = 0;
   for (const std::size_t i : object) {
     rows.insert(scan_.returns[i].laser);
-    if (!votes[i].seen_through) {
-      ++whole;
-    } else if (votes[i].surface_seen) {
-      ++both;
-    }
+    if (!votes[i].seen_through) ++whole;
+    if (votes[i].stood_before) ++stood;
   }
   if (rows.size() >= 3 && whole >= 4 && 5 * whole >= object.size()) return Body::rigid;
-  return 10 * both > 7 * object.size() ? Body::porous : Body::unclear;
+  return 10 * stood > object.size() ? Body::standing : Body::unclear;
 }
 
 void EvidenceGrowthOracle::number(const std::vector<PointEvidence>& votes, const std::vector<char>& dynamic,

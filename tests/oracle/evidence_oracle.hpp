@@ -51,6 +51,7 @@ inline std::vector<PointEvidence> query_every_point(const LidarScan& scan, const
       evidence[i].seen_through = evidence[i].seen_through || inside;
       evidence[i].occluder_left = evidence[i].occluder_left || (vote == 2 && !inside);
       evidence[i].surface_seen = evidence[i].surface_seen || vote < 0;
+      evidence[i].stood_before = evidence[i].stood_before || (vote < 0 && std::abs(a.gap) > 4);
       evidence[i].recently_free = evidence[i].recently_free || (vote > 0 && std::abs(a.gap) <= 4);
     }
   }

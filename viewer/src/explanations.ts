@@ -22,7 +22,6 @@ export interface Decision {
   evidence: number;
   required: number;
   displacement: number;
-  unconfirmed: number;
   speed: number;
   std: number;
   points: number;
@@ -137,7 +136,7 @@ export class ScanExplanation {
   private reason(d: Decision): ReasonText {
     const words = this.texts.decisions[d.reason];
     const figures = { ...this.texts.limits, evidence: d.evidence.toFixed(0), required: d.required.toFixed(0), displacement: d.displacement.toFixed(2),
-                      unconfirmed: d.unconfirmed.toFixed(2), speed: d.speed.toFixed(2), std: d.std.toFixed(2) };
+                      speed: d.speed.toFixed(2), std: d.std.toFixed(2) };
     return { name: words.name, text: filledIn(words.text, figures) };
   }
 }

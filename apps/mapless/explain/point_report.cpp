@@ -51,10 +51,11 @@ Figures figures_of(const PointDecision& p) {
 }
 
 Figures figures_of(const ObjectDecision& d) {
-  return {
-      {"evidence", number(d.evidence, 0)},           {"required", number(d.required, 0)},
-      {"displacement", number(d.displacement_m)},    {"unconfirmed", number(d.unconfirmed_m)},
-      {"speed", number(d.object.velocity_0.norm())}, {"std", number(d.object.velocity_std_0().maxCoeff())}};
+  return {{"evidence", number(d.evidence, 0)},
+          {"required", number(d.required, 0)},
+          {"displacement", number(d.displacement_m)},
+          {"speed", number(d.object.velocity_0.norm())},
+          {"std", number(d.object.velocity_std_0().maxCoeff())}};
 }
 
 Json observation_json(const Observation& o, std::size_t scan, int gap, const Figures& limits,

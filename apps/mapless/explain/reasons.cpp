@@ -70,21 +70,15 @@ const std::array<ReasonText, kTrackReasons> kTrackTexts = {{
      "displaced by {displacement} m as the rays show (at least {min_displacement} m)."},
     {"slow", "It is slower than {min_speed} m/s: {speed} +- {std} m/s."},
     {"may stand", "Its velocity is within two standard deviations of zero: {speed} +- {std} m/s."},
-    {"velocity unknown",
-     "Its velocity was never known ({std} m/s standard deviation), and its evidence "
-     "{evidence} does not suffice without."},
     {"not displaced",
      "The rays show no displacement: {displacement} m, and {min_displacement} m are needed."},
     {"not confirmed",
-     "It was static for long, and the displacement that the rays show, {displacement} m, does "
-     "not confirm its velocity of {speed} m/s."},
+     "It was seen to stand, and the displacement that the rays show, {displacement} m, does not "
+     "confirm its velocity of {speed} m/s."},
     {"little evidence", "Its evidence is {evidence}, and to begin it needs {required}."},
     {"stops: slow",
      "It stops: slower than {min_speed} m/s ({speed} +- {std} m/s) twice, or once without a "
      "displacement (the rays show {displacement} m)."},
-    {"stops: unconfirmed",
-     "It stops: {unconfirmed} m of path by its velocity, and the rays showed no "
-     "displacement."},
     {"stops: unsupported",
      "It stops: its velocity is known to {std} m/s only, and its evidence is {evidence}."},
     {"static by the rays",

@@ -45,13 +45,13 @@ inline constexpr std::size_t kPointSteps = 10;
 
 /// A short name, for tables and colours, and a sentence. In braces are figures: {beyond}, {short}, {aside},
 /// {distance} [m], {votes}, {support}, {supporters}, {near}, {reach}; of an object {evidence}, {required},
-/// {displacement}, {unconfirmed}, {speed}, {std}; and limits, see limit_figures. The page has the same texts.
+/// {displacement}, {speed}, {std}; and limits, see limit_figures. The page has the same texts.
 struct ReasonText {
   std::string_view name, text;
 };
 extern const std::array<ReasonText, kObservationKinds> kObservationTexts;
 extern const std::array<ReasonText, kPointSteps> kPointTexts;
-inline constexpr std::size_t kTrackReasons = 12;
+inline constexpr std::size_t kTrackReasons = 10;
 extern const std::array<ReasonText, kTrackReasons> kTrackTexts;
 
 /// Distances in texts, and in the page: whole centimetres below 1 m, which are the steps 0 to 99, then whole

@@ -49,7 +49,6 @@ Json decisions_json(const ScanExplanation& e) {
                        {"evidence", std::round(d.evidence)},
                        {"required", std::round(d.required)},
                        {"displacement", rounded(d.displacement_m)},
-                       {"unconfirmed", rounded(d.unconfirmed_m)},
                        {"speed", rounded(d.object.velocity_0.norm())},
                        {"std", rounded(d.object.velocity_std_0().maxCoeff())},
                        {"points", d.object.points},

@@ -57,13 +57,11 @@ enum class TrackReason : std::uint8_t {
   begins,               ///< all conditions to begin hold
   slow,                 ///< begins not: below min_speed_mps
   may_be_zero,          ///< begins not: its velocity is within 2 sigma of zero
-  velocity_unknown,     ///< its velocity was never known, and its evidence does not suffice without
   not_displaced,        ///< begins not: the rays show no displacement of min_displacement_m
-  not_confirmed,        ///< begins not: long static, and the displacement does not confirm the velocity
+  not_confirmed,        ///< begins not: seen to stand, and the displacement does not confirm the velocity
   little_evidence,      ///< begins not: its evidence is below what it takes
   stopped_slow,         ///< stops: slow in this scan and before, or in this one without a displacement
-  stopped_unconfirmed,  ///< stops: its path without a displacement shown by the rays reaches the limit
-  stopped_unsupported,  ///< stops: velocity known badly, and evidence below half of what it takes
+  stopped_unsupported,  ///< stops: velocity known badly, and evidence below a third of what it takes
   stopped_by_rays       ///< the rays of the scans around show that it stands, whatever its velocity
 };
 
@@ -78,7 +76,6 @@ struct ObjectDecision {
   double evidence = 0;        ///< of this scan, plus that of earlier ones, halved per scan
   double required = 0;        ///< evidence it takes to begin
   double displacement_m = 0;  ///< shown by the rays
-  double unconfirmed_m = 0;   ///< its path since they last showed one
 };
 
 /// Limits between two decisions that no parameter gives.

@@ -225,7 +225,9 @@ struct VotingParameters {
         declare(&P::min_evidence, "min_evidence", "votes", 0, 100000,
                 "evidence a track needs before it is labelled dynamic: the sum of its points' votes (x 0.5 "
                 "where a scan observed a surface; capped at this value per laser row), plus past evidence "
-                "halved per scan; x 0.25 for rigid bodies, more for porous ones and uncertain velocities",
+                "halved per scan; half for rigid bodies and velocities that the rays confirm, more for what "
+                "stood "
+                "there before and for uncertain velocities",
                 "method.md 7"),
     };
   }

@@ -211,6 +211,7 @@ void EvidenceCollector::add_answer(const Reference& reference, const FreespacePr
     if (dynamic && reference.recent) add_votes(reference, kSeenDynamicVotes, evidence);
     evidence.seen_dynamic = evidence.seen_dynamic || (dynamic && reference.recent);
     evidence.surface_seen = true;
+    evidence.stood_before = evidence.stood_before || (!dynamic && !reference.recent);
     query.seen_next = query.seen_next || reference.next;
     if (reference.next) query.next_offset_m = std::abs(answer.short_by_m);
   } else if (answer.verdict == FreespaceVerdict::outside && answer.short_by_m <= max_occluder_distance_m_ &&

@@ -52,6 +52,7 @@ struct PointEvidence {
   bool recently_free : 1 = false;  ///< seen through, or its occluder left, as observed by a recent scan
   bool occluder_left : 1 = false;  ///< an occluder that hid it from some scan has left
   bool seen_dynamic : 1 = false;   ///< a recent scan saw a surface there that was found dynamic
+  bool stood_before : 1 = false;   ///< a scan before the recent ones saw a surface there, not a dynamic one
   bool own_vehicle : 1 = false;    ///< a return on the sensor's own vehicle
 
   [[nodiscard]] int total() const { return past + future; }

@@ -13,8 +13,9 @@ constexpr int kRigidRows = 3;
 constexpr std::size_t kRigidPoints = 4;
 constexpr double kRigidShare = 0.2;
 
-// Share of points both seen through and seen on a surface, above which an object is porous.
-constexpr double kPorousShare = 0.7;
+// Share of points that stood before, above which the object did. Not zero: where one thing leaves, another
+// may come. Measured: .05 and .2 change no mean IoU of a sensor by more than .001.
+constexpr double kStandingShare = 0.1;
 
 }  // namespace
 
@@ -65,17 +66,17 @@ ObjectEvidenceCollector::Tally ObjectEvidenceCollector::tally(std::span<const st
 }
 
 Body ObjectEvidenceCollector::body(std::span<const std::int32_t> object, int rows) const {
-  std::size_t not_seen_through = 0, contradicting = 0;
+  std::size_t not_seen_through = 0, stood_before = 0;
   for (const std::int32_t j : object) {
     const PointEvidence& v = votes_[static_cast<std::size_t>(j)];
     not_seen_through += v.seen_through ? 0 : 1;
-    contradicting += v.seen_through && v.surface_seen ? 1 : 0;
+    stood_before += v.stood_before ? 1 : 0;
   }
   const auto count = static_cast<double>(object.size());
   if (rows >= kRigidRows && not_seen_through >= kRigidPoints &&
       static_cast<double>(not_seen_through) >= kRigidShare * count)
     return Body::rigid;
-  return static_cast<double>(contradicting) > kPorousShare * count ? Body::porous : Body::unclear;
+  return static_cast<double>(stood_before) > kStandingShare * count ? Body::standing : Body::unclear;
 }
 
 double ObjectEvidenceCollector::weighted(const RowTally& row) const {

@@ -12,8 +12,8 @@ namespace mapless::inline v1 {
 /// Shape of an object as the rays of the reference scans observed its place. Limits: object_evidence.cpp.
 enum class Body : std::uint8_t {
   unclear,
-  rigid,  ///< several rows, and part of its points was never seen through: it occluded its former place
-  porous  ///< nearly all points seen through by one scan and on a surface in another: leaves, rails, edges
+  rigid,    ///< several rows, and part of its points was never seen through: it occluded its former place
+  standing  ///< scans before the recent ones saw a surface at part of its points: leaves, rails, edges
 };
 
 /// Evidence of the rays about one object, of method "voting".

@@ -15,11 +15,10 @@ namespace mapless::inline v1 {
 struct TrackMotion {
   bool moves = false;
   bool slow = false;            ///< its speed in the last scan was below min_speed_mps
+  bool stood = false;           ///< in some scan since it last moved its velocity was known, and slow
   bool velocity_known = false;  ///< in some scan, see MotionClassifier
-  int static_scans = 0;         ///< since it last moved, in which its velocity was known and slow
   double evidence = 0;          ///< votes of the last scan, plus those of earlier ones halved per scan
   int age = 0;                  ///< TrackedObject::age
-  double unconfirmed_m = 0;     ///< path by its velocity since the rays last showed a displacement
   Time seen;                    ///< start of its last scan
   TrackReason reason = TrackReason::begins;  ///< why it moves, or does not
   double required = 0;                       ///< evidence that it takes to begin
@@ -34,20 +33,19 @@ struct TrackMotion {
 /// A track begins to move if all of these hold:
 /// - its speed is at least min_speed_mps, and a velocity that is known, or was once, differs from zero by
 ///   more than 2 sigma (in its first scan there is no velocity);
-/// - the rays show a displacement; after kStaticScans static scans, one of half of the path that its velocity
-///   makes in kRecentGap scans;
-/// - its evidence reaches min_evidence, times the factor of its Body, times the standard deviation of its
-///   velocity over 0.5 m/s from its third scan on.
+/// - the rays show a displacement, and half of the path that its velocity makes in kRecentGap scans if it
+///   was seen to stand;
+/// - its evidence reaches min_evidence, times the standard deviation of its velocity over 0.5 m/s from its
+///   third scan on. A body that stood there before takes twice as much. Half suffices for a rigid one, and
+///   where the velocity differs from zero by more than 2 sigma and the rays show half of that path.
 ///
 /// A moving track stops if any of these holds (or if StandingTest says so, which MovingObjects asks):
 /// - it is slow in two consecutive scans, where in the second a velocity within 2 sigma of zero suffices;
 /// - it is slow in one scan, its velocity is known, and the rays show no displacement;
-/// - its path by its velocity since the rays last showed a displacement reaches 1 m;
-/// - its velocity is known worse than to 0.5 m/s and its evidence falls below half of what it takes to begin.
+/// - its velocity is known worse than to 0.5 m/s and its evidence falls below a third of what that takes.
 ///
 /// Where the velocity is not known (a wall, which slides along itself at any speed), `slow` is the absence of
-/// a displacement instead. While the velocity of a track was never known, it moves from its third scan on
-/// only with kSufficientRayEvidence times the evidence, in its first two if its votes do not sum below zero.
+/// a displacement instead.
 class MotionClassifier {
  public:
   explicit MotionClassifier(const VotingParameters& parameters) : parameters_(parameters) {}

@@ -157,6 +157,27 @@ TEST(CollectEvidence, ASurfaceFoundDynamicDoesNotVoteAgainst) {
   }
 }
 
+// A surface seen by a scan more than four before stood there; what a recent scan saw may have come since, and
+// what was found dynamic did not stand.
+TEST(CollectEvidence, WhatAnEarlierScanSawStoodThere) {
+  const CompensatedScan query = cast(standing({wall_at(7)}));
+  const auto stood_before = [&](int gap, bool dynamic) {
+    RayImage image(query);
+    if (dynamic) image.mark_dynamic(*query.scan, std::vector<std::uint16_t>(query.points_0.size(), 1));
+    const RayImage recent(query);
+    const auto votes = collect_evidence(*query.scan, local_points(query), {{&recent, 1}, {&image, gap}},
+                                        RayImage(query), {});
+    const auto stood =
+        std::count_if(votes.begin(), votes.end(), [](const auto& v) { return v.stood_before; });
+    EXPECT_TRUE(stood == 0 || static_cast<std::size_t>(stood) == votes.size());
+    return stood != 0;
+  };
+  EXPECT_TRUE(stood_before(5, false));
+  EXPECT_FALSE(stood_before(4, false));
+  EXPECT_FALSE(stood_before(5, true));
+  EXPECT_FALSE(stood_before(-4, false));
+}
+
 test::ToyBody crate_at(double x) { return test::toy_box({x + 0.5, 0, 0}, {0.5, 1, 0.8}); }
 
 /// Votes of a scan of `now`, at rest, from one scan of `then`, by range ahead.

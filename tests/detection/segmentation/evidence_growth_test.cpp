@@ -254,16 +254,27 @@ TEST_F(EvidenceImage, ABodyNotSeenThroughEverywhereIsRigid) {
   EXPECT_EQ(body(2, 8), Body::unclear);
 }
 
-// Eight of ten points were seen through and on a surface: more than 0.7 of them; seven are not.
-TEST_F(EvidenceImage, ABodySeenThroughAndOnASurfaceIsPorous) {
+// Where two of ten points stood before, more than a tenth of them, the body did; one may have come between.
+// What only recent scans saw is no sign of it, and part of a rigid body may lie where something else stood.
+TEST_F(EvidenceImage, ABodyOfWhichMoreThanATenthStoodBeforeIsStanding) {
   parameters_.grow = false;
-  for (const int contradicted : {8, 7}) {
+  const auto body = [&](int stood) {
     for (int c = 4; c < 14; ++c) {
       set(1, c, 3);
-      votes_[at(1, c)].surface_seen = c < 4 + contradicted;
+      votes_[at(1, c)].surface_seen = true;
+      votes_[at(1, c)].stood_before = c < 4 + stood;
     }
-    EXPECT_EQ(grow().evidence.at(0).body, contradicted == 8 ? Body::porous : Body::unclear);
+    return grow().evidence.at(0).body;
+  };
+  EXPECT_EQ(body(2), Body::standing);
+  EXPECT_EQ(body(1), Body::unclear);
+  for (const int r : {0, 2}) {
+    for (int c = 4; c < 14; ++c) {
+      set(r, c, 3);
+      votes_[at(r, c)].seen_through = false;
+    }
   }
+  EXPECT_EQ(body(10), Body::rigid);
 }
 
 TEST_F(EvidenceImage, SumsTheVotesOfEveryObject) {
@@ -308,6 +319,7 @@ RandomImage random_image(std::mt19937_64& random) {
     const bool through = both || ((votes > 0 || later > 0) && random() % 4 != 0);
     image.votes.push_back({static_cast<std::int16_t>(votes), static_cast<std::int16_t>(later), through,
                            votes < 0 || later < 0 || both, through && random() % 3 == 0});
+    image.votes.back().stood_before = votes < 0 && random() % 2 == 0;
   }
   image.points = points_of(image.scan);
   return image;
