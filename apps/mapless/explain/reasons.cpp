@@ -77,8 +77,8 @@ const std::array<ReasonText, kTrackReasons> kTrackTexts = {{
      "confirm its velocity of {speed} m/s."},
     {"little evidence", "Its evidence is {evidence}, and to begin it needs {required}."},
     {"stops: slow",
-     "It stops: slower than {min_speed} m/s ({speed} +- {std} m/s) twice, or once without a "
-     "displacement (the rays show {displacement} m)."},
+     "It stops: {speed} +- {std} m/s, where {min_speed} m/s are needed, or a displacement if no velocity "
+     "is known (the rays show {displacement} m)."},
     {"stops: unsupported",
      "It stops: its velocity is known to {std} m/s only, and its evidence is {evidence}."},
     {"static by the rays",

@@ -60,7 +60,7 @@ enum class TrackReason : std::uint8_t {
   not_displaced,        ///< begins not: the rays show no displacement of min_displacement_m
   not_confirmed,        ///< begins not: seen to stand, and the displacement does not confirm the velocity
   little_evidence,      ///< begins not: its evidence is below what it takes
-  stopped_slow,         ///< stops: slow in this scan and before, or in this one without a displacement
+  stopped_slow,         ///< stops: below min_speed_mps, or of unknown velocity and without a displacement
   stopped_unsupported,  ///< stops: velocity known badly, and evidence below a third of what it takes
   stopped_by_rays       ///< the rays of the scans around show that it stands, whatever its velocity
 };

@@ -219,7 +219,7 @@ struct VotingParameters {
             "share of the object's points seen through recently, times its size",
             "method.md 7"),
         declare(&P::min_speed_mps, "min_speed_mps", "m/s", 0.0, 100.0,
-                "a track is static below this speed, in two consecutive scans, or in one without an observed "
+                "a track is static below this speed; where its velocity is not known, without an observed "
                 "displacement",
                 "method.md 7"),
         declare(&P::min_evidence, "min_evidence", "votes", 0, 100000,

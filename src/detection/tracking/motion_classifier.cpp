@@ -78,17 +78,15 @@ TrackMotion MotionClassifier::update(const TrackMotion& last, const TrackedObjec
   next.stood = !last.moves && (last.stood || (known && next.slow));
 
   const double required = required_evidence(object);
-  // Before it has moved, a velocity that was known and is no longer may be zero, too.
-  const bool was_known = !last.moves && last.velocity_known;
-  const bool may_be_zero = object.age > 1 && (known || was_known) && !differs;
   if (last.moves) {
-    const bool stays_slow = (next.slow && (last.slow || (known && !displaced))) || (last.slow && may_be_zero);
     const bool unsupported = required > parameters_.min_evidence && next.evidence < kGoesOnShare * required;
-    next.moves = !stays_slow && !unsupported;
-    next.reason = next.moves   ? TrackReason::goes_on
-                  : stays_slow ? TrackReason::stopped_slow
-                               : TrackReason::stopped_unsupported;
+    next.moves = !next.slow && !unsupported;
+    next.reason = next.moves  ? TrackReason::goes_on
+                  : next.slow ? TrackReason::stopped_slow
+                              : TrackReason::stopped_unsupported;
   } else {
+    // A velocity that was known and is no longer may be zero, too.
+    const bool may_be_zero = object.age > 1 && next.velocity_known && !differs;
     const bool confirms = confirms_velocity(last, object, evidence, now);
     next.required = body_factor(evidence.body, differs && confirms) * required;
     next.moves = displaced && (confirms || !last.stood) && !next.slow && !may_be_zero &&

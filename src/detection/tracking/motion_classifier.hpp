@@ -40,8 +40,7 @@ struct TrackMotion {
 ///   where the velocity differs from zero by more than 2 sigma and the rays show half of that path.
 ///
 /// A moving track stops if any of these holds (or if StandingTest says so, which MovingObjects asks):
-/// - it is slow in two consecutive scans, where in the second a velocity within 2 sigma of zero suffices;
-/// - it is slow in one scan, its velocity is known, and the rays show no displacement;
+/// - its speed is below min_speed_mps;
 /// - its velocity is known worse than to 0.5 m/s and its evidence falls below a third of what that takes.
 ///
 /// Where the velocity is not known (a wall, which slides along itself at any speed), `slow` is the absence of

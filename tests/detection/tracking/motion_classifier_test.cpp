@@ -269,30 +269,14 @@ TEST(MotionClassifier, SigmasAreThoseAlongTheVelocity) {
   EXPECT_FALSE(next(moving(), wall, kDisplaced_m).slow);
 }
 
-TEST(MotionClassifier, AMovingTrackStopsAfterTwoSlowScans) {
-  const TrackedObject slow = object(0, kWell_mps), fast = object(kFast_mps, kWell_mps);
-  const TrackMotion once = next(moving(), slow, kDisplaced_m);
-  EXPECT_TRUE(once.moves);
-  EXPECT_FALSE(next(once, slow, kDisplaced_m).moves);
-  const TrackMotion fast_again = next(once, fast, kDisplaced_m);
-  EXPECT_TRUE(fast_again.moves);
-  EXPECT_TRUE(next(fast_again, slow, kDisplaced_m).moves);
-}
-
-// 0.59 m/s is within 2 sigma of 0.3 m/s; with a sigma of 0.6 m/s it is not known.
-TEST(MotionClassifier, ASlowTrackStopsWithASpeedWithinTwoSigmaOfZero) {
-  const TrackMotion once = next(moving(), object(0, kWell_mps), kDisplaced_m);
-  ASSERT_TRUE(once.moves && once.slow);
-  EXPECT_FALSE(next(once, object(0.59, 0.3), kDisplaced_m).moves);
-  EXPECT_TRUE(next(once, object(0.61, 0.3), kDisplaced_m).moves);
-  EXPECT_TRUE(next(once, object(0.59, 0.6), kDisplaced_m).moves);
-}
-
-TEST(MotionClassifier, AKnownSlowTrackWithoutDisplacementStopsAtOnce) {
-  EXPECT_FALSE(next(moving(), object(0, kWell_mps), kNotDisplaced_m).moves);
-  EXPECT_TRUE(next(moving(), object(0, kBadly_mps), kNotDisplaced_m).moves);
-  EXPECT_TRUE(next(moving(), object(0, kWell_mps), kDisplaced_m).moves);
-  EXPECT_TRUE(next(moving(), object(kFast_mps, kWell_mps), 0).moves);
+// Below min_speed_mps where the velocity is known, else without a displacement.
+TEST(MotionClassifier, AMovingTrackStopsWhenItIsSlow) {
+  EXPECT_TRUE(next(moving(), object(kFast_mps, kWell_mps), kNotDisplaced_m).moves);
+  const TrackMotion stopped = next(moving(), object(kSlow_mps, kWell_mps), kDisplaced_m);
+  EXPECT_FALSE(stopped.moves);
+  EXPECT_EQ(stopped.reason, TrackReason::stopped_slow);
+  EXPECT_TRUE(next(moving(), object(0, kBadly_mps), kDisplaced_m).moves);
+  EXPECT_FALSE(next(moving(), object(0, kBadly_mps), kNotDisplaced_m).moves);
 }
 
 TEST(EraseDropped, ErasesTracksUnseenForMoreThanASecond) {
