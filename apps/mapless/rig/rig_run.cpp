@@ -110,8 +110,7 @@ class RigRun {
  private:
   // Of the first sensor.
   [[nodiscard]] TrajectorySource motion_of(const Dataset& dataset) const {
-    return options_.odometry ? motion_by_odometry(dataset, 0)
-                             : given_motion(dataset, options_.trajectory, 0);
+    return options_.odometry ? motion_by_odometry(dataset, 0) : given_motion(dataset, options_.trajectory, 0);
   }
 
   // The given motion of a sensor; null: none is given, or its clock is another.
