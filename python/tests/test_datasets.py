@@ -173,7 +173,7 @@ WRITERS = [
     ("boreas", write_boreas, 0.99),
     ("helipr", write_helipr_velodyne, 0.99),
     ("helipr", write_helipr_ouster, 0.99),
-    ("argoverse2", write_argoverse, 0.99),
+    ("argoverse2", write_argoverse, 0.98),
     ("helimos", write_helimos, 0.95),
 ]
 

@@ -201,8 +201,11 @@ void EvidenceCollector::add_answer(const Reference& reference, const FreespacePr
   const bool surface = answer.verdict == FreespaceVerdict::border && !reference.probe.dynamic(answer);
   add_offset(reference, answer, surface ? reference.surface_votes : 0, query, work);
   if (answer.verdict == FreespaceVerdict::inside) {
-    const bool through = answer.aside_m <= kSeenThroughWithin_m || !reference.probe.ended(answer);
-    add_votes(reference, through ? kSeenThroughVotes : kPassedBesideVotes, evidence);
+    const bool beside = answer.aside_m > kSeenThroughWithin_m;
+    add_votes(reference, beside && reference.probe.ended(answer) ? kPassedBesideVotes : kSeenThroughVotes,
+              evidence);
+    ++(beside ? evidence.rays_beside : evidence.rays_through);
+    evidence.beside_m += beside ? answer.aside_m : 0;
     evidence.seen_through = true;
     evidence.recently_free = evidence.recently_free || reference.recent;
   } else if (answer.verdict == FreespaceVerdict::border) {

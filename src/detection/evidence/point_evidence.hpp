@@ -54,6 +54,10 @@ struct PointEvidence {
   bool seen_dynamic : 1 = false;   ///< a recent scan saw a surface there that was found dynamic
   bool stood_before : 1 = false;   ///< a scan before the recent ones saw a surface there, not a dynamic one
   bool own_vehicle : 1 = false;    ///< a return on the sensor's own vehicle
+  std::uint8_t rays_through = 0;   ///< scans of this sensor whose ray went on past the point, within
+                                   ///< kSeenThroughWithin_m of it
+  std::uint8_t rays_beside = 0;    ///< the same, farther aside
+  float beside_m = 0;              ///< sum of the distances of those beside from the point
 
   [[nodiscard]] int total() const { return past + future; }
   bool operator==(const PointEvidence&) const = default;

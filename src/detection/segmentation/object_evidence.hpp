@@ -21,6 +21,9 @@ struct ObjectEvidence {
   float displacement_m = 0;  ///< estimate since the scans up to kRecentGap back
   int votes = 0;             ///< sum over its points, see ObjectEvidenceCollector
   Body body = Body::unclear;
+  /// Logarithm of the likelihood of the rays past it and through it, as past a place that was empty before,
+  /// relative to that as past a thing thinner than the distance of two lasers; 0: nothing is known.
+  double log_odds = 0;
 };
 
 /// Sums the evidence of the points of each object of one scan.
@@ -30,6 +33,8 @@ struct ObjectEvidence {
 ///   -.027 (VLP-16), false objects a scan +.4 and +.7.
 /// - The points of one row count at most `max_of_row` votes together: their errors are correlated, as one
 ///   laser's beam grazes an edge.
+/// - Rails, kerbs and edges between two lasers are hit by neither: rays pass beside them in scan after scan,
+///   and hardly ever through them. Past a place that was empty rays go at any distance.
 /// - An object that moves on by a part of its length uncovers that part of its points. The displacement is
 ///   the share of points seen through recently, times twice the distance of the farthest point from the
 ///   centroid.
@@ -48,10 +53,17 @@ class ObjectEvidenceCollector {
     int points = 0;
     int all = 0;             // votes
     int uncontradicted = 0;  // of those, at points where no scan saw a surface
+    int rays_through = 0, rays_beside = 0;
+    float beside_m = 0;
+  };
+  // Rays through an object, and how many there would be if rays passed its place at any distance.
+  struct RaysThrough {
+    double seen = 0, expected = 0;
   };
   struct Tally {
     int rows;
     int votes;
+    RaysThrough rays;
   };
   [[nodiscard]] Tally tally(std::span<const std::int32_t> object);
   [[nodiscard]] Body body(std::span<const std::int32_t> object, int rows) const;
@@ -59,11 +71,14 @@ class ObjectEvidenceCollector {
     return rows_[static_cast<std::size_t>(scan_.returns[static_cast<std::size_t>(i)].laser)];
   }
   [[nodiscard]] double weighted(const RowTally& row) const;
+  void add_rays(const RowTally& row, RaysThrough& rays) const;
+  [[nodiscard]] static double log_odds_of_mover(const RaysThrough& rays);
 
   const LidarScan& scan_;
   const LocalPoints& points_;
   const std::vector<PointEvidence>& votes_;
   int max_of_row_;
+  double alike_points_;         // neighbours in a row nearer to one another than two lasers
   std::vector<RowTally> rows_;  // all zero between calls
 };
 

@@ -51,6 +51,19 @@ double body_factor(Body body, bool sure) {
   return sure || body == Body::rigid ? kSureFactor : 1;
 }
 
+// Rails and kerbs beside a moving sensor keep their ranges, as a vehicle of its speed does, and gather votes
+// of rays beside them. Unless the rays of the last scans are a third as likely for a mover as for a thin
+// thing, its evidence counts that much less before it moves. Measured: any from 2 to 5 gives the same within
+// .003.
+constexpr double kOddsOfMover = 3;
+// So that three scans of the other kind are heard. Measured: 7 and 10 find .1 and .03 IoU less past guard
+// rails.
+constexpr double kMostLogOdds = 20;
+
+double share_counted(const TrackMotion& motion) {
+  return std::min(1.0, kOddsOfMover * std::exp(motion.log_odds));
+}
+
 // Part of the evidence needed to begin with which an object of badly known velocity goes on, so that evidence
 // about the limit does not switch it on and off. Measured: half of it costs .007 IoU (VLP-16).
 constexpr double kGoesOnShare = 1.0 / 3;
@@ -74,6 +87,8 @@ TrackMotion MotionClassifier::update(const TrackMotion& last, const TrackedObjec
   next.age = object.age;
   next.velocity_known = last.velocity_known || known;
   next.evidence = std::ldexp(last.evidence, last.age - object.age) + std::max(evidence.votes, 0);
+  next.log_odds = std::clamp(std::ldexp(last.log_odds, last.age - object.age) + evidence.log_odds,
+                             -kMostLogOdds, kMostLogOdds);
   if (object.age > 1) next.slow = known ? object.velocity_0.norm() < parameters_.min_speed_mps : !displaced;
   next.stood = !last.moves && (last.stood || (known && next.slow));
 
@@ -88,7 +103,7 @@ TrackMotion MotionClassifier::update(const TrackMotion& last, const TrackedObjec
     // A velocity that was known and is no longer may be zero, too.
     const bool may_be_zero = object.age > 1 && next.velocity_known && !differs;
     const bool confirms = confirms_velocity(last, object, evidence, now);
-    next.required = body_factor(evidence.body, differs && confirms) * required;
+    next.required = body_factor(evidence.body, differs && confirms) * required / share_counted(next);
     next.moves = displaced && (confirms || !last.stood) && !next.slow && !may_be_zero &&
                  next.evidence >= next.required;
     next.reason = next.moves                ? TrackReason::begins

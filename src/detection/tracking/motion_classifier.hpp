@@ -18,6 +18,7 @@ struct TrackMotion {
   bool stood = false;           ///< in some scan since it last moved its velocity was known, and slow
   bool velocity_known = false;  ///< in some scan, see MotionClassifier
   double evidence = 0;          ///< votes of the last scan, plus those of earlier ones halved per scan
+  double log_odds = 0;          ///< ObjectEvidence::log_odds, summed likewise, within +-kMostLogOdds
   int age = 0;                  ///< TrackedObject::age
   Time seen;                    ///< start of its last scan
   TrackReason reason = TrackReason::begins;  ///< why it moves, or does not
@@ -37,7 +38,8 @@ struct TrackMotion {
 ///   was seen to stand;
 /// - its evidence reaches min_evidence, times the standard deviation of its velocity over 0.5 m/s from its
 ///   third scan on. A body that stood there before takes twice as much. Half suffices for a rigid one, and
-///   where the velocity differs from zero by more than 2 sigma and the rays show half of that path.
+///   where the velocity differs from zero by more than 2 sigma and the rays show half of that path. Where
+///   rays keep beside it as beside a rail (`log_odds`), it takes that much more.
 ///
 /// A moving track stops if any of these holds (or if StandingTest says so, which MovingObjects asks):
 /// - its speed is below min_speed_mps;

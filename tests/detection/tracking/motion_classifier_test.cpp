@@ -64,6 +64,26 @@ TEST(MotionClassifier, ANewTrackMovesWithDisplacementAndEvidence) {
   EXPECT_FALSE(new_track_moves(kNotDisplaced_m, kVotes));
 }
 
+// A third as likely as a mover is as good as one; a sixth takes twice the evidence to begin.
+TEST(MotionClassifier, WhatRaysKeepBesideTakesMoreEvidenceToBegin) {
+  const auto next_with = [](TrackMotion last, double log_odds, int votes) {
+    const ObjectEvidence evidence{kDisplaced_m, votes, Body::unclear, log_odds};
+    return MotionClassifier(parameters())
+        .update(last, object(5, kWell_mps), evidence, kStart + Duration::from_seconds(0.1));
+  };
+  EXPECT_TRUE(next_with(standing(), -std::log(2.99), kVotes).moves);
+  EXPECT_FALSE(next_with(standing(), -std::log(6), 2 * kVotes - 1).moves);
+  EXPECT_TRUE(next_with(standing(), -std::log(6), 2 * kVotes + 1).moves);
+  // That of the scan before counts half, and the sum is within e^20.
+  TrackMotion before = standing();
+  before.log_odds = -2 * std::log(6);
+  EXPECT_FALSE(next_with(before, 0, 2 * kVotes - 1).moves);
+  EXPECT_TRUE(next_with(before, 0, 2 * kVotes + 1).moves);
+  EXPECT_EQ(next_with(before, -100, kVotes).log_odds, -20);
+  // What moves goes on.
+  EXPECT_TRUE(next_with(moving(), -100, kVotes).moves);
+}
+
 // 40 / 2 / 2 + 60 / 2 + 60 = 100, and 99 with one vote less in the last scan. Negative votes of a scan are
 // not subtracted from past evidence. The displacement does not confirm 5 m/s.
 TEST(MotionClassifier, PastEvidenceIsHalvedPerScan) {

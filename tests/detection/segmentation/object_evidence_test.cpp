@@ -1,0 +1,75 @@
+#include "detection/segmentation/object_evidence.hpp"
+
+#include <cstdint>
+#include <numeric>
+#include <random>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "support/detection/evidence_image.hpp"
+#include "support/small_scan.hpp"
+
+namespace mapless {
+namespace MAPLESS_FILE {
+
+// Five lasers and 24 columns, whose columns are farther apart than the lasers: every point has rays of its
+// own.
+class RaysPastAnObject : public testing::Test {
+ protected:
+  // Of the point with index i, a ray of one scan went on `aside_m` beside it.
+  void pass(std::size_t i, double aside_m) {
+    PointEvidence& v = votes_[i];
+    v.seen_through = true;
+    if (aside_m <= static_cast<double>(kSeenThroughWithin_m)) {
+      ++v.rays_through;
+    } else {
+      ++v.rays_beside;
+      v.beside_m += static_cast<float>(aside_m);
+    }
+  }
+  [[nodiscard]] double log_odds() const {
+    std::vector<std::int32_t> object(votes_.size());
+    std::iota(object.begin(), object.end(), 0);
+    return ObjectEvidenceCollector(scan_, points_, votes_, 1000).collect(object).log_odds;
+  }
+
+  LidarScan scan_ = test::small_scan({0, 0, 0, 0, 0});
+  LocalPoints points_ = test::points_of(scan_);
+  std::vector<PointEvidence> votes_ = std::vector<PointEvidence>(scan_.returns.size());
+  std::mt19937 random_{7};
+};
+
+// Of 120 rays at up to 0.35 m a fifth, 24, pass within 0.07 m: as many as the 96 others let expect. Of two
+// Poisson distributions of mean 24 and .3 x 24 = 7.2, the former is e^(24 ln(1 / .3) - 16.8) = e^12 as
+// likely.
+TEST_F(RaysPastAnObject, AtAnyDistanceAreThoseOfAMover) {
+  for (std::size_t i = 0; i < votes_.size(); ++i)  // each distance once, in every row
+    pass(i, 0.35 * (static_cast<double>(i * 37 % 120) + 0.5) / 120);
+  EXPECT_NEAR(log_odds(), 12, 1.5);
+}
+
+TEST_F(RaysPastAnObject, ThatKeepBesideItAreThoseOfAThinThing) {
+  std::uniform_real_distribution<double> aside(0.14, 0.35);
+  for (std::size_t i = 0; i < votes_.size(); ++i) pass(i, aside(random_));
+  EXPECT_NEAR(log_odds(), -0.7 * 120 * 0.07 / (2 * (0.245 - 0.07)), 1.5);
+}
+
+TEST_F(RaysPastAnObject, FewTellNothing) {
+  EXPECT_EQ(log_odds(), 0);
+  for (std::size_t i = 0; i < 3; ++i) pass(i, 0.3);
+  EXPECT_GT(log_odds(), -0.5);
+}
+
+// A sensor that stands has the same rays beside the same points in every scan.
+TEST_F(RaysPastAnObject, OfManyScansAlikeCountOnce) {
+  for (std::size_t i = 0; i < votes_.size(); ++i) pass(i, i % 8 == 0 ? 0.05 : 0.3);
+  const double once = log_odds();
+  for (int scan = 1; scan < 8; ++scan) {
+    for (std::size_t i = 0; i < votes_.size(); ++i) pass(i, i % 8 == 0 ? 0.05 : 0.3);
+  }
+  EXPECT_NEAR(log_odds(), once, 1e-3);
+}
+
+}  // namespace MAPLESS_FILE
+}  // namespace mapless
