@@ -21,6 +21,16 @@ constexpr double kNoisePriorPoints = 6;
 // line, or scattered in all directions, have no normal. Chosen: 1.6 times in length; scattered points have
 // about 1.
 constexpr double kMinFlatness = 2.5;
+// Lines that lasers draw in different scans lie as the motion estimated between these scans puts them: when a
+// sensor on its side turns by two laser spacings a scan, the lines of one laser fall on those of another, and
+// the map confirms that turn though the true one is faster. A plane that no scan has hit with two lasers is
+// therefore uncertain by this much more, and there is none where the points are rougher than so many times
+// the noise: in a tree any lines make one. Chosen: the error of the motion of a scan that still counts as
+// right (.2 m over four scans), and kGoodSigmas of PlaneMap. Measured (docs/notebook/odometry.md, "Lines of
+// different scans"): of 44 VLP-16 recordings 27 windows of four scans err by more than .5 m without, 2 with;
+// with .1 m 2, without the second rule 11, without any such plane motorways are lost.
+constexpr double kSweptSigma_m = 0.05;
+constexpr double kSweptSmoothness = 1.5;
 // Distance of a plane from a parallel face of its cube, in standard deviations of the noise: 99 % of the
 // points of the surface then lie in the cube.
 constexpr double kMinFaceDistanceSigmas = 2.5;
@@ -182,16 +192,22 @@ void PlaneGrid::add_run(std::span<const MapPoint> points, const Run& run, unsign
   Cube& cube = cubes_[number];
   const Vector3d corner_0 = corner_of(run.key).array() + offset_m_;
   Sums sums = cube.sums;  // in registers
+  const bool was_spanned = cube.spanned;
   for (std::uint32_t i = run.begin; i < run.begin + run.count; ++i) {
     const MapPoint& point = points[i];
     sums.add(point.p_0[0] - corner_0[0], point.p_0[1] - corner_0[1], point.p_0[2] - corner_0[2], 1);
-    cube.lasers |= std::uint64_t{1} << (point.laser & 63U);
+    const std::uint64_t laser = std::uint64_t{1} << (point.laser & 63U);
+    cube.lasers_of_scan = cube.scan == point.scan ? cube.lasers_of_scan | laser : laser;
+    cube.scan = point.scan;
+    cube.lasers |= laser;
+    cube.spanned = cube.spanned || cube.lasers_of_scan != laser;
     grids[i] |= bit;
   }
   cube.sums = sums;
   cube.count = static_cast<std::int16_t>(cube.count + static_cast<int>(run.count));
   if (cube.count >= kMaxPoints) table_[slot_of(cube.key)].full = true;
-  if (!cube.refit_pending && cube.count >= kMinPoints && cube.count >= kRefitGrowth * cube.fitted) {
+  if (!cube.refit_pending && cube.count >= kMinPoints &&
+      (cube.count >= kRefitGrowth * cube.fitted || cube.spanned != was_spanned)) {
     cube.refit_pending = true;
     grown_.push_back(static_cast<std::uint32_t>(number));
   }
@@ -259,12 +275,13 @@ void PlaneGrid::fit(std::size_t i) {
   const double thickness =
       (n * extent[0] + kNoisePriorPoints * sigma_m_ * sigma_m_) / (n - 3 + kNoisePriorPoints);
   if (extent[1] < kMinFlatness * thickness) return;
+  if (!cube.spanned && thickness > kSweptSmoothness * kSweptSmoothness * sigma_m_ * sigma_m_) return;
   Plane plane;
   plane.mean = mean.cast<float>();
   plane.normal = solver.eigenvectors().col(0).cast<float>();
   plane.middle = solver.eigenvectors().col(1).cast<float>();
   if (is_cut(plane)) return;
-  plane.thickness = static_cast<float>(thickness);
+  plane.thickness = static_cast<float>(thickness + (cube.spanned ? 0 : kSweptSigma_m * kSweptSigma_m));
   const double uncertainty = thickness / n;
   plane.uncertainty = static_cast<float>(uncertainty);
   plane.per_middle = static_cast<float>(uncertainty / extent[1]);

@@ -30,6 +30,7 @@ struct MapPoint {
   unsigned laser;
   double range_m;     ///< from the sensor
   unsigned pass = 0;  ///< a cube without room for all points takes those of lower passes first
+  unsigned scan = 0;  ///< any number that other scans do not have
 };
 
 /// A grid of cubes in a hash table. Each cube keeps the moments of its points and the plane fitted to them,
@@ -124,8 +125,11 @@ class PlaneGrid {
   };
   struct Cube {
     std::uint64_t key;
-    std::uint64_t lasers = 0;   // bit (laser modulo 64) is set for each laser
-    std::uint32_t pending = 0;  // points that the running insert() has yet to add
+    std::uint64_t lasers = 0;          // bit (laser modulo 64) is set for each laser
+    std::uint64_t lasers_of_scan = 0;  // the same in the scan of the last point
+    std::uint32_t scan = 0;            // of the last point
+    bool spanned = false;              // two lasers have hit it in one scan
+    std::uint32_t pending = 0;         // points that the running insert() has yet to add
     std::int16_t count = 0;
     std::int16_t fitted = 0;     // `count` when the plane was fitted
     bool refit_pending = false;  // the cube is in grown_

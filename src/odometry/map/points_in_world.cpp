@@ -21,6 +21,9 @@ struct Step {
   Vector6d varpi;
 };
 
+// Milliseconds, modulo 2^32: no two scans of a map begin in the same one.
+unsigned number_of(Time scan_start) { return static_cast<unsigned>(scan_start.nanoseconds() / 1'000'000); }
+
 }  // namespace
 
 std::vector<MapPoint> points_in_world(const std::vector<ScanPoint>& points, Time scan_start,
@@ -39,6 +42,7 @@ std::vector<MapPoint> points_in_world(const std::vector<ScanPoint>& points, Time
     const TrajectoryState state = segment.at(scan_start + Duration::from_nanoseconds(middle_of(s)));
     steps[static_cast<std::size_t>(s)] = {state.T_v0.inverse(), state.varpi};
   }
+  const unsigned scan = number_of(scan_start);
   std::vector<MapPoint> out(points.size());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, out.size(), kPointsPerTask), [&](const auto& range) {
     for (std::size_t i = range.begin(); i < range.end(); ++i) {
@@ -51,6 +55,7 @@ std::vector<MapPoint> points_in_world(const std::vector<ScanPoint>& points, Time
       out[i].laser = static_cast<unsigned>(p.laser);
       out[i].range_m = p.range_m;
       out[i].pass = p.pass;
+      out[i].scan = scan;
     }
   });
   return out;

@@ -70,6 +70,67 @@ TEST(PlaneGrid, HasNoPlaneOfOneLaserAlone) {
   EXPECT_TRUE(two.plane_at({0.5, 0.5, 0.5}));
 }
 
+// Points of two lasers with noise of `noise_m` about a patch, every other point of the second laser and of
+// scan number `second_scan`; the first is of scan 0.
+PlaneGrid grid_of_two_lasers(std::vector<Vector3d> points, const Vector3d& normal, double noise_m,
+                             unsigned second_scan) {
+  std::vector<MapPoint> all;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double sign = i % 4 < 2 ? 1 : -1;
+    all.push_back(
+        {points[i] + sign * noise_m * normal, i % 2 == 0 ? 3u : 4u, 1, 0, i % 2 == 0 ? 0 : second_scan});
+  }
+  PlaneGrid grid(1, 0, kSigma);
+  std::vector<unsigned> taken(all.size(), 0);
+  grid.insert(all, 10, 1, taken);
+  return grid;
+}
+
+// How the lines of different scans lie to each other is as uncertain as the motion between the scans, 0.05 m;
+// the lines of one scan are as certain as their noise.
+TEST(PlaneGrid, LinesOfDifferentScansMakeALessCertainPlane) {
+  std::vector<Vector3d> points;
+  for (double x = 0.1; x < 0.95; x += 0.1)
+    for (double y = 0.1; y < 0.95; y += 0.1) points.emplace_back(x, y, 0.5);
+  const Vector3d q(0.6, 0.4, 0.5), up = Vector3d::UnitZ();
+  const auto one_scan = grid_of_two_lasers(points, up, kSigma, 0).plane_at(q);
+  const auto two_scans = grid_of_two_lasers(points, up, kSigma, 1).plane_at(q);
+  ASSERT_TRUE(one_scan && two_scans);
+  EXPECT_EQ(two_scans->normal_0, one_scan->normal_0);
+  EXPECT_NEAR(one_scan->variance, kSigma * kSigma, 0.1 * kSigma * kSigma);
+  EXPECT_NEAR(two_scans->variance - one_scan->variance, 0.05 * 0.05, 1e-6);
+}
+
+// In foliage, twice as rough as the noise, lines of different scans make a plane of whatever motion drew
+// them.
+TEST(PlaneGrid, RoughLinesOfDifferentScansMakeNoPlane) {
+  std::vector<Vector3d> points;
+  for (double x = 0.1; x < 0.95; x += 0.1)
+    for (double y = 0.1; y < 0.95; y += 0.1) points.emplace_back(x, y, 0.5);
+  const Vector3d q(0.6, 0.4, 0.5), up = Vector3d::UnitZ();
+  EXPECT_TRUE(grid_of_two_lasers(points, up, 2 * kSigma, 0).plane_at(q));
+  EXPECT_FALSE(grid_of_two_lasers(points, up, 2 * kSigma, 1).plane_at(q));
+}
+
+// Lines of a wall, one laser of each scan in the cube, and then a scan that hits it with two.
+TEST(PlaneGrid, APlaneIsCertainOnceAScanHasHitItWithTwoLasers) {
+  PlaneGrid grid(1, 0, kSigma);
+  const auto scan = [&](unsigned number, std::vector<unsigned> lasers) {
+    std::vector<MapPoint> points;
+    for (const unsigned laser : lasers)
+      for (double x = 0.1; x < 0.95; x += 0.1)
+        points.push_back({{x, 0.1 * laser, 0.5 + (laser % 2 == 0 ? kSigma : -kSigma)}, laser, 1, 0, number});
+    std::vector<unsigned> taken(points.size(), 0);
+    grid.insert(points, 10, 1, taken);
+  };
+  for (unsigned number = 1; number <= 8; ++number) scan(number, {number});
+  ASSERT_TRUE(grid.plane_at({0.5, 0.5, 0.5}));
+  EXPECT_GT(grid.plane_at({0.5, 0.5, 0.5})->variance, 0.05 * 0.05);
+  scan(9, {4});
+  scan(10, {5, 6});
+  EXPECT_LT(grid.plane_at({0.5, 0.5, 0.5})->variance, 1.2 * kSigma * kSigma);
+}
+
 TEST(PlaneGrid, GivesTheLeastSquaresPlaneOfTheCube) {
   for (unsigned seed = 1; seed <= 50; ++seed) {
     SCOPED_TRACE(seed);
