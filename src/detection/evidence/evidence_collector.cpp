@@ -310,7 +310,12 @@ void EvidenceCollector::find_departed(const Reference& reference, Workspace& wor
 
 void EvidenceCollector::add_departed(Workspace& work) const {
   for (const Workspace::DepartedOccluder& occluder : work.departed) {
-    const bool consistent = consistent_with_departure(occluder);
+    if (consistent_with_departure(occluder)) continue;
+    int& gap = occluder.query->uncovered_gap;
+    gap = std::min(gap, occluder.reference->gap);
+  }
+  for (const Workspace::DepartedOccluder& occluder : work.departed) {
+    const bool consistent = occluder.reference->gap < occluder.query->uncovered_gap;
     if (Observation* const o = recorded(*occluder.reference, occluder.query->i)) {
       o->occluder = consistent ? OccluderVerdict::left : OccluderVerdict::contradicted;
       o->votes = static_cast<std::int16_t>(o->votes + (consistent ? kOccluderLeftVotes : 0));

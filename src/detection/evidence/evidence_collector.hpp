@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include <Eigen/Core>
@@ -55,6 +56,7 @@ class EvidenceCollector {
       float next_offset_m = 0;     // along the ray, from the point to that surface; NaN: beside it
       bool occluder_left = false;  // of some scan, whether or not it is consistent
       std::uint32_t offsets = 0;   // how many of its offsets are entered
+      int uncovered_gap = std::numeric_limits<int>::max();  // of the nearest scan whose occluder uncovered it
     };
     std::vector<PointQuery> queries;
     // As many for each query as there are reference scans.

@@ -8,7 +8,7 @@
 #include "detection/dynamic_returns.hpp"
 #include "detection/object_number.hpp"
 #include "detection/scan_trajectory.hpp"
-#include "detection/tracking/body_completion.hpp"
+#include "detection/tracking/completion/body_completion.hpp"
 #include "detection/tracking/motion_probability.hpp"
 #include "detection/tracking/object_members.hpp"
 #include "detection/tracking/standing_test.hpp"
@@ -45,8 +45,11 @@ Detection MovingObjects::classify(ObjectProposals proposed) {
   }
   if (detection.explanation) explain(proposed.evidence, moved, detection);
   erase_dropped(states_, now);
-  const std::vector<std::uint32_t> completing =
+  std::vector<std::uint32_t> completing =
       complete_bodies(proposed.points, proposed.votes, detection.tracked, motions_, detection.object);
+  const std::vector<std::uint32_t> sides =
+      sides_.take(*detection.scan, proposed, detection.tracked, motions_, detection.object);
+  completing.insert(completing.end(), sides.begin(), sides.end());
   if (detection.explanation && detection.explanation->points_recorded) {
     for (const std::uint32_t i : completing) {
       detection.explanation->points[i].completed = true;

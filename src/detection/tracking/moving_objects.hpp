@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "detection/detection_pipeline.hpp"
+#include "detection/tracking/completion/sliding_sides.hpp"
 #include "detection/tracking/motion_classifier.hpp"
 #include "detection/tracking/object_tracker.hpp"
 #include <mapless/detection/detection.hpp>
@@ -53,6 +54,7 @@ class MovingObjects {
   MotionClassifier classifier_;
   ObjectTracker tracker_;
   TrackMotions states_;
+  SlidingSides sides_;
   std::vector<TrackMotion> motions_;
   std::map<std::uint32_t, GivenId> ids_;  // by id of the track
   std::uint32_t next_id_ = 1;

@@ -139,6 +139,15 @@ TEST(CollectEvidence, AFastDepartureContradictsASurfaceInTheNextScan) {
   expect_votes({{6.5, 1}, {6.5, 8}}, {4, 0, false, false, true, true});
 }
 
+// Hidden for long by something that stood half a metre before it, and left a scan before: what has just
+// uncovered the wall is not the wall, so that half a metre in eight scans, which alone would be slow enough,
+// is not either. Where that left first, and something else came, stood nearer and left, the later one counts.
+TEST(CollectEvidence, WhatHidAPointBeforeItWasUncoveredTellsNothing) {
+  expect_votes({{6.82, 8}, {7, -1}}, {2, -1, false, true, false, true});
+  expect_votes({{6.5, 1}, {6.82, 8}, {7, -1}}, {0, -1, false, true, false});
+  expect_votes({{6.82, 4}, {6, 8}, {7, -1}}, {2, -1, false, true, true, true});
+}
+
 // A wall seen at its present place by scans 2 and 8 back, and found dynamic in both: neither votes against
 // it, and the recent one votes for it.
 TEST(CollectEvidence, ASurfaceFoundDynamicDoesNotVoteAgainst) {

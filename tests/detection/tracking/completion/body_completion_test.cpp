@@ -1,4 +1,4 @@
-#include "detection/tracking/body_completion.hpp"
+#include "detection/tracking/completion/body_completion.hpp"
 
 #include <gtest/gtest.h>
 

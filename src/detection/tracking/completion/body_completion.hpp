@@ -10,7 +10,11 @@
 
 namespace mapless::inline v1 {
 
-/// Points beside a dynamic object with a sure velocity (at least 3 standard deviations) that belong to its
+/// Whether the velocity of an object differs from zero by at least 3 standard deviations: what stands and is
+/// called dynamic must not have its surroundings follow.
+[[nodiscard]] bool surely_moves(const TrackedObject& object);
+
+/// Points beside a dynamic object that surely moves which belong to its
 /// body: windows, bars and occluders part the points of one body, and a part of few points is proposed alone,
 /// as static, or not at all.
 ///

@@ -1,4 +1,4 @@
-#include "detection/tracking/body_completion.hpp"
+#include "detection/tracking/completion/body_completion.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -29,11 +29,6 @@ struct MovingBody {
   Eigen::AlignedBox3f box;  // around all places within reach
   float reach_m = 0;
 };
-
-// Something that stands and is called dynamic does not have its surroundings follow.
-bool surely_moves(const TrackedObject& object) {
-  return object.velocity_0.norm() >= kSureDeviations * object.velocity_std_0().maxCoeff();
-}
 
 // Half of its size: the distance of its farthest point from the mean of all.
 float radius_m(const std::vector<Eigen::Vector3f>& points) {
@@ -85,6 +80,10 @@ std::uint16_t body_beside(const Eigen::Vector3f& point, const std::vector<Moving
 }
 
 }  // namespace
+
+bool surely_moves(const TrackedObject& object) {
+  return object.velocity_0.norm() >= kSureDeviations * object.velocity_std_0().maxCoeff();
+}
 
 std::vector<std::uint32_t> complete_bodies(const LocalPoints& points, const std::vector<PointEvidence>& votes,
                                            const std::vector<TrackedObject>& tracked,
