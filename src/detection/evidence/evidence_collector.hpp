@@ -31,7 +31,7 @@ struct ReferenceScan {
 /// A departed occluder counts only if the point can be part of it (consistent_with_departure): an object that
 /// went `d` metres in `gap` scans goes on by d / gap until the next scan. If that is clearly more than the
 /// noise, and the next scan sees a surface at the point, the occluder was something else, which uncovered the
-/// point.
+/// point. What hid the point in scans before that one then tells nothing of it either.
 ///
 /// Scans of other sensors on the same vehicle are queried last, about the points that are not settled, and
 /// only for what they saw through (query_others).
