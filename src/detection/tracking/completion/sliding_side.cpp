@@ -20,7 +20,8 @@ constexpr std::size_t kLeastOfObject = 8;  // of its points in the plane; chosen
 // A wall or the ground goes on ahead of what moves along it; the side of a body does not, up to its noise.
 constexpr float kAhead_m = 0.5F;
 constexpr std::size_t kNear =
-    600;                      // points beside the object that show the plane; chosen for the time it takes
+    600;  // points beside the object that show the plane; chosen for the time it takes
+constexpr std::size_t kCounted = 150;  // of these
 constexpr int kTriples = 40;  // of points, tried as planes: 0.3 of them in the plane are enough for 2 in 3
 constexpr int kPlanes = 2;    // the ground beside a body may be larger than its side
 
@@ -41,8 +42,41 @@ SideSearch::SideSearch(const LidarScan& scan, const ObjectProposals& proposed,
       neighbours_(scan, proposed.points, proposed.parameters),
       reached_(object.size(), 0) {}
 
+// Adds the points linked to these within the plane. It is fitted anew each time they are twice as many, as a
+// side of 20 m is longer than a direction known from its first metre reaches.
+template <class Ends>
+SideSearch::Points SideSearch::linked_in_plane(Points found, const Vector3f& velocity, Ends&& ends,
+                                               SlidingSide& side) {
+  for (const std::int32_t i : found) reached_[static_cast<std::size_t>(i)] = 1;
+  fit(found, velocity, side);
+  std::size_t fitted = found.size();
+  bool ended = std::any_of(found.begin(), found.end(), ends);
+  for (std::size_t next = 0; next < found.size() && !ended; ++next) {
+    if (found.size() > 2 * fitted) {
+      fit(found, velocity, side);
+      fitted = found.size();
+    }
+    neighbours_.for_each(found[next], kLinkRows, kLinkColumns, [&](std::int32_t j) {
+      std::uint8_t& reached = reached_[static_cast<std::size_t>(j)];
+      if (reached != 0 || own_vehicle(j) || side.distance_m(at(j)) > kThickness_m) return;
+      reached = 1;
+      found.push_back(j);
+      ended = ended || ends(j);
+    });
+  }
+  for (const std::int32_t i : found) reached_[static_cast<std::size_t>(i)] = 0;
+  if (ended) found.clear();
+  return found;
+}
+
 std::optional<SlidingSide> SideSearch::side_of(std::span<const std::int32_t> object,
                                                const Vector3f& velocity) {
+  const Vector3f towards = velocity.normalized();
+  float front_m = -kFar_m;
+  for (const std::int32_t i : object) front_m = std::max(front_m, towards.dot(at(i)));
+  const auto goes_on_ahead = [&](std::int32_t i) {
+    return !moves(i) && towards.dot(at(i)) > front_m + kAhead_m;
+  };
   Points beside = static_points_beside(object);
   for (int k = 0; k < kPlanes && beside.size() >= kLeastPoints; ++k) {
     SlidingSide side;
@@ -51,8 +85,8 @@ std::optional<SlidingSide> SideSearch::side_of(std::span<const std::int32_t> obj
     Points found;
     std::copy_if(beside.begin(), beside.end(), std::back_inserter(found), in_plane);
     std::copy_if(object.begin(), object.end(), std::back_inserter(found), in_plane);
-    const Points linked = linked_in_plane(std::move(found), velocity, side);
-    if (runs_along(side, velocity) && measure(object, linked, side)) {
+    const Points linked = linked_in_plane(std::move(found), velocity, goes_on_ahead, side);
+    if (runs_along(side, velocity) && measure(linked, side)) {
       place_points(side);
       const auto stands = [&](const SlidingSide::Point& p) { return !moves(p.number); };
       const auto standing = std::count_if(side.points.begin(), side.points.end(), stands);
@@ -87,6 +121,7 @@ bool SideSearch::find_plane(const Points& among, const Vector3f& velocity, Slidi
     random = random * 1664525U + 1013904223U;
     return at(among[(random >> 8U) % among.size()]);
   };
+  const std::size_t stride = among.size() / kCounted + 1;
   SlidingSide plane;
   for (int k = 0; k < kTriples; ++k) {
     const Vector3f &a = pick(), &b = pick(), &c = pick();
@@ -95,35 +130,14 @@ bool SideSearch::find_plane(const Points& among, const Vector3f& velocity, Slidi
     plane.normal = normal.normalized();
     plane.offset_m = plane.normal.dot(a);
     if (!runs_along(plane, velocity)) continue;
-    const auto in_plane = [&](std::int32_t i) { return plane.distance_m(at(i)) < kThickness_m / 2; };
-    const auto count = static_cast<std::size_t>(std::count_if(among.begin(), among.end(), in_plane));
+    std::size_t count = 0;
+    for (std::size_t n = 0; n < among.size(); n += stride)
+      count += plane.distance_m(at(among[n])) < kThickness_m / 2 ? 1 : 0;
     if (count <= most) continue;
     most = count;
     side = plane;
   }
-  return most >= kLeastOfObject;
-}
-
-// Adds the points linked to these within the plane. It is fitted anew each time they are twice as many, as a
-// side of 20 m is longer than a direction known from its first metre reaches.
-SideSearch::Points SideSearch::linked_in_plane(Points found, const Vector3f& velocity, SlidingSide& side) {
-  for (const std::int32_t i : found) reached_[static_cast<std::size_t>(i)] = 1;
-  fit(found, velocity, side);
-  std::size_t fitted = found.size();
-  for (std::size_t next = 0; next < found.size(); ++next) {
-    if (found.size() > 2 * fitted) {
-      fit(found, velocity, side);
-      fitted = found.size();
-    }
-    neighbours_.for_each(found[next], kLinkRows, kLinkColumns, [&](std::int32_t j) {
-      std::uint8_t& reached = reached_[static_cast<std::size_t>(j)];
-      if (reached != 0 || own_vehicle(j) || side.distance_m(at(j)) > kThickness_m) return;
-      reached = 1;
-      found.push_back(j);
-    });
-  }
-  for (const std::int32_t i : found) reached_[static_cast<std::size_t>(i)] = 0;
-  return found;
+  return most * stride >= kLeastOfObject;
 }
 
 void SideSearch::fit(const Points& to, const Vector3f& velocity, SlidingSide& side) const {
@@ -140,13 +154,11 @@ void SideSearch::fit(const Points& to, const Vector3f& velocity, SlidingSide& si
   side.along = (velocity - velocity.dot(side.normal) * side.normal).normalized();
 }
 
-// How far the object reaches in the plane; false where it hardly does, or static points go on ahead of it.
-bool SideSearch::measure(std::span<const std::int32_t> object, const Points& linked,
-                         SlidingSide& side) const {
+// How far moving points reach in the plane; false where they hardly do, or static ones go on ahead of them.
+bool SideSearch::measure(const Points& linked, SlidingSide& side) const {
   const Vector3f across = side.across();
   side.front_m = side.highest_m = -kFar_m;
-  side.tail_m = side.lowest_m = kFar_m;
-  for (const std::int32_t i : object) side.tail_m = std::min(side.tail_m, side.along.dot(at(i)));
+  side.lowest_m = kFar_m;
   float ahead_m = -kFar_m;
   std::size_t moving = 0;
   for (const std::int32_t i : linked) {

@@ -22,7 +22,6 @@ struct SlidingSide {
   float offset_m = 0;
   Eigen::Vector3f along = Eigen::Vector3f::UnitX();
   float front_m = 0;                  ///< foremost point of the object in the plane
-  float tail_m = 0;                   ///< rearmost point of the object, in the plane or not
   float lowest_m = 0, highest_m = 0;  ///< reach of the object across `along` in the plane
 
   struct Point {
@@ -62,10 +61,11 @@ class SideSearch {
   [[nodiscard]] Points static_points_beside(std::span<const std::int32_t> object);
   [[nodiscard]] bool find_plane(const Points& among, const Eigen::Vector3f& velocity,
                                 SlidingSide& side) const;
-  [[nodiscard]] Points linked_in_plane(Points found, const Eigen::Vector3f& velocity, SlidingSide& side);
+  template <class Ends>
+  [[nodiscard]] Points linked_in_plane(Points found, const Eigen::Vector3f& velocity, Ends&& ends,
+                                       SlidingSide& side);
   void fit(const Points& to, const Eigen::Vector3f& velocity, SlidingSide& side) const;
-  [[nodiscard]] bool measure(std::span<const std::int32_t> object, const Points& linked,
-                             SlidingSide& side) const;
+  [[nodiscard]] bool measure(const Points& linked, SlidingSide& side) const;
   void place_points(SlidingSide& side) const;
   [[nodiscard]] const Eigen::Vector3f& at(std::int32_t point) const {
     return points_[static_cast<std::size_t>(point)];

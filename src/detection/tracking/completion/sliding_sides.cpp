@@ -25,14 +25,12 @@ constexpr float kLeastGap_m = 0.3F;
 constexpr float kMoved_m = 0.5F, kColumns = 3;
 // Farther than that a side is seen too aslant. Chosen.
 constexpr float kMostMoved_m = 4;
-// Older scans may have seen what left before. Chosen.
+// Older scans may have seen something else. Chosen.
 constexpr double kOldest_s = 2;
 // Share of the rays, and least number of them. Chosen: noise and glass spoil one in ten.
 constexpr double kMost = 0.7;
 constexpr int kLeastRays = 8;
 constexpr std::size_t kMostAsked = 160;  // chosen for the time it takes
-// The velocity of a front that starts errs by this share; its tail was that much farther back, or less.
-constexpr float kVelocityError = 0.3F;
 
 struct Places {
   std::vector<Vector3f> points;
@@ -43,14 +41,23 @@ struct Places {
   }
 };
 
-// Which moved, by where its body was.
+struct Agreement {
+  int agree = 0, all = 0;  // rays
+  void add(const Agreement& other) {
+    agree += other.agree;
+    all += other.all;
+  }
+  [[nodiscard]] bool most() const { return agree >= kLeastRays && agree >= kMost * all; }
+};
+
+// Asks the rays whether the rear of a side moved.
 class RearTest {
  public:
   RearTest(const LidarScan& scan, const ObjectProposals& proposed) : scan_(scan), proposed_(proposed) {}
 
   // Number of points of the side up to the rear; 0: no rear moved.
   [[nodiscard]] std::size_t points_before_rear(const SlidingSide& side, const SideSearch& search,
-                                               float speed) const {
+                                               double speed) const {
     for (std::size_t k = SideSearch::kLeastPoints; k <= side.points.size(); ++k) {
       const bool last = k == side.points.size();
       if (!last && side.points[k - 1].along_m - side.points[k].along_m < kLeastGap_m) continue;
@@ -60,22 +67,20 @@ class RearTest {
   }
 
  private:
-  [[nodiscard]] bool rear_moved(const SlidingSide& side, std::size_t count, float speed) const {
+  [[nodiscard]] bool rear_moved(const SlidingSide& side, std::size_t count, double speed) const {
     const SlidingSide::Point& rear = side.points[count - 1];
     const float moved_m = std::max(kMoved_m, kColumns * column_m(side, rear));
     if (moved_m > kMostMoved_m) return false;
     Places freed;
     const Places behind = places_behind(side, count, moved_m);
-    const double free_now = share(*proposed_.rays, behind, FreespaceVerdict::inside, &freed);
-    if (free_now < kMost) return false;
-    return std::any_of(proposed_.references.begin(), proposed_.references.end(), [&](const ReferenceRays& r) {
+    if (!observe(*proposed_.rays, behind, FreespaceVerdict::inside, &freed).most()) return false;
+    Agreement before;
+    for (const ReferenceRays& r : proposed_.references) {
       const double before_s = (scan_.start - r.rays->start()).seconds();
-      const float path_m = speed * static_cast<float>(before_s);
-      // What was there may have been the front itself.
-      const bool front_was_ahead = side.tail_m - (1 + kVelocityError) * path_m > rear.along_m + kLeastGap_m;
-      return before_s > 0 && before_s <= kOldest_s && path_m >= moved_m && front_was_ahead &&
-             share(*r.rays, freed, FreespaceVerdict::border, nullptr) >= kMost;
-    });
+      if (before_s <= 0 || before_s > kOldest_s || speed * before_s < static_cast<double>(moved_m)) continue;
+      before.add(observe(*r.rays, freed, FreespaceVerdict::border, nullptr));
+    }
+    return before.most();
   }
 
   // Distance along the side between two columns of the scan, at its rear: much where rays graze it.
@@ -100,22 +105,21 @@ class RearTest {
     return places;
   }
 
-  // Of the rays observed at the places, the share with this verdict; 0 where too few have it. `with` gets
-  // their places.
-  [[nodiscard]] double share(const RayImage& rays, const Places& places, FreespaceVerdict verdict,
-                             Places* with) const {
+  // How many of the rays observed at the places have this verdict. `with` gets their places.
+  [[nodiscard]] Agreement observe(const RayImage& rays, const Places& places, FreespaceVerdict verdict,
+                                  Places* with) const {
     PackedPoints points;
     points.reserve(places.points.size());
     for (std::size_t k = 0; k < places.points.size(); ++k) points.add(places.points[k], places.columns[k]);
-    int all = 0, agree = 0;
+    Agreement rays_there;
     points.observe(FreespaceProbe(rays, proposed_.points.origin_0, proposed_.parameters),
                    [&](std::size_t k, const FreespaceProbe::Answer& answer) {
-                     all += answer.verdict == FreespaceVerdict::unobserved ? 0 : 1;
+                     rays_there.all += answer.verdict == FreespaceVerdict::unobserved ? 0 : 1;
                      if (answer.verdict != verdict) return;
-                     ++agree;
+                     ++rays_there.agree;
                      if (with) with->add(places.points[k], places.columns[k]);
                    });
-    return agree < kLeastRays ? 0 : static_cast<double>(agree) / all;
+    return rays_there;
   }
 
   const LidarScan& scan_;
@@ -148,8 +152,7 @@ std::vector<std::uint32_t> SlidingSides::take(const LidarScan& scan, const Objec
     const Vector3d velocity_0 = sure ? front.velocity_0 : seen->second.velocity_0;
     const auto side = search.side_of(members.of(front.number), velocity_0.cast<float>());
     if (!side) continue;
-    std::size_t count =
-        sure ? test.points_before_rear(*side, search, static_cast<float>(velocity_0.norm())) : 0;
+    std::size_t count = sure ? test.points_before_rear(*side, search, velocity_0.norm()) : 0;
     if (count > 0) {
       const auto rear = static_cast<std::size_t>(side->points[count - 1].number);
       rears_[front.id] = {scan.start, proposed.points.points[rear].cast<double>() + origin_0, velocity_0};

@@ -19,11 +19,11 @@ namespace mapless::inline v1 {
 /// so each scan sees a surface where every scan before saw it, and standing explains its rays as well as
 /// moving does. The ends of the body tell: where its front is was free, and where its rear was is free now.
 ///
-/// The front is a dynamic object with a sure velocity. The side behind it (SideSearch) belongs to the same
-/// body if its rear moved: at places behind its last points most rays of this scan pass through, and most of
-/// an earlier scan, in which the front itself was not there yet, ended on a surface. So the rear of what
-/// stands never looks: a wall, or a car parked beside the one that starts. A rear once seen to move is taken
-/// to move on with the body's velocity for kRemembered_s.
+/// The front is a dynamic object that surely moves. The side behind it (SideSearch) belongs to the same body
+/// if its rear moved: at places behind its last points most rays of this scan pass through, and of the scans
+/// of the last seconds, in which at this velocity the body was still there, most ended on a surface. So the
+/// rear of what stands never looks: a wall, or a car parked beside the one that starts. A rear once seen to
+/// move is taken to move on with the body's velocity for kRemembered_s.
 class SlidingSides {
  public:
   /// `tracked`, `motions`: of this scan; `object`: number of the proposed object of each point, changed for

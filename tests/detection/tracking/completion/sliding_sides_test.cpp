@@ -17,7 +17,7 @@ using Eigen::Vector3d;
 constexpr int kScan = 12;
 constexpr double kSide_m = 3;        // of the body, left of the sensor
 constexpr double kHalfLength_m = 5;  // at scan kScan it reaches from -7 m to 3 m along x
-constexpr double kFront_m = 3;
+constexpr double kFront_m = 3, kFrontLength_m = 1.5;
 const std::vector<int> kGaps = {1, 2, 3, 4, 6, 8, 12, -1};
 
 // A long box beside a sensor at rest in a room, at scan kScan at the same place whatever its velocity.
@@ -29,10 +29,10 @@ test::ToyScene room_with_bus(double speed_mps) {
   return room;
 }
 
-// Scan `number` as tracking has it: `front_m` of the foremost part of the box are an object, 1, that moves.
+// Scan `number` as tracking has it: the foremost part of the box is an object, 1, that moves.
 class Scan {
  public:
-  Scan(const test::ToyScene& scene, int number, double speed_mps, double front_m = 1.5) {
+  Scan(const test::ToyScene& scene, int number, double speed_mps) {
     auto [compensated, points] = compensate_locally(test::cast_scan(scene, number).scan, *scene.trajectory);
     scan_ = compensated.scan;
     proposed_.points = std::move(points);
@@ -46,9 +46,17 @@ class Scan {
     for (const Eigen::Vector3f& p : proposed_.points.points) {
       const Vector3d p_0 = proposed_.points.origin_0 + p.cast<double>();
       const bool side = std::abs(p_0.y() - kSide_m) < 0.1 && std::abs(p_0.z()) < 1 && p_0.x() < end + 0.1;
-      const bool front = side && p_0.x() > end - front_m;
+      const bool front = side && p_0.x() > end - kFrontLength_m;
       object_.push_back(front ? 1 : 0);
       side_ += side && !front ? 1 : 0;
+    }
+  }
+  // The scan that lies `gap` before this one is of another scene.
+  void replace_reference(int gap, const test::ToyScene& scene, int number) {
+    for (ReferenceRays& r : proposed_.references) {
+      if (r.gap != gap) continue;
+      const auto other = compensate_locally(test::cast_scan(scene, number - gap).scan, *scene.trajectory);
+      r.rays = std::make_shared<RayImage>(other.first);
     }
   }
   // What is taken, where the front has this velocity.
@@ -95,6 +103,29 @@ TEST(SlidingSides, TheRearOfWhatStandsNeverMoved) {
   for (const double claimed_mps : {1.0, 2.0, 8.0}) {
     SlidingSides sides;
     EXPECT_TRUE(Scan(room_with_bus(0), kScan, 0).take(sides, claimed_mps).empty()) << claimed_mps;
+  }
+}
+
+// Of two that stand behind one another, 0.4 m apart, the first has no rear that became free.
+TEST(SlidingSides, ASideThatStandsBeforeAnotherDoesNotMove) {
+  auto room = room_with_bus(0);
+  room.world.push_back(
+      test::toy_box({kFront_m - 3 * kHalfLength_m - 0.4, kSide_m + 1, 0}, {kHalfLength_m, 1, 1}));
+  SlidingSides sides;
+  EXPECT_TRUE(Scan(room, kScan, 0).take(sides, 2).empty());
+}
+
+// In one of five scans before something was where its rear would have been.
+TEST(SlidingSides, OneScanAloneDoesNotShowThatTheRearMoved) {
+  for (const auto& [farther_back, taken] :
+       {std::pair{std::vector{4}, false}, {std::vector{3, 4, 6, 8, 12}, true}}) {
+    Scan scan(room_with_bus(0), kScan, 0);
+    auto longer = room_with_bus(0);
+    longer.world.back() =
+        test::toy_box({kFront_m - kHalfLength_m - 1, kSide_m + 1, 0}, {kHalfLength_m, 1, 1});
+    for (const int gap : farther_back) scan.replace_reference(gap, longer, kScan);
+    SlidingSides sides;
+    EXPECT_EQ(!scan.take(sides, 2).empty(), taken) << farther_back.size();
   }
 }
 
