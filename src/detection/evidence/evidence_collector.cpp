@@ -95,6 +95,7 @@ EvidenceCollector::EvidenceCollector(const LidarScan& scan, const LocalPoints& p
       max_occluder_distance_m_(static_cast<float>(parameters.max_occluder_distance_m)),
       surface_noise_m_(static_cast<float>(kSurfaceNoise * parameters.tolerance_m)),
       own_(own, points.origin_0, parameters),
+      planes_(scan, points_, own_.tolerance_m(0, 0)),
       explanation_(explanation) {
   const int recent = recent_gap(references), next = next_gap(references);
   references_.reserve(references.size());
@@ -140,9 +141,10 @@ void EvidenceCollector::start(const std::vector<std::size_t>& returns, Workspace
 
 void EvidenceCollector::query_reference(const Reference& reference, Workspace& work) const {
   work.occluders.clear();
-  work.points.observe(reference.probe, [&](std::size_t k, const FreespaceProbe::Answer& answer) {
+  work.points.observe(reference.probe, [&](std::size_t k, FreespaceProbe::Answer answer) {
     PointQuery& query = work.queries[work.open[k]];
     const int before = query.evidence.total();
+    if (hit_plane(reference, answer, query.i)) answer.verdict = FreespaceVerdict::border;
     add_answer(reference, answer, query, work);
     if (Observation* const o = recorded(reference, query.i)) {
       const bool fired = answer.laser >= 0;
@@ -159,6 +161,14 @@ void EvidenceCollector::query_reference(const Reference& reference, Workspace& w
     }
   });
   find_departed(reference, work);
+}
+
+// Whether the ray went on past return i, but ended in the plane of its surface.
+bool EvidenceCollector::hit_plane(const Reference& reference, const FreespaceProbe::Answer& answer,
+                                  std::size_t i) const {
+  return answer.verdict == FreespaceVerdict::inside && -answer.short_by_m <= SurfacePlanes::kReach_m &&
+         reference.probe.ended(answer) &&
+         planes_.contains(i, reference.probe.endpoint(answer.laser, answer.column));
 }
 
 // The reference scans after the first `queried` count as if they saw a surface at a settled point.

@@ -10,6 +10,7 @@
 #include "detection/evidence/point_evidence.hpp"
 #include "detection/evidence/range_rate.hpp"
 #include "detection/evidence/slope_image.hpp"
+#include "detection/evidence/surface_plane.hpp"
 #include "detection/freespace/packed_points.hpp"
 #include <mapless/detection/explanation.hpp>
 #include <mapless/geometry/compensated_scan.hpp>
@@ -27,6 +28,8 @@ struct ReferenceScan {
 ///
 /// Reference scans are queried one after another. A point whose votes already prove it static is settled: the
 /// scans not queried count as if they had seen the surface too.
+///
+/// A ray that ends behind the point, but in the plane of its surface, saw the surface (SurfacePlanes).
 ///
 /// A departed occluder counts only if the point can be part of it (consistent_with_departure): an object that
 /// went `d` metres in `gap` scans goes on by d / gap until the next scan. If that is clearly more than the
@@ -107,6 +110,8 @@ class EvidenceCollector {
   [[nodiscard]] float column(std::size_t i) const { return static_cast<float>(scan_.returns[i].column); }
   void start(const std::vector<std::size_t>& returns, Workspace& work) const;
   void query_reference(const Reference& reference, Workspace& work) const;
+  [[nodiscard]] bool hit_plane(const Reference& reference, const FreespaceProbe::Answer& answer,
+                               std::size_t i) const;
   void add_answer(const Reference& reference, const FreespaceProbe::Answer& answer, PointQuery& query,
                   Workspace& work) const;
   void query_others(Workspace& work) const;
@@ -128,6 +133,7 @@ class EvidenceCollector {
   SlopeImage slopes_;
   float max_occluder_distance_m_, surface_noise_m_;
   FreespaceProbe own_;
+  SurfacePlanes planes_;
   std::vector<Reference> references_;  // in the order of queries
   std::vector<Reference> others_;      // of other sensors
   ScanExplanation* explanation_;
