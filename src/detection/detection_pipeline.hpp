@@ -37,9 +37,10 @@ struct ObjectProposals {
   std::vector<ObjectEvidence> evidence;        ///< by object number - 1; empty for method "published"
   std::vector<PointEvidence> votes;            ///< empty for method "published"
   // Method "voting" alone:
-  LocalPoints points;                     ///< of `scan`
-  std::vector<ReferenceRays> references;  ///< that gave the evidence
-  VotingParameters parameters;            ///< with the tolerance for the noise of `scan`
+  LocalPoints points;                            ///< of `scan`
+  std::vector<ReferenceRays> references;         ///< that gave the evidence
+  VotingParameters parameters;                   ///< with the tolerance for the noise of `scan`
+  std::vector<std::vector<std::int32_t>> faint;  ///< EvidenceGrowthResult::faint
   StageSeconds seconds;
   std::shared_ptr<ScanExplanation> explanation;  ///< null unless wanted: DetectionPipeline::explain
 };

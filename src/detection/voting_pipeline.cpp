@@ -235,6 +235,7 @@ ObjectProposals VotingPipeline::run_stages(PendingScan query, const std::vector<
   out.object = std::move(regions.object);
   out.objects = regions.objects;
   out.evidence = std::move(regions.evidence);
+  out.faint = std::move(regions.faint);
   out.votes = std::move(evidence);
   out.points = std::move(query.points);
   out.parameters = query.parameters;

@@ -64,7 +64,8 @@ const std::array<ReasonText, kTrackReasons> kTrackTexts = {{
     {"moves on", "It moved before, and nothing says that it has stopped: {speed} +- {std} m/s."},
     {"begins to move",
      "It begins to move: {speed} +- {std} m/s, evidence {evidence} of {required} needed, "
-     "displaced by {displacement} m as the rays show (at least {min_displacement} m)."},
+     "displaced by {displacement} m as the rays show (at least {min_displacement} m). With less: its places "
+     "of the last second follow one velocity."},
     {"slow", "It is slower than {min_speed} m/s: {speed} +- {std} m/s."},
     {"may stand", "Its velocity is within two standard deviations of zero: {speed} +- {std} m/s."},
     {"not displaced",

@@ -20,6 +20,10 @@ namespace {
 constexpr int kFillRounds = 2, kLaterRounds = 6;
 constexpr int kRecentSurfaceVotes = -4;  // of the three scans before and the later one, one each
 
+// Points of a faint cluster. One alone is mostly an edge. Measured: 1 finds .002 IoU more with 16 lasers,
+// .001 less with 64, and takes a fifth more time.
+constexpr std::size_t kFaintPoints = 2;
+
 constexpr std::size_t kReservedCandidates = 8192;  // room for a typical scan, allocated at once
 constexpr std::size_t kPointsPerTask = 4096;  // chosen: many tasks a scan, each of several rows of points
 
@@ -47,6 +51,7 @@ class EvidenceGrowth {
     if (parameters_.grow) fill();
     number_objects();
     collect_evidence();
+    collect_faint();
     return std::move(result_);
   }
 
@@ -184,6 +189,24 @@ class EvidenceGrowth {
     ObjectEvidenceCollector evidence(scan_, points_, votes_, parameters_.min_evidence);
     for (std::size_t n = 0; n < ends_.size(); ++n) {
       result_.evidence.push_back(evidence.collect(object(n)));
+    }
+  }
+
+  // Of what is no object: two linked points or more with votes for them.
+  void collect_faint() {
+    marks_.clear();
+    std::vector<std::int32_t> faint;
+    for (const std::int32_t i : candidates_) {
+      if (votes_[static_cast<std::size_t>(i)].total() <= 0 || dynamic(i)) continue;
+      marks_.mark(i);
+      faint.push_back(i);
+    }
+    std::vector<bool> taken(votes_.size(), false);
+    for (const std::int32_t i : faint) {
+      if (taken[static_cast<std::size_t>(i)]) continue;
+      collect(i);
+      for (const std::int32_t j : front_) taken[static_cast<std::size_t>(j)] = true;
+      if (front_.size() >= kFaintPoints) result_.faint.push_back(front_);
     }
   }
 

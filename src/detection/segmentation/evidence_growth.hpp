@@ -29,6 +29,9 @@ struct EvidenceGrowthResult {
   std::vector<std::uint16_t> object;
   int objects = 0;
   std::vector<ObjectEvidence> evidence;  ///< by object number - 1
+  /// Clusters of linked points that are in no object though their votes are above 0: too little in this scan
+  /// alone (StraightPaths). Not objects.
+  std::vector<std::vector<std::int32_t>> faint;
 };
 
 /// Seeds, in place of the box filter: points whose votes, summed with those of their linked neighbours in the
@@ -47,7 +50,7 @@ struct EvidenceGrowthResult {
 ///    three scans before and the later one saw, such as a surface that slides along itself.
 /// 4. Linked points are one object.
 /// 5. Objects are numbered by their lowest return; their evidence is summed (ObjectEvidenceCollector).
-/// Without `grow`, only steps 1 and 5.
+/// Without `grow`, only steps 1 and 5. Then faint clusters are collected.
 [[nodiscard]] EvidenceGrowthResult grow_evidence(const LidarScan& scan, const LocalPoints& points,
                                                  const std::vector<PointEvidence>& votes,
                                                  const std::vector<FilterVerdict>& seeds,

@@ -78,7 +78,7 @@ double MotionClassifier::required_evidence(const TrackedObject& object) const {
 }
 
 TrackMotion MotionClassifier::update(const TrackMotion& last, const TrackedObject& object,
-                                     const ObjectEvidence& evidence, Time now) const {
+                                     const ObjectEvidence& evidence, Time now, bool on_path) const {
   const bool displaced = static_cast<double>(evidence.displacement_m) >= parameters_.min_displacement_m;
   const bool differs = differs_from_zero(object);
   const bool known = differs || object.velocity_std_0().maxCoeff() <= kKnownStd_mps;
@@ -95,7 +95,7 @@ TrackMotion MotionClassifier::update(const TrackMotion& last, const TrackedObjec
   const double required = required_evidence(object);
   if (last.moves) {
     const bool unsupported = required > parameters_.min_evidence && next.evidence < kGoesOnShare * required;
-    next.moves = !next.slow && !unsupported;
+    next.moves = on_path || (!next.slow && !unsupported);
     next.reason = next.moves  ? TrackReason::goes_on
                   : next.slow ? TrackReason::stopped_slow
                               : TrackReason::stopped_unsupported;
@@ -104,8 +104,8 @@ TrackMotion MotionClassifier::update(const TrackMotion& last, const TrackedObjec
     const bool may_be_zero = object.age > 1 && next.velocity_known && !differs;
     const bool confirms = confirms_velocity(last, object, evidence, now);
     next.required = body_factor(evidence.body, differs && confirms) * required / share_counted(next);
-    next.moves = displaced && (confirms || !last.stood) && !next.slow && !may_be_zero &&
-                 next.evidence >= next.required;
+    next.moves = on_path || (displaced && (confirms || !last.stood) && !next.slow && !may_be_zero &&
+                             next.evidence >= next.required);
     next.reason = next.moves                ? TrackReason::begins
                   : !displaced              ? TrackReason::not_displaced
                   : last.stood && !confirms ? TrackReason::not_confirmed

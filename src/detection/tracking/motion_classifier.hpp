@@ -41,6 +41,8 @@ struct TrackMotion {
 ///   where the velocity differs from zero by more than 2 sigma and the rays show half of that path. Where
 ///   rays keep beside it as beside a rail (`log_odds`), it takes that much more.
 ///
+/// What is on a straight path (StraightPaths) moves, whatever else holds, until StandingTest says otherwise.
+///
 /// A moving track stops if any of these holds (or if StandingTest says so, which MovingObjects asks):
 /// - its speed is below min_speed_mps;
 /// - its velocity is known worse than to 0.5 m/s and its evidence falls below a third of what that takes.
@@ -52,9 +54,9 @@ class MotionClassifier {
   explicit MotionClassifier(const VotingParameters& parameters) : parameters_(parameters) {}
 
   /// The state of a track after the scan that starts at `now`, in which it is `object` with `evidence`.
-  /// `last` is its state before, TrackMotion{} for a new track.
+  /// `last` is its state before, TrackMotion{} for a new track; `on_path`: StraightPaths found it there.
   [[nodiscard]] TrackMotion update(const TrackMotion& last, const TrackedObject& object,
-                                   const ObjectEvidence& evidence, Time now) const;
+                                   const ObjectEvidence& evidence, Time now, bool on_path = false) const;
 
  private:
   [[nodiscard]] double required_evidence(const TrackedObject& object) const;

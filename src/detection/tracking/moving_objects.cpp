@@ -17,12 +17,16 @@
 namespace mapless::inline v1 {
 
 Detection MovingObjects::classify(ObjectProposals proposed) {
+  std::vector<bool> on_path;
+  StageSeconds seconds = proposed.seconds;
+  if (method_ == DetectionMethod::voting)
+    on_path = timed(seconds.tracking, [&] { return paths_.find(proposed, movers_); });
   Detection detection;
   detection.scan = std::move(proposed.scan);
   detection.trace = std::move(proposed.trace);
   detection.object = std::move(proposed.object);
   detection.objects = proposed.objects;
-  detection.seconds = proposed.seconds;
+  detection.seconds = seconds;
   detection.explanation = std::move(proposed.explanation);
   const Time now = detection.scan->start;
   detection.tracked = timed(detection.seconds.tracking, [&] {
@@ -34,7 +38,8 @@ Detection MovingObjects::classify(ObjectProposals proposed) {
   for (const TrackedObject& object : detection.tracked) {
     TrackMotion& state = states_[object.id];
     moved.push_back(state.moves);
-    state = classifier_.update(state, object, proposed.evidence[object.number - 1U], now);
+    const std::size_t n = object.number - 1U;
+    state = classifier_.update(state, object, proposed.evidence[n], now, on_path[n]);
   }
   timed(detection.seconds.tracking, [&] { stop_standing(proposed, detection); });
   motions_.assign(proposed.evidence.size(), {});
@@ -58,6 +63,7 @@ Detection MovingObjects::classify(ObjectProposals proposed) {
   }
   detection.probability = motion_probabilities(proposed.votes, detection.object, motions_);
   keep_moving(moves, detection);
+  movers_ = detection.tracked;
   for (const std::uint32_t i : completing) {
     detection.trace[i].growth = GrowthVerdict::grown;
     ++detection.tracked[detection.object[i] - 1U].points;

@@ -8,6 +8,7 @@
 #include "detection/tracking/completion/sliding_sides.hpp"
 #include "detection/tracking/motion_classifier.hpp"
 #include "detection/tracking/object_tracker.hpp"
+#include "detection/tracking/straight_paths.hpp"
 #include <mapless/detection/detection.hpp>
 #include <mapless/detection/parameters.hpp>
 
@@ -53,6 +54,8 @@ class MovingObjects {
   DetectionMethod method_;
   MotionClassifier classifier_;
   ObjectTracker tracker_;
+  StraightPaths paths_;
+  std::vector<TrackedObject> movers_;  // of the scan before
   TrackMotions states_;
   SlidingSides sides_;
   std::vector<TrackMotion> motions_;

@@ -164,6 +164,21 @@ TEST_F(EvidenceImage, FillsFartherOverWhatOnlyRecentScansSaw) {
   }
 }
 
+// Two linked points with votes above 0, too few for an object; one alone and points of 0 votes are none.
+TEST_F(EvidenceImage, TwoLinkedPointsWithVotesAreAFaintCluster) {
+  for (int c : {4, 5, 6}) set(2, c, 3);  // an object
+  set(2, 16, 1);
+  set(3, 17, 1);
+  votes_[at(2, 18)].seen_through = true;  // and one that saw a surface: 0 votes
+  set(0, 22, 1);
+  const EvidenceGrowthResult result = grow();
+  EXPECT_EQ(result.objects, 1);
+  ASSERT_EQ(result.faint.size(), 1u);
+  EXPECT_EQ(
+      std::set<std::int32_t>(result.faint[0].begin(), result.faint[0].end()),
+      (std::set<std::int32_t>{static_cast<std::int32_t>(at(2, 16)), static_cast<std::int32_t>(at(3, 17))}));
+}
+
 // Of two points at distance d one was seen through recently: a displacement of d / 2; both: of d.
 TEST_F(EvidenceImage, EstimatesTheDisplacementOfAnObject) {
   parameters_.grow = false;  // which would fill its rims

@@ -32,6 +32,7 @@ ObjectProposals propose(const test::ToyScene& scene, int k, double displacement_
   const auto cast = test::cast_scan(scene, k);
   ObjectProposals proposed;
   proposed.scan = cast.scan;
+  proposed.points.origin_0.setZero();
   proposed.trace.resize(proposed.scan->returns.size());
   proposed.votes.resize(proposed.scan->returns.size());
   for (const LidarReturn& r : proposed.scan->returns) proposed.points.points.push_back(r.position_v);
