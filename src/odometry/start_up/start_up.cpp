@@ -12,8 +12,11 @@ namespace mapless::inline v1 {
 namespace {
 
 // Two motions are undecided while their scores differ by less than this many standard deviations of the
-// number of points, sqrt(n).
-constexpr double kDecidedSigmas = 1.5;
+// number of independent points, sqrt(kInformationRatio n) of weight 1 / kInformationRatio each. Chosen: 95 %.
+// Measured after five scans of 175 VLP-16 recordings: of the three worst starts (.2 to .7 m off over four
+// scans) another motion is within 1.0 to 1.3 of the best, of the others none within 2.8; with 1.5 sqrt(n), .8
+// of these, all three were decided there and then.
+constexpr double kDecidedSigmas = 2;
 // Soft inliers that one agreeing edge outweighs. Chosen: on motorways the right motion has 50 to 100 agreeing
 // edges a scan more than any other, while wrong motions have up to 100 soft inliers more (sixteen lasers:
 // ground and barriers have inliers for any motion along them).
@@ -85,7 +88,9 @@ StartUp::Result StartUp::add(UsableScan scan) {
   if (!(scans_.size() == 2 ? register_first_pair() : extend_all())) return restart();
   Result result = {hypotheses_.front().registration, scans_.front().interval};
   if (scans_.size() < kMinScans) return result;
-  if (scans_.size() < kMaxScans && (is_undecided() || is_weakly_constrained())) return result;
+  const bool undecided = is_undecided();
+  was_undecided_ = was_undecided_ || undecided;
+  if (scans_.size() < kMaxScans && (undecided || is_weakly_constrained())) return result;
   if (!pair_is_constrained_ && unregistered_.size() + scans_.size() < kJointScans) return result;
   return decide();
 }
@@ -293,7 +298,7 @@ bool StartUp::is_undecided() const {
   double keypoints = 0;
   for (std::size_t s = 2; s < scans_.size(); ++s)
     keypoints += static_cast<double>(scans_[s].bins.points().size());
-  const double enough = hypotheses_.front().score - kDecidedSigmas * std::sqrt(keypoints);
+  const double enough = hypotheses_.front().score - kDecidedSigmas * std::sqrt(keypoints / kInformationRatio);
   return hypotheses_.size() > 1 && hypotheses_[1].score > enough;
 }
 
