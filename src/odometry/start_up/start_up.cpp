@@ -293,13 +293,25 @@ void StartUp::prune_by_score() {
   hypotheses_ = std::move(kept);
 }
 
+// The mean velocity from the start of the first scan to the end of the newest, as varpi.
+Vector6d StartUp::mean_velocity(const Hypothesis& hypothesis) const {
+  const TrajectoryKnot& first = hypothesis.mapped.knots[scans_.front().interval];
+  const TrajectoryKnot& last = hypothesis.mapped.knots.back();
+  return (last.T_v0 * first.T_v0.inverse()).log() / (last.time - first.time).seconds();
+}
+
 // Whether the score of another motion, which differs from the best, is within the noise of the best score.
+// Motions that have led to the same place are the same: the turn rate at the end of a scan, by which
+// prune_by_score() compares, is hardly known.
 bool StartUp::is_undecided() const {
   double keypoints = 0;
   for (std::size_t s = 2; s < scans_.size(); ++s)
     keypoints += static_cast<double>(scans_[s].bins.points().size());
-  const double enough = hypotheses_.front().score - kDecidedSigmas * std::sqrt(keypoints / kInformationRatio);
-  return hypotheses_.size() > 1 && hypotheses_[1].score > enough;
+  const Hypothesis& best = hypotheses_.front();
+  const double enough = best.score - kDecidedSigmas * std::sqrt(keypoints / kInformationRatio);
+  return std::any_of(hypotheses_.begin() + 1, hypotheses_.end(), [&](const Hypothesis& one) {
+    return one.score > enough && !are_alike(mean_velocity(one), mean_velocity(best));
+  });
 }
 
 // Whether the planes hardly fix a direction of the newest scan's motion, and many points lie on none.

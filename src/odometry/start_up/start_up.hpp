@@ -86,6 +86,7 @@ class StartUp {
   bool extend(const UsableScan& scan, Hypothesis& hypothesis) const;
   void prune_by_inliers();
   void prune_by_score();
+  [[nodiscard]] Vector6d mean_velocity(const Hypothesis& hypothesis) const;
   [[nodiscard]] bool is_undecided() const;
   [[nodiscard]] bool is_weakly_constrained() const;
   Result decide();
