@@ -44,10 +44,6 @@ constexpr int kLostBeforeRestart = 5;
 // rule one motorway start of 20 recordings of the second simulator errs by .062 m over four scans for .058.
 constexpr double kMinRatioOfLast = 0.95;
 
-// Edges are asked to vouch for a motion of more than this over a scan. Chosen: half a metre over four scans,
-// from where a motion that stays behind errs by as much. Slower ones, as on foot in tunnels, were all right.
-constexpr double kFarMotion_m = 0.125;
-
 bool same_returns(const LidarScan& a, const LidarScan& b) {
   return !a.returns.empty() && std::equal(a.returns.begin(), a.returns.end(), b.returns.begin(),
                                           b.returns.end(), [](const LidarReturn& x, const LidarReturn& y) {
@@ -96,8 +92,9 @@ struct LidarOdometry::State {
   std::shared_ptr<const LidarScan> last_scan;
   std::size_t last_interval = 0;  // the knot at its start
   int lost_in_a_row = 0;
-  double last_ratio = 0;            // inlier ratio of the last registered scan
-  bool weakly_constrained = false;  // the last registered scan, in some direction
+  double last_ratio = 0;             // inlier ratio of the last registered scan
+  bool weakly_constrained = false;   // the last registered scan, in some direction
+  bool start_was_undecided = false;  // of the start that the last scan decided
 
   [[nodiscard]] const MappedTrajectory& current() const { return start_up ? start_up->best() : mapped; }
   void require_next(const LidarScan& scan, Time end) const;
@@ -113,7 +110,6 @@ struct LidarOdometry::State {
   void forget_old_measurements();
   void forget_old_knots();
   void begin_start_up_again();
-  [[nodiscard]] bool moves_far() const;
   [[nodiscard]] bool last_scan_is_supported() const;
   [[nodiscard]] MotionState state_of(const OdometryUpdate& update) const;
   [[nodiscard]] std::size_t first_open_knot() const {
@@ -172,7 +168,6 @@ ScanOutcome LidarOdometry::State::register_in_start_up(UsableScan scan, Odometry
     return ScanOutcome::first;
   }
   const TimeBins bins = scan.bins;
-  const std::size_t edges = scan.edges.size();
   const auto [found, first_interval] = start_up->add(std::move(scan));
   if (!found) return ScanOutcome::unmatched;
   report(*found, bins, update);
@@ -186,7 +181,7 @@ ScanOutcome LidarOdometry::State::register_in_start_up(UsableScan scan, Odometry
   support.add(update.mean_robust_weight, update.degeneracy);
   if (const auto agreement = start_up->mean_edge_agreement()) support.add_edges(*agreement);
   mapped = start_up->best();
-  if (moves_far()) support.add_edge_count(edges);
+  start_was_undecided = start_up->was_undecided();
   start_up.reset();
   return last_scan_is_supported() ? ScanOutcome::registered : ScanOutcome::unsupported;
 }
@@ -201,16 +196,9 @@ std::optional<Registration> LidarOdometry::State::register_to_map(const UsableSc
   return again && (!found || again->soft_inliers > found->soft_inliers) ? again : found;
 }
 
-bool LidarOdometry::State::moves_far() const {
-  const SE3 moved = mapped.knots[mapped.knots.size() - 2].T_v0 * mapped.knots.back().T_v0.inverse();
-  return moved.translation().norm() > kFarMotion_m;
-}
-
 void LidarOdometry::State::add_support(const UsableScan& points, const LidarScan& scan,
                                        const OdometryUpdate& update) {
   support.add(update.mean_robust_weight, update.degeneracy);
-  if (support.needs_edge_count() && moves_far())
-    support.add_edge_count(count_edges(scan, parameters, MotionSupport::kEnoughEdges));
   if (!support.needs_edges()) return;
   const auto edges_of = [&](const LidarScan& one, std::size_t interval) {
     return edges_in_world(select_edges(one, parameters), one.start, mapped.knots[interval],
@@ -308,6 +296,7 @@ MotionState LidarOdometry::State::state_of(const OdometryUpdate& update) const {
     case ScanOutcome::registered:
       // Until the motion of the first scans is decided, it is one of several that fit them.
       if (start_up || update.degeneracy.unconstrained > 0) return MotionState::degenerate;
+      if (start_was_undecided && support.state() == MotionState::good) return MotionState::degenerate;
       return support.state();
     case ScanOutcome::few_points:
     case ScanOutcome::repeated:
@@ -347,6 +336,7 @@ OdometryUpdate LidarOdometry::State::process(const std::shared_ptr<const LidarSc
   // 2. Keypoints, registered point-to-plane at their own instants with the white-noise-on-acceleration prior
   //    (Anderson and Barfoot, IROS 2015); older knots marginalised; the points inserted into the map.
   OdometryUpdate update;
+  start_was_undecided = false;
   update.outcome = estimate(*scan, update);
   update.state = state_of(update);
   last_scan = scan;

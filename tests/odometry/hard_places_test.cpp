@@ -80,6 +80,36 @@ TEST(HardPlaces, AnOpenFieldIsReportedAndExtrapolatedWithThePrior) {
   }
 }
 
+// Pillars in two rows, 2 m apart on average. From scan to scan the sensor passes half of that.
+ToyScene pillars(double irregularity_m) {
+  ToyScene road = test::toy_room("VLP-16", test::drive(10, 0));
+  road.range_noise_m = 0.02;
+  road.world = {test::toy_ground(-1.8)};
+  for (int i = -30; i <= 30; ++i) {
+    const double x = 2.0 * i + irregularity_m * std::sin(i * i);
+    for (const double y : {-20., 20.}) road.world.push_back(test::toy_cylinder({x, y, 0}, 0.3, 4));
+  }
+  return road;
+}
+
+// The state of the scans of the start.
+MotionState state_of_start(const ToyScene& scene) {
+  LidarOdometry odometry;
+  for (int k = 0; k < 12; ++k) {
+    const OdometryUpdate update = odometry.process(cast_scan(scene, k).scan);
+    if (odometry.started()) return update.state;
+  }
+  ADD_FAILURE() << "no start";
+  return MotionState::lost;
+}
+
+// Forwards, each pillar is half a spacing behind where it was. Backwards, half a spacing ahead, where its
+// neighbour would be: if all are alike, both motions explain every scan.
+TEST(HardPlaces, AStartWithTwoEqualMotionsIsDegenerate) {
+  EXPECT_EQ(state_of_start(pillars(0)), MotionState::degenerate);
+  EXPECT_EQ(state_of_start(pillars(0.7)), MotionState::good);
+}
+
 TEST(HardPlaces, AScanOfFewReturnsIsExtrapolatedWithThePrior) {
   const ToyScene street = test::toy_street("VLP-16");
   Scans scans = cast(street, 11);

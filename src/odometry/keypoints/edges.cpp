@@ -55,13 +55,4 @@ std::vector<ScanPoint> select_edges(const LidarScan& scan, const OdometryParamet
   return out;
 }
 
-std::size_t count_edges(const LidarScan& scan, const OdometryParameters& parameters, std::size_t most) {
-  std::size_t count = 0;
-  for (const LidarReturn& r : scan.returns) {
-    if (count >= most) break;
-    count += is_edge(scan, r, parameters) ? 1 : 0;
-  }
-  return count;
-}
-
 }  // namespace mapless

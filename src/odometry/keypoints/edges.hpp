@@ -12,8 +12,4 @@ namespace mapless::inline v1 {
 [[nodiscard]] std::vector<ScanPoint> select_edges(const LidarScan& scan,
                                                   const OdometryParameters& parameters);
 
-/// How many edges select_edges() finds, counted up to `most`.
-[[nodiscard]] std::size_t count_edges(const LidarScan& scan, const OdometryParameters& parameters,
-                                      std::size_t most);
-
 }  // namespace mapless

@@ -25,11 +25,6 @@ constexpr double kLeastSupport = 0.08;
 // by .03 m.
 constexpr double kMinEdgeAgreement = 0.16;
 constexpr double kMinWeightWithEdges = 0.35;
-// Below this ratio the planes alone do not vouch for the motion along the weakest direction: few of them, in
-// a map that the motion itself has made, agree with a wrong one. Measured on 108 VLP-16 recordings: of 10
-// wrong motions that the support takes for right in 8, one is left; 27 of 6,006 right ones are called
-// degenerate (docs/notebook/odometry.md, "Few planes and few edges").
-constexpr double kVouchedRatio = 0.01;
 // Smallest constraint ratio in the logarithm: a tenth of the least ratio that counts as constrained.
 constexpr double kLeastConstraintRatio = 1e-5;
 
@@ -40,8 +35,6 @@ void MotionSupport::add(double mean_robust_weight, const Degeneracy& degeneracy)
   weight_[added_ % kScans] = mean_robust_weight;
   support_[added_ % kScans] = mean_robust_weight + kWeightOfConstraint * std::log(ratio);
   ++added_;
-  weakest_ratio_ = ratio;
-  few_edges_ = false;
   if (!needs_edges()) edge_agreement_.reset();
 }
 
@@ -58,14 +51,7 @@ void MotionSupport::add_edges(double agreement) {
   edge_agreement_ = before + (agreement - before) / static_cast<double>(kScans);
 }
 
-bool MotionSupport::needs_edge_count() const { return weakest_ratio_ < kVouchedRatio; }
-
 MotionState MotionSupport::state() const {
-  const MotionState state = state_by_support();
-  return state == MotionState::good && few_edges_ ? MotionState::degenerate : state;
-}
-
-MotionState MotionSupport::state_by_support() const {
   if (!needs_edges()) return MotionState::good;
   if (mean(support_) < kLeastSupport) return MotionState::lost;
   if (edge_agreement_ >= kMinEdgeAgreement && mean(weight_) >= kMinWeightWithEdges) return MotionState::good;

@@ -14,24 +14,15 @@ namespace mapless::inline v1 {
 /// right motion little, as along a motorway, its edges agree from scan to scan.
 class MotionSupport {
  public:
-  /// As many edges vouch for a motion. Measured: see motion_support.cpp.
-  static constexpr std::size_t kEnoughEdges = 150;
-
   /// Adds a registered scan: OdometryUpdate::mean_robust_weight, and the smallest constraint ratio.
   void add(double mean_robust_weight, const Degeneracy& degeneracy);
   /// Whether the planes alone leave the state open. Then add_edges() is of use.
   [[nodiscard]] bool needs_edges() const;
   /// Adds edge_agreement() of the scan last added.
   void add_edges(double agreement);
-  /// Whether the planes fix some direction of the scan last added so little that its edges have to. Then
-  /// add_edge_count() is of use.
-  [[nodiscard]] bool needs_edge_count() const;
-  /// Adds the number of edges in the scan last added, counted up to kEnoughEdges.
-  void add_edge_count(std::size_t edges) { few_edges_ = needs_edge_count() && edges < kEnoughEdges; }
   /// By the means over the last scans: good if the planes support the motion, or if the edges and many points
   /// do. A young map has few planes, and supports a right motion less: where its support is small but not
-  /// tiny, the state is degenerate. Degenerate, too, where the last scan has few planes that fix a direction
-  /// and few edges. Good before the first scan.
+  /// tiny, the state is degenerate. Good before the first scan.
   [[nodiscard]] MotionState state() const;
 
  private:
@@ -39,14 +30,11 @@ class MotionSupport {
   static constexpr std::size_t kScans = 5;
   using Last = std::array<double, kScans>;
   [[nodiscard]] double mean(const Last& last) const;
-  [[nodiscard]] MotionState state_by_support() const;
 
   Last support_{};
   Last weight_{};
   std::optional<double> edge_agreement_;  // while needs_edges(): a mean that forgets over kScans
   std::size_t added_ = 0;
-  double weakest_ratio_ = 1;  // constraint ratio of the scan last added
-  bool few_edges_ = false;    // in it, though it needs them
 };
 
 }  // namespace mapless

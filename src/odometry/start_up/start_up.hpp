@@ -54,6 +54,9 @@ class StartUp {
   Result add(UsableScan scan);
 
   [[nodiscard]] bool decided() const { return decided_; }
+  /// Whether another motion was about as good after five scans or later. The first scans may then still have
+  /// it, though the last ones do not: each scan follows the map that the ones before it have made.
+  [[nodiscard]] bool was_undecided() const { return was_undecided_; }
   /// Number of the first knot that can still change.
   [[nodiscard]] std::size_t first_open_knot() const { return first_open_knot_; }
   /// The trajectory and map of the best hypothesis; once decided, of the only one.
@@ -83,6 +86,7 @@ class StartUp {
   bool extend(const UsableScan& scan, Hypothesis& hypothesis) const;
   void prune_by_inliers();
   void prune_by_score();
+  [[nodiscard]] Vector6d mean_velocity(const Hypothesis& hypothesis) const;
   [[nodiscard]] bool is_undecided() const;
   [[nodiscard]] bool is_weakly_constrained() const;
   Result decide();
@@ -103,6 +107,7 @@ class StartUp {
   std::vector<UsableScan> scans_;
   bool pair_is_constrained_ = false;  // the best motion of the first two scans has enough inliers
   bool decided_ = false;
+  bool was_undecided_ = false;
 };
 
 }  // namespace mapless

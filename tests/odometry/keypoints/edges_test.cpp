@@ -26,16 +26,6 @@ TEST(Edges, ThePoleIsOneAndTheWallBehindItIsNot) {
   EXPECT_EQ(edges[0].laser, 1);
 }
 
-TEST(Edges, AreCountedUpToTheMostAskedFor) {
-  LidarScan scan = with_pole(3);
-  EXPECT_EQ(count_edges(scan, {}, 5), 1u);
-  LidarReturn& another = scan.returns[static_cast<std::size_t>(scan.cell(1, 20))];
-  another.position_v *= 3 / another.range_m;
-  another.range_m = 3;
-  EXPECT_EQ(count_edges(scan, {}, 5), 2u);
-  EXPECT_EQ(count_edges(scan, {}, 1), 1u);
-}
-
 TEST(Edges, AStepOfLessThanHalfAMetreIsNone) { EXPECT_TRUE(select_edges(with_pole(4.6F), {}).empty()); }
 
 TEST(Edges, ReturnsOfTheVehicleItselfAreNone) { EXPECT_TRUE(select_edges(with_pole(0.9F), {}).empty()); }

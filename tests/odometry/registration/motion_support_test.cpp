@@ -102,30 +102,6 @@ TEST(MotionSupport, EdgesCountWhileTheyAreNeeded) {
   EXPECT_EQ(support.state(), MotionState::lost);
 }
 
-// Ratio below 0.01 and fewer than 150 edges (docs/odometry.md), the planes' support being ample.
-TEST(MotionSupport, FewPlanesAndFewEdgesAreDegenerate) {
-  for (const double ratio : {0.0099, 0.0101}) {
-    for (const std::size_t edges : {std::size_t{149}, std::size_t{150}}) {
-      MotionSupport support = after(20, weight_for(0.4, ratio), ratio);
-      support.add_edge_count(edges);
-      const bool few = ratio < 0.01 && edges < 150;
-      EXPECT_EQ(support.state(), few ? MotionState::degenerate : MotionState::good) << ratio << " " << edges;
-    }
-  }
-}
-
-TEST(MotionSupport, FewEdgesSayNothingOfTheNextScanOrOfALoss) {
-  MotionSupport support = after(20, weight_for(0.4, 0.005), 0.005);
-  support.add_edge_count(0);
-  Degeneracy degeneracy;
-  degeneracy.constraint_ratio = {0.005, 1, 1};
-  support.add(weight_for(0.4, 0.005), degeneracy);
-  EXPECT_EQ(support.state(), MotionState::good);
-  for (int k = 0; k < 5; ++k) support.add(weight_for(0.05, 0.005), degeneracy);
-  support.add_edge_count(0);
-  EXPECT_EQ(support.state(), MotionState::lost);
-}
-
 // A direction that no point constrains has the ratio 0.
 TEST(MotionSupport, ARatioOfZeroIsFinite) {
   EXPECT_EQ(after(1, 0.257 + 0.042 * 11.6, 0).state(), MotionState::good);  // -ln(1e-5) = 11.51

@@ -9,7 +9,7 @@
 #include <mapless/odometry/lidar_odometry.hpp>
 #include <mapless/simulation/scene.hpp>
 
-// Difficult starts of simulated drives with sixteen lasers, against the simulated truth.
+// Difficult starts of simulated drives, most with sixteen lasers, against the simulated truth.
 namespace mapless {
 namespace MAPLESS_FILE {
 
@@ -19,12 +19,12 @@ constexpr int kAfterwards = 12;   // scans, after which every start is decided
 /// A drive through a scene whose recording begins with scan `first`.
 class SimulatedStart {
  public:
-  SimulatedStart(const std::string& scene, std::uint64_t seed, int first)
+  SimulatedStart(const std::string& scene, std::uint64_t seed, int first,
+                 const std::string& sensor = "VLP-16")
       : scene_(make_scene(scene, {seed, 0.1 * (first + kAfterwards + 1), true})),
         truth_(std::make_shared<const SampledTrajectory>(scene_.poses, Duration(), "scene")),
         world_(scene_.world),
-        sensor_(std::make_shared<const LidarModel>(named_model("VLP-16")), truth_, world_,
-                {0.02, true, seed}) {
+        sensor_(std::make_shared<const LidarModel>(named_model(sensor)), truth_, world_, {0.02, true, seed}) {
     for (int k = 0; k < kAfterwards; ++k) process(first + k);
   }
 
@@ -43,14 +43,17 @@ class SimulatedStart {
 
   LidarOdometry odometry;
   std::vector<Time> starts;
-  int started_with = 0;  ///< scans
+  int started_with = 0;                   ///< scans
+  MotionState state = MotionState::lost;  ///< of these
 
  private:
   void process(int number) {
     const auto scan = sensor_.lidar_scan(number);
     starts.push_back(scan->start);
-    (void)odometry.process(scan);
-    if (odometry.started() && started_with == 0) started_with = static_cast<int>(starts.size());
+    const OdometryUpdate update = odometry.process(scan);
+    if (!odometry.started() || started_with != 0) return;
+    started_with = static_cast<int>(starts.size());
+    state = update.state;
   }
 
   Scene scene_;
@@ -104,6 +107,15 @@ TEST(StartUp, WherePlanesHardlyFixADirectionMoreScansAreAwaited) {
   EXPECT_GT(flyer.started_with, 5);
   for (std::size_t k = 0; k + 4 < flyer.starts.size(); ++k)
     EXPECT_LT(flyer.error_m(flyer.starts[k], flyer.starts[k + 4]), 0.05) << "from scan " << k;
+}
+
+// Hovering, two motions are equally good and turn by .1 rad/s more or less at the end of the last scan. Over
+// the scans of the start they are the same: nothing is undecided.
+TEST(StartUp, MotionsThatDifferAtTheEndOfAScanAloneAreOne) {
+  const SimulatedStart flyer("flyer", 307, 0, "HDL-64E-S2");
+  EXPECT_EQ(flyer.started_with, 5);
+  EXPECT_EQ(flyer.state, MotionState::good);
+  expect_right(flyer);
 }
 
 // If the scans determine the speed, five suffice.
