@@ -17,6 +17,7 @@
 #include "terminal/progress.hpp"
 #include <mapless/io/dataset.hpp>
 #include <mapless/io/result_folder.hpp>
+#include <mapless/io/scan_watch.hpp>
 #include <mapless/pipeline/online_detector.hpp>
 
 namespace mapless::app {
@@ -64,7 +65,7 @@ class DetectionRun {
     std::vector<TimedPose> poses;  // within it
   };
 
-  [[nodiscard]] InputScan read(std::size_t k) const;
+  [[nodiscard]] InputScan read(std::size_t k);
   void learn_own_vehicle();
   bool detect_all();
   bool push_all();
@@ -98,6 +99,7 @@ class DetectionRun {
   std::shared_ptr<const Trajectory> last_trajectory_;  // of the last scan finished
   Time last_end_;
 
+  ScanWatch watch_;  // of the thread that reads, until it is stopped
   ScanReader reader_;
   WorkerThread<FinishedScan> writer_;
 };
