@@ -4,8 +4,6 @@
 #include "support/temporary_folder.hpp"
 #include "support/toy_sequence.hpp"
 #include <mapless/io/dataset.hpp>
-#include <mapless/io/scan_watch.hpp>
-
 namespace mapless {
 namespace MAPLESS_FILE {
 

@@ -7,6 +7,7 @@
 #include "support/temporary_folder.hpp"
 #include "support/toy_sequence.hpp"
 #include <mapless/core/errors.hpp>
+#include <mapless/core/se3.hpp>
 #include <mapless/io/dataset.hpp>
 
 namespace mapless {
@@ -139,6 +140,9 @@ TEST_F(SelfCheckTest, DoubtsPosesThatAreALittleOff) {
     return SE3(T.rotation(), T.translation() + Eigen::Vector3d(0, 0.6 * t.seconds(), 0));
   });
   EXPECT_EQ(sideways.trust, Trust::doubtful) << "sideways by .6 m/s: " << sideways.measured;
+  const CheckResult turned =
+      check_poses_of([](Time, const SE3& T) { return T * SE3(rotation_z(0.0873), Eigen::Vector3d::Zero()); });
+  EXPECT_EQ(turned.trust, Trust::doubtful) << "of a body turned by 5 degrees: " << turned.measured;
   const CheckResult nearly =
       check_poses_of([](Time, const SE3& T) { return SE3(T.rotation(), 0.995 * T.translation()); });
   EXPECT_EQ(nearly.trust, Trust::right) << "by .04 m/s: " << nearly.measured << nearly.problem;

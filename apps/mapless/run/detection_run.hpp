@@ -17,7 +17,6 @@
 #include "terminal/progress.hpp"
 #include <mapless/io/dataset.hpp>
 #include <mapless/io/result_folder.hpp>
-#include <mapless/io/scan_watch.hpp>
 #include <mapless/pipeline/online_detector.hpp>
 
 namespace mapless::app {

@@ -34,6 +34,7 @@ constexpr double kStandsOut = 5, kStandsOutNot = 3;
 // poses a tenth too fast or too slow or .1 s late, in a town, 7 to 12. Farther away right tilted sensors
 // beside vehicles have 9, without a valley.
 constexpr double kFlank_m = 1.0, kFlankBetter = 6, kValley = -2;
+constexpr double kAcross = 0.7;  // cosine of 45 degrees
 // A registration that leaves this blur fits nothing: unrelated scans have 0.3 (PosePair::blur_m). A lorry
 // that hides nearly all from a tilted sensor had 0.22.
 constexpr double kFits_m = 0.2;
@@ -112,9 +113,18 @@ bool may_be_traffic(const Vector6d& found, const std::optional<Vector6d>& said) 
          slow.norm() < kTrafficShare * fast.norm() && std::abs(along) > kAlongWay * both;
 }
 
+// Vehicles move along the way of the sensor: what differs across it is the static world.
+bool across(const Vector6d& found, const Vector6d& said) {
+  const Eigen::Vector3d way = said.head<3>(), difference = found.head<3>() - way;
+  return way.norm() > kTraffic_mps &&
+         std::abs(difference.dot(way)) < kAcross * difference.norm() * way.norm();
+}
+
 bool on_flank(const PosePair& apart, const Motion& said, const Vector6d& found) {
   const auto flank = apart.flank(said, found);
-  return flank && flank->apart_m < kFlank_m && flank->found > kFlankBetter && flank->half_way > kValley;
+  const auto velocity = apart.mean_velocity(said);
+  return flank && velocity && flank->apart_m < kFlank_m && flank->found > kFlankBetter &&
+         (flank->half_way > kValley || across(found, *velocity));
 }
 
 // Sets own_m, the blur under the best registration of the scans, traffic and trust.

@@ -7,7 +7,7 @@
 #include "io/self_check/range_check.hpp"
 #include "io/self_check/scan_checks.hpp"
 #include "io/self_check/time_check.hpp"
-#include <mapless/io/scan_watch.hpp>
+#include <mapless/io/dataset.hpp>
 
 namespace mapless::inline v1 {
 namespace {
