@@ -28,12 +28,13 @@ constexpr double kSharp_m = 0.08;
 // independent. Where the poses jump, the second is enough for the first. Speeds that differ by less than 1.2
 // m/s are not told apart.
 constexpr double kStandsOut = 5, kStandsOutNot = 3;
-// Poses nearer to the registration than this are on the flank of the same peak where it is better by so many
-// standard deviations, and half way to it is no valley (vehicles beside a slow sensor have peaks of their
-// own). Measured, 516 places of 172 right recordings of two simulators: 5.3 at most, and there a valley;
-// poses a tenth too fast or too slow or .1 s late, in a town, 7 to 12. Farther away right tilted sensors
-// beside vehicles have 9, without a valley.
-constexpr double kFlank_m = 1.0, kFlankBetter = 6, kValley = -2;
+// Poses nearer to the registration than this, where neither has a peak of its own (PosePair::peaks), are on
+// the flank of the same one where it is better by so many standard deviations, and half way to it is no
+// valley (vehicles beside a slow sensor have peaks of their own). Measured, 516 places of 172 right
+// recordings of two simulators: 5.3 at most, and there a valley; poses a tenth too fast or too slow or .1 s
+// late, in a town, 7 to 12. Farther away right tilted sensors beside vehicles have 7 (at .84 m) to 9, without
+// a valley.
+constexpr double kFlank_m = 0.6, kFlankBetter = 6, kValley = -2;
 constexpr double kAcross = 0.7;  // cosine of 45 degrees
 // A registration that leaves this blur fits nothing: unrelated scans have 0.3 (PosePair::blur_m). A lorry
 // that hides nearly all from a tilted sensor had 0.22.
