@@ -19,7 +19,10 @@ namespace {
 // No spinning lidar is beyond these bounds: a value that is was given in another unit (degrees, millimetres,
 // nanoseconds). An image within them fits memory, a range within them single precision.
 constexpr int kMostColumns = 1'000'000;
-constexpr double kFastest_hz = 10'000, kSlowest_hz = 0.001;
+// Sensors on sale turn 5 to 20 times a second, with a mirror for one line up to 200 times. Turns a minute are
+// 300 and more, of times in microseconds that are called nanoseconds 5,000, in milliseconds that are called
+// seconds .02 and less.
+constexpr double kFastest_hz = 250, kSlowest_hz = 0.1;
 constexpr double kFarthest_m = 1e6;
 constexpr double kFarthestOrigin_m = 10;  // of a laser from the origin of the hub
 // Two turns: a scan may begin a turn after the start of its model.
@@ -114,7 +117,8 @@ void validate(const LidarModel& model, const std::string& source) {
   require_positive(model.rotation_rate_hz, "rate_hz", source);
   if (model.rotation_rate_hz < kSlowest_hz || model.rotation_rate_hz > kFastest_hz)
     refuse(source, "rate_hz", fmt::format("{}", model.rotation_rate_hz),
-           fmt::format("not from {} to {}", kSlowest_hz, kFastest_hz));
+           fmt::format("not from {} to {}: turns a minute, or times in another unit?", kSlowest_hz,
+                       kFastest_hz));
   require_positive(model.max_range_m, "max_range_m", source);
   if (model.max_range_m > kFarthest_m)
     refuse(source, "max_range_m", fmt::format("{}", model.max_range_m),

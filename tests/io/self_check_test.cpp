@@ -7,6 +7,7 @@
 #include "support/temporary_folder.hpp"
 #include "support/toy_sequence.hpp"
 #include <mapless/core/errors.hpp>
+#include <mapless/core/se3.hpp>
 #include <mapless/io/dataset.hpp>
 
 namespace mapless {
@@ -116,6 +117,44 @@ TEST_F(SelfCheckTest, FindsAJump) {
   });
   EXPECT_EQ(poses.trust, Trust::doubtful) << poses.measured;
   EXPECT_THAT(poses.problem, HasSubstr("jump"));
+}
+
+// One pose that is off alone: the scans half a second before and after the place agree.
+TEST_F(SelfCheckTest, FindsAPoseThatIsOffAlone) {
+  for (const double off_m : {3.0, 500.0}) {
+    const CheckResult poses = check_poses_of([off_m](Time t, const SE3& T) {
+      const bool off = t.seconds() > 0.55 && t.seconds() < 0.65;
+      return off ? SE3(T.rotation(), T.translation() + Eigen::Vector3d(0, off_m, 0)) : T;
+    });
+    EXPECT_EQ(poses.trust, Trust::doubtful) << off_m << " m: " << poses.measured;
+    EXPECT_THAT(poses.problem, HasSubstr("jump"));
+  }
+}
+
+// Too little for a peak of its own, and enough that static surfaces move by .2 m in a scan or more.
+TEST_F(SelfCheckTest, DoubtsPosesThatAreALittleOff) {
+  const CheckResult slow =
+      check_poses_of([](Time, const SE3& T) { return SE3(T.rotation(), 0.9 * T.translation()); });
+  EXPECT_EQ(slow.trust, Trust::doubtful) << "a tenth too slow: " << slow.measured;
+  const CheckResult sideways = check_poses_of([](Time t, const SE3& T) {
+    return SE3(T.rotation(), T.translation() + Eigen::Vector3d(0, 0.6 * t.seconds(), 0));
+  });
+  EXPECT_EQ(sideways.trust, Trust::doubtful) << "sideways by .6 m/s: " << sideways.measured;
+  const CheckResult turned =
+      check_poses_of([](Time, const SE3& T) { return T * SE3(rotation_z(0.0873), Eigen::Vector3d::Zero()); });
+  EXPECT_EQ(turned.trust, Trust::doubtful) << "of a body turned by 5 degrees: " << turned.measured;
+  const CheckResult nearly =
+      check_poses_of([](Time, const SE3& T) { return SE3(T.rotation(), 0.995 * T.translation()); });
+  EXPECT_EQ(nearly.trust, Trust::right) << "by .04 m/s: " << nearly.measured << nearly.problem;
+}
+
+// However sharp the world is: here all times, of scans and poses, are a thousandth.
+TEST_F(SelfCheckTest, FindsPosesThatAreFasterThanAnyVehicle) {
+  const CheckResult poses = check_poses_of([](Time t, const SE3& T) {
+    return SE3(T.rotation(), T.translation() + Eigen::Vector3d(200 * t.seconds(), 0, 0));
+  });
+  EXPECT_EQ(poses.trust, Trust::wrong) << poses.measured;
+  EXPECT_THAT(poses.problem, HasSubstr("m/s"));
 }
 
 }  // namespace MAPLESS_FILE

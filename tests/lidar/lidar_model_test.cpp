@@ -116,6 +116,11 @@ TEST(LidarModel, ValidationNamesTheInvalidMember) {
   EXPECT_THAT(broken([](LidarModel& m) { m.columns = 0; }), HasSubstr("columns = 0"));
   EXPECT_THAT(broken([](LidarModel& m) { m.rotation_rate_hz = -10; }), HasSubstr("rate_hz = -10"));
   EXPECT_THAT(broken([&](LidarModel& m) { m.rotation_rate_hz = inf; }), HasSubstr("rate_hz = inf"));
+  // 10 Hz as turns a minute; with times that are called nanoseconds and are microseconds, or seconds and
+  // milliseconds.
+  for (const double other_unit : {600.0, 10'000.0, 0.01})
+    EXPECT_THAT(broken([=](LidarModel& m) { m.rotation_rate_hz = other_unit; }),
+                HasSubstr("times in another unit"));
   EXPECT_THAT(broken([](LidarModel& m) { m.min_range_m = 100; }), HasSubstr("min_range_m = 100"));
   EXPECT_THAT(broken([](LidarModel& m) { m.min_range_m = -1; }), HasSubstr("min_range_m = -1"));
   EXPECT_THAT(broken([&](LidarModel& m) { m.max_range_m = nan; }), HasSubstr("max_range_m = nan"));

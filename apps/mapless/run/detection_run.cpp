@@ -66,6 +66,7 @@ void DetectionRun::write_outcome() {
   input_output_.reading = reader_.busy();
   input_output_.writing = writer_.busy();
   summary_.set_input_output(input_output_);
+  summary_.set_scan_doubts(watch_.lines());
   if (pace_) summary_.set_real_time(pace_->report());
   write_file_atomically(result_.summary(), summary_.text());
 }
@@ -111,8 +112,9 @@ std::optional<std::size_t> DetectionRun::next_scan() {
 bool DetectionRun::next_is_ready() const { return pace_ ? pace_->next_is_due() : reader_.is_ready(); }
 
 // On the thread that reads, which has time for it.
-InputScan DetectionRun::read(std::size_t k) const {
+InputScan DetectionRun::read(std::size_t k) {
   LidarScan scan = dataset_.read(k);
+  watch_.add(scan, k);
   const bool restore = scan.compensated_to && given_;
   if (restore) scan = restore_measured_rays(scan, *given_);
   return {std::make_shared<const LidarScan>(std::move(scan)), restore};

@@ -64,7 +64,7 @@ class DetectionRun {
     std::vector<TimedPose> poses;  // within it
   };
 
-  [[nodiscard]] InputScan read(std::size_t k) const;
+  [[nodiscard]] InputScan read(std::size_t k);
   void learn_own_vehicle();
   bool detect_all();
   bool push_all();
@@ -98,6 +98,7 @@ class DetectionRun {
   std::shared_ptr<const Trajectory> last_trajectory_;  // of the last scan finished
   Time last_end_;
 
+  ScanWatch watch_;  // of the thread that reads, until it is stopped
   ScanReader reader_;
   WorkerThread<FinishedScan> writer_;
 };

@@ -138,8 +138,19 @@ Json odometry_json(const OdometryReport& r) {
 
 }  // namespace
 
+void RunSummary::set_scan_doubts(const std::vector<std::string>& lines) {
+  scan_doubts_.clear();
+  for (const std::string& line : lines) {
+    const std::string about = line.substr(0, line.find(':') + 1);  // "doubtful beams:"
+    if (std::none_of(input_doubts_.begin(), input_doubts_.end(),
+                     [&](const std::string& said) { return said.starts_with(about); }))
+      scan_doubts_.push_back(line);
+  }
+}
+
 std::vector<std::string> RunSummary::doubts() const {
   std::vector<std::string> out = input_doubts_;
+  out.insert(out.end(), scan_doubts_.begin(), scan_doubts_.end());
   if (std::string line = moving_share_.trouble(); !line.empty()) out.push_back(std::move(line));
   if (std::string line = odometry_ ? motion_doubt(*odometry_) : ""; !line.empty())
     out.push_back(std::move(line));

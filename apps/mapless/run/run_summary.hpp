@@ -45,6 +45,8 @@ class RunSummary {
   void set_real_time(const RealTimeReport& report) { real_time_ = report; }
   /// Lines of the self-check of the input.
   void set_input_doubts(std::vector<std::string> lines) { input_doubts_ = std::move(lines); }
+  /// Lines of ScanWatch; what the self-check of the input has said is not said again.
+  void set_scan_doubts(const std::vector<std::string>& lines);
   void set_complete() { complete_ = true; }
   void set_stopped(std::string reason) { stopped_ = std::move(reason); }
 
@@ -78,7 +80,7 @@ class RunSummary {
   std::size_t ids_ = 0;
   std::array<DurationHistogram, kTimings> durations_;
   MovingShare moving_share_;
-  std::vector<std::string> input_doubts_;
+  std::vector<std::string> input_doubts_, scan_doubts_;
   std::optional<OdometryReport> odometry_;
   std::optional<InputOutputReport> input_output_;
   std::optional<RealTimeReport> real_time_;

@@ -162,26 +162,50 @@ double PosePair::peak(const Poses& poses, const Vector6d& towards_other, double 
   return *middle;
 }
 
-std::optional<PosePair::Peaks> PosePair::peaks(const Motion& said, const Vector6d& found) const {
+std::optional<PosePair::Accounts> PosePair::accounts(const Motion& said, const Vector6d& found) const {
   const auto T_start = said(first_scan_.start);
   const auto first = poses_of(first_scan_, said), second = poses_of(second_scan_, said);
   if (!T_start || !first || !second) return std::nullopt;
-  Poses of_said{*first, *second};
-  for (ScanPoses* poses : {&of_said.first, &of_said.second}) {
+  Accounts out{
+      {*first, *second},
+      {poses_of(first_scan_, found, first_scan_.start), poses_of(second_scan_, found, first_scan_.start)},
+      {},
+      0};
+  for (ScanPoses* poses : {&out.said.first, &out.said.second}) {
     for (SE3& T : poses->T_0v) T = T_start->inverse() * T;
   }
-  const Poses of_found{poses_of(first_scan_, found, first_scan_.start),
-                       poses_of(second_scan_, found, first_scan_.start)};
-  const SE3 &T_said = of_said.second.T_0v.front(), &T_found = of_found.second.T_0v.front();
+  const SE3 &T_said = out.said.second.T_0v.front(), &T_found = out.found.second.T_0v.front();
   std::vector<double> apart_m;
   for (const Surfel& s : sample_) apart_m.push_back((T_found * s.position_v - T_said * s.position_v).norm());
   if (apart_m.empty()) return std::nullopt;
   const auto middle = apart_m.begin() + static_cast<std::ptrdiff_t>(apart_m.size() / 2);
   std::nth_element(apart_m.begin(), middle, apart_m.end());
-  if (*middle < kLeastApart_m) return std::nullopt;
+  out.apart_m = *middle;
   const double apart_s = (second_scan_.start - first_scan_.start).seconds();
-  const Vector6d towards_found = (T_found * T_said.inverse()).log() / apart_s;
-  return Peaks{peak(of_said, towards_found, *middle), peak(of_found, -towards_found, *middle)};
+  out.towards_found = (T_found * T_said.inverse()).log() / apart_s;
+  return out;
+}
+
+std::optional<PosePair::Peaks> PosePair::peaks(const Motion& said, const Vector6d& found) const {
+  const auto both = accounts(said, found);
+  if (!both || both->apart_m < kLeastApart_m) return std::nullopt;
+  return Peaks{peak(both->said, both->towards_found, both->apart_m),
+               peak(both->found, -both->towards_found, both->apart_m)};
+}
+
+std::optional<PosePair::Flank> PosePair::flank(const Motion& said, const Vector6d& found) const {
+  const auto both = accounts(said, found);
+  if (!both) return std::nullopt;
+  const std::vector<bool> here = on_surfaces(both->said);
+  const auto better = [&](const Poses& poses) {
+    const std::vector<bool> there = on_surfaces(poses);
+    double here_alone = 0, there_alone = 0;
+    for (std::size_t i = 0; i < here.size(); ++i) {
+      if (here[i] != there[i]) (here[i] ? here_alone : there_alone) += 1;
+    }
+    return (there_alone - here_alone) / std::sqrt(here_alone + there_alone + 1);
+  };
+  return Flank{both->apart_m, better(both->found), better(beside(both->said, 0.5 * both->towards_found))};
 }
 
 double PosePair::equal_share() const {

@@ -41,6 +41,15 @@ class PosePair {
   /// the two accounts, beyond them and, up to half of the way, between them. None where `said` does not cover
   /// the scans, or the two move the points by less than 0.6 m (median).
   [[nodiscard]] std::optional<Peaks> peaks(const Motion& said, const Vector6d& found) const;
+  /// How `said` compares with `found` where they are too near each other for peaks(): whether it lies on the
+  /// flank of the same peak. In standard deviations of chance, as there, of points on surfaces.
+  struct Flank {
+    double apart_m = 0;   ///< displacement of the points between the two (median)
+    double found = 0;     ///< how much better `found` is than `said`
+    double half_way = 0;  ///< how much better the motion half way between the two is than `said`
+  };
+  /// None where `said` does not cover the scans.
+  [[nodiscard]] std::optional<Flank> flank(const Motion& said, const Vector6d& found) const;
   /// The constant velocity near `velocity` under which the two fit best.
   [[nodiscard]] Vector6d registered(Vector6d velocity) const;
   /// The constant velocity between the starts of the two scans.
@@ -68,6 +77,13 @@ class PosePair {
   };
   [[nodiscard]] std::vector<bool> on_surfaces(const Poses& poses) const;
   [[nodiscard]] Poses beside(const Poses& poses, const Vector6d& velocity) const;
+  /// Two accounts of the motion, from the start of the first scan on.
+  struct Accounts {
+    Poses said, found;
+    Vector6d towards_found;  // the velocity that leads from `said` to `found`
+    double apart_m;          // displacement of the points between the two (median)
+  };
+  [[nodiscard]] std::optional<Accounts> accounts(const Motion& said, const Vector6d& found) const;
   [[nodiscard]] double peak(const Poses& poses, const Vector6d& towards_other, double apart_m) const;
   bool step(Vector6d& velocity, double reach_m, double scale_m) const;
 

@@ -1,0 +1,71 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "support/temporary_folder.hpp"
+#include "support/toy_sequence.hpp"
+#include <mapless/io/dataset.hpp>
+namespace mapless {
+namespace MAPLESS_FILE {
+
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+constexpr int kScans = 12;
+
+class ScanWatchTest : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    shared = new test::TemporaryFolder;  // NOLINT: lives as long as the suite
+    test::write_toy_sequence(test::toy_street("VLP-16"), kScans, *shared / "street");
+  }
+  static void TearDownTestSuite() { delete shared; }  // NOLINT
+
+  // Of the scans, each changed by `spoil`.
+  template <class Spoil>
+  [[nodiscard]] std::vector<std::string> lines_of(Spoil spoil) const {
+    ScanWatch watch;
+    for (std::size_t k = 0; k < street->size(); ++k) {
+      LidarScan scan = street->read(k);
+      spoil(scan, k);
+      watch.add(scan, k);
+    }
+    return watch.lines();
+  }
+
+  static inline const test::TemporaryFolder* shared = nullptr;
+  std::unique_ptr<Dataset> street = open_dataset(*shared / "street");
+};
+
+TEST_F(ScanWatchTest, SaysNothingOfARightRecording) {
+  EXPECT_THAT(lines_of([](LidarScan&, std::size_t) {}), IsEmpty());
+}
+
+TEST_F(ScanWatchTest, NamesTheScansThatAreSpoiltInTheMiddle) {
+  const auto in_the_middle = [](auto change) {
+    return [change](LidarScan& scan, std::size_t k) {
+      if (k < 4 || k > 6) return;
+      for (LidarReturn& r : scan.returns) change(r);
+    };
+  };
+  EXPECT_THAT(lines_of(in_the_middle([](LidarReturn& r) { r.position_v.y() *= -1; })),
+              ElementsAre(AllOf(HasSubstr("doubtful beams"), HasSubstr("scan 6"))));
+  EXPECT_THAT(lines_of(in_the_middle([](LidarReturn& r) { r.time_ns = 0; })),
+              ElementsAre(AllOf(HasSubstr("doubtful times"), HasSubstr("scan 6"))));
+  EXPECT_THAT(lines_of(in_the_middle([](LidarReturn& r) { r.range_m *= 1000; })),
+              ElementsAre(AllOf(HasSubstr("doubtful ranges"), HasSubstr("scan 6"))));
+}
+
+// A driver that stalls. A sensor without noise that stands still sees the same in every scan.
+TEST_F(ScanWatchTest, NamesAScanThatIsTheOneBeforeItOnceMore) {
+  const LidarScan before = street->read(4), first = street->read(0);
+  EXPECT_THAT(lines_of([&](LidarScan& scan, std::size_t k) {
+                if (k == 5) scan.returns = before.returns;
+              }),
+              ElementsAre(AllOf(HasSubstr("doubtful scans: scan 5"), HasSubstr("before it"))));
+  EXPECT_THAT(lines_of([&](LidarScan& scan, std::size_t) { scan.returns = first.returns; }), IsEmpty());
+}
+
+}  // namespace MAPLESS_FILE
+}  // namespace mapless
