@@ -28,7 +28,7 @@ constexpr float kMostMoved_m = 4;
 // Older scans may have seen something else. Chosen.
 constexpr double kOldest_s = 2;
 constexpr double kPassed_s = 1;  // chosen: half of this at speed is more than noise and a wheel
-constexpr double kPassedFree = 0.3;  // of the rays: the rest met what stood before the front came, or the ground
+constexpr double kHidden = 0.5;  // of the rays; chosen
 // Share of the rays, and least number of them. Chosen: noise and glass spoil one in ten.
 constexpr double kMost = 0.7;
 constexpr int kLeastRays = 8;
@@ -57,11 +57,11 @@ class RearTest {
  public:
   RearTest(const LidarScan& scan, const ObjectProposals& proposed) : scan_(scan), proposed_(proposed) {}
 
-  // Whether the places that the front has passed, at half its speed as it may have sped up, were free before.
-  // So they look for a body, whatever it is beside; not for the road, which the body itself hid. `age` [scans]
-  // of its track.
-  [[nodiscard]] bool front_passed(const SlidingSide& side, const SideSearch& search, double speed,
-                                  int age) const {
+  // Whether most places that the front has passed, at half its speed as it may have sped up, were hidden
+  // before: the road behind a vehicle, which the vehicle itself hid. Before the front of a side is air.
+  // `age` [scans] of its track.
+  [[nodiscard]] bool front_hid(const SlidingSide& side, const SideSearch& search, double speed,
+                               int age) const {
     const ReferenceRays* before = nullptr;
     double before_s = 0;
     for (const ReferenceRays& r : proposed_.references) {
@@ -70,7 +70,7 @@ class RearTest {
       before = &r;
       before_s = since_s;
     }
-    if (!before) return true;
+    if (!before) return false;
     const auto passed_m = static_cast<float>(speed * before_s / 2);
     Places places;
     for (const SlidingSide::Point& p : side.points) {
@@ -79,8 +79,8 @@ class RearTest {
       if (!search.moves(p.number))
         places.add(proposed_.points.points[i], static_cast<float>(scan_.returns[i].column));
     }
-    const Agreement free = observe(*before->rays, places, FreespaceVerdict::inside, nullptr);
-    return free.all < kLeastRays || free.agree >= kPassedFree * free.all;
+    const Agreement hidden = observe(*before->rays, places, FreespaceVerdict::outside, nullptr);
+    return hidden.agree >= kLeastRays && hidden.agree >= kHidden * hidden.all;
   }
 
   // Number of points of the side up to the rear; 0: no rear moved.
@@ -180,7 +180,7 @@ std::vector<std::uint32_t> SlidingSides::take(const LidarScan& scan, const Objec
     const Vector3d velocity_0 = sure ? front.velocity_0 : seen->second.velocity_0;
     const auto side = search.side_of(members.of(front.number), velocity_0.cast<float>());
     if (!side) continue;
-    if (sure && !test.front_passed(*side, search, velocity_0.norm(), front.age)) continue;
+    if (sure && test.front_hid(*side, search, velocity_0.norm(), front.age)) continue;
     std::size_t count = sure ? test.points_before_rear(*side, search, velocity_0.norm()) : 0;
     if (count > 0) {
       const auto rear = static_cast<std::size_t>(side->points[count - 1].number);
