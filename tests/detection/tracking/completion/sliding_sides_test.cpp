@@ -60,8 +60,9 @@ class Scan {
     }
   }
   // What is taken, where the front has this velocity.
-  std::vector<std::uint32_t> take(SlidingSides& sides, double speed_mps, double std_mps = 0.1) {
+  std::vector<std::uint32_t> take(SlidingSides& sides, double speed_mps, double std_mps = 0.1, int age = 1) {
     TrackedObject front;
+    front.age = age;
     front.id = 7;
     front.number = 1;
     front.velocity_0 = {speed_mps, 0, 0};
@@ -133,6 +134,19 @@ TEST(SlidingSides, OneScanAloneDoesNotShowThatTheRearMoved) {
 TEST(SlidingSides, WhatGoesOnAheadOfTheObjectIsNotItsSide) {
   SlidingSides sides;
   EXPECT_TRUE(Scan(room_with_bus(2), kScan, 2).take(sides, -2).empty());
+}
+
+// The road behind a vehicle: the vehicle hid it before, from 0.8 s ago on. At 4 m/s the front has passed at
+// least 1.6 m since then, 0.1 m more than it is long. A track of 8 scans was not there 8 scans ago.
+TEST(SlidingSides, WhatTheFrontItselfHidIsNotItsSide) {
+  auto hidden = room_with_bus(4);
+  hidden.world.push_back(test::toy_box({0.9, kSide_m / 2, 0}, {0.6, 0.2, 1}));
+  for (const auto& [age, taken] : {std::pair{8, true}, {9, false}}) {
+    Scan scan(room_with_bus(4), kScan, 4);
+    scan.replace_reference(8, hidden, kScan);
+    SlidingSides sides;
+    EXPECT_EQ(!scan.take(sides, 4, 0.1, age).empty(), taken) << age;
+  }
 }
 
 // Its velocity differs from zero by 2 sigma: only a rear that was seen to move before, within a second,
