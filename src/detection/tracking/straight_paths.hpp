@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "detection/detection_pipeline.hpp"
 #include <mapless/core/time.hpp>
