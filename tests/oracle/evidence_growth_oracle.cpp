@@ -80,6 +80,63 @@ void EvidenceGrowthOracle::fill(const std::vector<PointEvidence>& votes, int min
   }
 }
 
+void EvidenceGrowthOracle::add_surfaces(const std::vector<PointEvidence>& votes, std::vector<char>& dynamic,
+                                        EvidenceGrowthResult& result) const {
+  const std::vector<char> found = dynamic;
+  const std::vector<std::size_t> objects = sets(found);
+  for (std::size_t first = 0; first < votes.size(); ++first) {
+    if (!found[first] || objects[first] != first) continue;
+    std::vector<std::size_t> object;
+    for (std::size_t i = first; i < votes.size(); ++i)
+      if (found[i] && objects[i] == first) object.push_back(i);
+    const std::vector<char> surface = surfaces_of(object, votes, dynamic);
+    const auto size = static_cast<std::size_t>(std::count(surface.begin(), surface.end(), 1));
+    const Ends ends = ends_of(surface, votes);
+    if (size > 8 * object.size() || ends.free <= 3 * ends.static_points) continue;
+    for (std::size_t i = 0; i < votes.size(); ++i) {
+      if (!surface[i]) continue;
+      dynamic[i] = 1;
+      result.verdict[i] = GrowthVerdict::grown;
+    }
+  }
+}
+
+std::vector<char> EvidenceGrowthOracle::surfaces_of(const std::vector<std::size_t>& object,
+                                                    const std::vector<PointEvidence>& votes,
+                                                    const std::vector<char>& dynamic) const {
+  std::vector<char> whole(votes.size(), 0), surface(votes.size(), 0);
+  for (const std::size_t i : object) whole[i] = 1;
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (std::size_t i = 0; i < votes.size(); ++i) {
+      const PointEvidence& v = votes[i];
+      if (whole[i] || dynamic[i] || v.total() < -4 || (v.past == 0 && !v.seen_dynamic)) continue;
+      for (std::size_t j = 0; j < votes.size() && !whole[i]; ++j) {
+        if (!whole[j] || !linked(i, j, 1, 2)) continue;
+        whole[i] = surface[i] = 1;
+        changed = true;
+      }
+    }
+  }
+  return surface;
+}
+
+EvidenceGrowthOracle::Ends EvidenceGrowthOracle::ends_of(const std::vector<char>& surface,
+                                                         const std::vector<PointEvidence>& votes) const {
+  Ends ends;
+  for (std::size_t i = 0; i < votes.size(); ++i) {
+    for (std::size_t j = 0; j < votes.size(); ++j) {
+      const LidarReturn &a = scan_.returns[i], &b = scan_.returns[j];
+      const int apart = std::abs(a.column - b.column);
+      if (!surface[i] || a.laser != b.laser || (apart != 1 && apart != scan_.columns - 1)) continue;
+      const bool link = linked(i, j, 0, 1);
+      if (link && !surface[j] && votes[j].total() < -4) ++ends.static_points;
+      if (!link && b.range_m > a.range_m) ++ends.free;
+    }
+  }
+  return ends;
+}
+
 EvidenceGrowthResult EvidenceGrowthOracle::grow(const std::vector<PointEvidence>& votes,
                                                 const std::vector<FilterVerdict>& seeds) const {
   const std::size_t size = votes.size();
@@ -111,6 +168,8 @@ EvidenceGrowthResult EvidenceGrowthOracle::grow(const std::vector<PointEvidence>
   }
   for (int round = 0; parameters_.grow && round < 8; ++round)
     fill(votes, round < 2 ? -12 : -4, dynamic, result);
+  const bool any_static = std::any_of(votes.begin(), votes.end(), [](auto& v) { return v.total() < -4; });
+  if (parameters_.grow && any_static) add_surfaces(votes, dynamic, result);
   number(votes, dynamic, result);
   return result;
 }

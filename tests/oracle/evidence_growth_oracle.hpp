@@ -22,6 +22,17 @@ class EvidenceGrowthOracle {
  private:
   void fill(const std::vector<PointEvidence>& votes, int min_votes, std::vector<char>& dynamic,
             EvidenceGrowthResult& result) const;
+  /// Adds the surfaces that slide along themselves to every set of `dynamic` points.
+  void add_surfaces(const std::vector<PointEvidence>& votes, std::vector<char>& dynamic,
+                    EvidenceGrowthResult& result) const;
+  [[nodiscard]] std::vector<char> surfaces_of(const std::vector<std::size_t>& object,
+                                              const std::vector<PointEvidence>& votes,
+                                              const std::vector<char>& dynamic) const;
+  struct Ends {
+    int free = 0;           // in front of something farther
+    int static_points = 0;  // continuing into static points
+  };
+  [[nodiscard]] Ends ends_of(const std::vector<char>& surface, const std::vector<PointEvidence>& votes) const;
   /// Numbers the sets of `dynamic` points and collects the evidence of each.
   void number(const std::vector<PointEvidence>& votes, const std::vector<char>& dynamic,
               EvidenceGrowthResult& result) const;

@@ -55,6 +55,9 @@ const std::array<ReasonText, kPointSteps> kPointTexts = {{
     {"hole filled",
      "It is filled in: {near} of its 14 neighbours are part of the object, {fill_neighbours} "
      "suffice, and its votes {votes} are not below {firmly_static}."},
+    {"tangential surface",
+     "Its surface slides along itself: linked points of the object go on in it, so its "
+     "votes ({votes}) are not held against it."},
     {"body completed",
      "It lies within the radius of a dynamic object, at most 1.5 m, of one of its points, and its votes "
      "({votes}) are at least those of one scan that saw through it."},
@@ -118,8 +121,9 @@ PointStep step_of(const PointDecision& p, const DecisionLimits& limits) {
   if (p.growth == GrowthVerdict::too_small) return few_seeds;
   if (p.growth == GrowthVerdict::seed) return seed;
   if (p.proposed != 0) {
-    const bool grows = p.votes() > 0 || (p.seen_through && p.votes() >= limits.firmly_static_votes);
-    return grows ? spread : filled;
+    if (p.votes() > 0 || (p.seen_through && p.votes() >= limits.firmly_static_votes)) return spread;
+    return p.near_labelled >= limits.fill_neighbours && p.votes() >= limits.firmly_static_votes ? filled
+                                                                                                : tangential;
   }
   if (p.own_vehicle) return own_vehicle;
   if (p.votes() > 0) return little_support;

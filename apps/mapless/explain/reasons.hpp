@@ -38,9 +38,10 @@ enum class PointStep : std::uint8_t {
   seed,
   spread,
   filled,
+  tangential,
   completed
 };
-inline constexpr std::size_t kPointSteps = 9;
+inline constexpr std::size_t kPointSteps = 10;
 
 /// A short name, for tables and colours, and a sentence. In braces are figures: {beyond}, {short}, {aside},
 /// {distance} [m], {votes}, {support}, {supporters}, {near}, {reach}; of an object {evidence}, {required},

@@ -74,6 +74,23 @@ class LinkedNeighbours {
     }
   }
 
+  enum class Axis { columns, rows };
+  /// The return `steps` columns or rows from return i in the aligned image (left and down are negative).
+  /// Below 0: none.
+  [[nodiscard]] std::int32_t beside(std::int32_t i, Axis axis, int steps) const {
+    const LidarReturn& r = scan_.returns[static_cast<std::size_t>(i)];
+    const int row = r.laser + (axis == Axis::rows ? steps : 0);
+    if (row < 0 || row >= scan_.rows()) return empty_cell(ReturnCode::absent);
+    const int column = image_.aligned_column(r.laser, r.column) + (axis == Axis::columns ? steps : 0);
+    return scan_.cell(row, image_.scan_column(row, column));
+  }
+
+  /// Whether returns i and j are linked in space, wherever they are in the scan image.
+  [[nodiscard]] bool linked(std::int32_t i, std::int32_t j) const {
+    return linked(points_[static_cast<std::size_t>(i)],
+                  link_distance_m(scan_.returns[static_cast<std::size_t>(i)]), j);
+  }
+
   [[nodiscard]] const AlignedImage& image() const { return image_; }
 
  private:

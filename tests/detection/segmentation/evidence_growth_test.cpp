@@ -151,7 +151,7 @@ TEST_F(EvidenceImage, FillsHolesAndRims) {
 
 // A straight end advances by one column per round in its middle: two rounds, and six more over points of at
 // least -4 votes.
-TEST_F(EvidenceImage, FillsFartherOverWhatOnlyRecentScansSaw) {
+TEST_F(EvidenceImage, FillsFartherOverTangentialSurfaces) {
   for (const int votes : {-4, -5}) {
     SCOPED_TRACE(votes);
     for (int r = 0; r < 5; ++r) {
