@@ -106,6 +106,12 @@ double LidarModel::largest_elevation_step() const {
   return step;
 }
 
+double LidarModel::mean_elevation_step() const {
+  if (lasers.size() < 2) return 0;
+  const double span_rad = lasers.back().elevation_rad - lasers.front().elevation_rad;
+  return span_rad / static_cast<double>(lasers.size() - 1);
+}
+
 void validate(const LidarModel& model, const std::string& source) {
   if (model.lasers.empty()) refuse(source, "lasers", "", "none given");
   if (model.columns <= 0) refuse(source, "columns", std::to_string(model.columns), "not a positive number");

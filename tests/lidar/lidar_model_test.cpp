@@ -86,11 +86,13 @@ TEST(LidarModel, ElevationStepIsThatToTheFartherNeighbour) {
   LidarModel model = small_model();
   model.lasers.resize(1);
   EXPECT_EQ(model.elevation_step(0), 0);
+  EXPECT_EQ(model.mean_elevation_step(), 0);
   model.lasers.resize(3, model.lasers[0]);
   model.lasers[1].elevation_rad = model.lasers[0].elevation_rad + 0.1;
   model.lasers[2].elevation_rad = model.lasers[1].elevation_rad + 0.3;
   EXPECT_NEAR(model.elevation_step(0), 0.1, 1e-15);
   EXPECT_NEAR(model.elevation_step(1), 0.3, 1e-15);
+  EXPECT_NEAR(model.mean_elevation_step(), 0.2, 1e-15);
   EXPECT_NEAR(model.elevation_step(2), 0.3, 1e-15);
 }
 

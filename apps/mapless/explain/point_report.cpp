@@ -222,7 +222,7 @@ std::string point_text(const Json& point) {
   if (!point["observations"].empty()) out += table_of_rays(point);
   out += fmt::format(
       "A ray that ends within {:.2f} m of the point, or less where its surface is square to the rays, saw "
-      "its surface; so did one that ends in the plane of it.\n",
+      "its surface. So did one that ends behind it, in the plane of the surface.\n",
       point["tolerance_m"].get<double>());
   if (point.contains("object")) out += table_of_object(point["object"]);
   return out;

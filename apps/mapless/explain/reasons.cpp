@@ -67,8 +67,10 @@ const std::array<ReasonText, kTrackReasons> kTrackTexts = {{
     {"moves on", "It moved before, and nothing says that it has stopped: {speed} +- {std} m/s."},
     {"begins to move",
      "It begins to move: {speed} +- {std} m/s, evidence {evidence} of {required} needed, "
-     "displaced by {displacement} m as the rays show (at least {min_displacement} m). With less: its places "
-     "of the last second follow one velocity."},
+     "displaced by {displacement} m as the rays show (at least {min_displacement} m)."},
+    {"follows a path",
+     "Its places in the scans of the last second follow one velocity, which chance does not explain; so it "
+     "moves, whatever its evidence in this scan."},
     {"slow", "It is slower than {min_speed} m/s: {speed} +- {std} m/s."},
     {"may stand", "Its velocity is within two standard deviations of zero: {speed} +- {std} m/s."},
     {"not displaced",

@@ -54,7 +54,8 @@ struct PointDecision {
 /// Why an object is dynamic or static in one scan: the first condition of MotionClassifier that decided.
 enum class TrackReason : std::uint8_t {
   goes_on,              ///< it moved in the scan before, and nothing says that it stopped
-  begins,               ///< all conditions to begin hold, or its places of a second follow one velocity
+  begins,               ///< all conditions to begin hold
+  follows_path,         ///< its places of the last second follow one velocity (StraightPaths)
   slow,                 ///< begins not: below min_speed_mps
   may_be_zero,          ///< begins not: its velocity is within 2 sigma of zero
   not_displaced,        ///< begins not: the rays show no displacement of min_displacement_m

@@ -56,6 +56,8 @@ struct LidarModel {
   [[nodiscard]] double elevation_step(int laser) const;
   /// Largest difference in elevation [rad] between neighbouring lasers; 0 for a single laser.
   [[nodiscard]] double largest_elevation_step() const;
+  /// The mean of these [rad]; 0 for a single laser.
+  [[nodiscard]] double mean_elevation_step() const;
 };
 
 /// Throws InputError that names `source`, the member, its value and its bound for an invalid model: no

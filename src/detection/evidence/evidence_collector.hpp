@@ -10,7 +10,7 @@
 #include "detection/evidence/point_evidence.hpp"
 #include "detection/evidence/range_rate.hpp"
 #include "detection/evidence/slope_image.hpp"
-#include "detection/evidence/surface_plane.hpp"
+#include "detection/evidence/surface_planes.hpp"
 #include "detection/freespace/packed_points.hpp"
 #include <mapless/detection/explanation.hpp>
 #include <mapless/geometry/compensated_scan.hpp>

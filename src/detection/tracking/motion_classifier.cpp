@@ -51,11 +51,6 @@ double body_factor(Body body, bool sure) {
   return sure || body == Body::rigid ? kSureFactor : 1;
 }
 
-// Rails and kerbs beside a moving sensor keep their ranges, as a vehicle of its speed does, and gather votes
-// of rays beside them. Unless the rays of the last scans are a third as likely for a mover as for a thin
-// thing, its evidence counts that much less before it moves. Measured: any from 2 to 5 gives the same within
-// .003.
-constexpr double kOddsOfMover = 3;
 // So that three scans of the other kind are heard. Measured: 7 and 10 find .1 and .03 IoU less past guard
 // rails.
 constexpr double kMostLogOdds = 20;
@@ -91,11 +86,16 @@ TrackMotion MotionClassifier::update(const TrackMotion& last, const TrackedObjec
                              -kMostLogOdds, kMostLogOdds);
   if (object.age > 1) next.slow = known ? object.velocity_0.norm() < parameters_.min_speed_mps : !displaced;
   next.stood = !last.moves && (last.stood || (known && next.slow));
+  if (on_path) {
+    next.moves = true;
+    next.reason = TrackReason::follows_path;
+    return next;
+  }
 
   const double required = required_evidence(object);
   if (last.moves) {
     const bool unsupported = required > parameters_.min_evidence && next.evidence < kGoesOnShare * required;
-    next.moves = on_path || (!next.slow && !unsupported);
+    next.moves = !next.slow && !unsupported;
     next.reason = next.moves  ? TrackReason::goes_on
                   : next.slow ? TrackReason::stopped_slow
                               : TrackReason::stopped_unsupported;
@@ -104,8 +104,8 @@ TrackMotion MotionClassifier::update(const TrackMotion& last, const TrackedObjec
     const bool may_be_zero = object.age > 1 && next.velocity_known && !differs;
     const bool confirms = confirms_velocity(last, object, evidence, now);
     next.required = body_factor(evidence.body, differs && confirms) * required / share_counted(next);
-    next.moves = on_path || (displaced && (confirms || !last.stood) && !next.slow && !may_be_zero &&
-                             next.evidence >= next.required);
+    next.moves = displaced && (confirms || !last.stood) && !next.slow && !may_be_zero &&
+                 next.evidence >= next.required;
     next.reason = next.moves                ? TrackReason::begins
                   : !displaced              ? TrackReason::not_displaced
                   : last.stood && !confirms ? TrackReason::not_confirmed

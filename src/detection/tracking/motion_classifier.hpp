@@ -11,6 +11,12 @@
 
 namespace mapless::inline v1 {
 
+/// Rails and kerbs beside a moving sensor keep their ranges, as a vehicle of its speed does, and gather votes
+/// of rays beside them. Unless the rays of the last scans are a third as likely for a mover as for a thin
+/// thing, its evidence counts that much less before it moves. Measured: any from 2 to 5 gives the same within
+/// .003.
+inline constexpr double kOddsOfMover = 3;
+
 /// Whether the object of a track moves, and what the classification of its next scan needs of its last.
 struct TrackMotion {
   bool moves = false;

@@ -34,12 +34,6 @@ constexpr int kLeastColumns = 2;  // noise of neighbouring firings would turn th
 // A neighbour deeper by more than this share of its distance across the ray is beyond an edge.
 constexpr double kSteepest = 1.5;
 
-double mean_spacing_rad(const LidarModel& model) {
-  if (model.lasers.size() < 2) return std::numbers::pi;
-  const double span_rad = model.lasers.back().elevation_rad - model.lasers.front().elevation_rad;
-  return std::abs(span_rad) / static_cast<double>(model.lasers.size() - 1);
-}
-
 }  // namespace
 
 SlowMotion slow_motion(std::span<const PlaneOffset> offsets) {
@@ -67,7 +61,7 @@ SurfaceNormals::SurfaceNormals(const LidarScan& scan, const std::vector<Eigen::V
     : scan_(scan),
       points_(points),
       image_(scan),
-      row_rad_(mean_spacing_rad(*scan.model)),
+      row_rad_(scan.rows() < 2 ? std::numbers::pi : scan.model->mean_elevation_step()),
       column_rad_(2 * std::numbers::pi / scan.model->columns) {}
 
 Vector3d SurfaceNormals::of(std::size_t i) const {

@@ -9,6 +9,8 @@
 
 #include "detection/object_number.hpp"
 #include "detection/segmentation/object_evidence.hpp"
+#include "detection/tracking/completion/body_completion.hpp"
+#include "detection/tracking/motion_classifier.hpp"
 #include "detection/tracking/object_members.hpp"
 
 namespace mapless::inline v1 {
@@ -28,20 +30,10 @@ constexpr double kChance = 0.05;
 // Among so many, any path meets others by chance; bounds the time, too.
 constexpr double kMostVelocities = 200;
 
-// Between a part and the rest of a body, beside the radius of the rest: as BodyCompletion has it.
-constexpr double kFarthestPart_m = 1.5;
-
 // The velocity of a path is known to about its reach in a second, and a share of itself.
 constexpr double kPaceError_mps = 1, kPaceErrorShare = 0.08;
-// As often by a mover as by a thin thing: as MotionClassifier asks.
-const double kLogOddsOfMover = std::log(3.0);
-
-double spacing_rad(const LidarScan& scan) {
-  const double column_rad = 2 * std::numbers::pi / scan.model->columns;
-  const std::vector<Laser>& lasers = scan.model->lasers;
-  if (lasers.size() < 2) return column_rad;
-  const double span_rad = lasers.back().elevation_rad - lasers.front().elevation_rad;
-  return std::max(column_rad, span_rad / static_cast<double>(lasers.size() - 1));
+double spacing_rad(const LidarModel& model) {
+  return std::max(2 * std::numbers::pi / model.columns, model.mean_elevation_step());
 }
 
 // P(k or more of n), each by p.
@@ -77,7 +69,8 @@ StraightPaths::Spot StraightPaths::spot_of(const ObjectProposals& proposed,
   }
   const auto n = static_cast<double>(returns.size());
   return {proposed.points.origin_0 + sum / n,
-          kReach_m + kReachSpacings * spacing_rad(*proposed.scan) * range_m / n, log_odds, returns.size(), 0};
+          kReach_m + kReachSpacings * spacing_rad(*proposed.scan->model) * range_m / n, log_odds,
+          returns.size(), 0};
 }
 
 std::vector<bool> StraightPaths::find(ObjectProposals& proposed, const std::vector<TrackedObject>& movers) {
@@ -254,7 +247,7 @@ bool StraightPaths::on_straight_path(const Spot& spot) const {
     velocity_0 = one;
   }
   if (best.scans < fewest) return false;
-  if (keeps_pace(velocity_0) && spot.log_odds + best.log_odds < kLogOddsOfMover) return false;
+  if (keeps_pace(velocity_0) && spot.log_odds + best.log_odds < std::log(kOddsOfMover)) return false;
   most = std::max(most, most_met_by_others(spot, velocity_0));
   return best.scans >= fewest_to_meet(most, velocities.size());
 }
@@ -266,7 +259,7 @@ std::uint16_t StraightPaths::body_of(const Spot& spot, const std::vector<Spot>& 
     const Vector3d centre_0 = mover.centre_0 + (now_ - mover.time).seconds() * mover.velocity_0;
     const Vector3d half_0 = mover.extent_0 / 2;
     const auto reaches = [&](const Spot& one) {
-      const double beside_m = std::min(half_0.norm(), kFarthestPart_m);
+      const double beside_m = std::min(half_0.norm(), static_cast<double>(kMaxBodyReach_m));
       return ((one.centre_0 - centre_0).array().abs() <= half_0.array() + beside_m).all();
     };
     if (!reaches(spot)) continue;

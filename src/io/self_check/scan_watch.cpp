@@ -35,7 +35,6 @@ struct ScanWatch::State {
   std::vector<std::size_t> repeated;  // scans that are the one before them
   std::size_t scans = 0;
   std::uint64_t last_hash = 0;
-  std::size_t last_returns = 0;
 };
 
 ScanWatch::ScanWatch() : state_(std::make_unique<State>()) {}
@@ -44,11 +43,8 @@ ScanWatch::~ScanWatch() = default;
 void ScanWatch::add(const LidarScan& scan, std::size_t k) {
   State& s = *state_;
   const std::uint64_t hash = hash_of(scan);
-  if (s.scans > 0 && scan.returns.size() >= kFewestSamples && scan.returns.size() == s.last_returns &&
-      hash == s.last_hash)
-    s.repeated.push_back(k);
+  if (s.scans > 0 && scan.returns.size() >= kFewestSamples && hash == s.last_hash) s.repeated.push_back(k);
   s.last_hash = hash;
-  s.last_returns = scan.returns.size();
   if (s.scans++ % kEvery != 0) return;
   const auto keep_wrong = [k](Findings& findings, const ScanFinding& found) {
     if (found.trust == Trust::wrong) findings.add(found, k);

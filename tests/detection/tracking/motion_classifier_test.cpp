@@ -84,18 +84,20 @@ TEST(MotionClassifier, WhatRaysKeepBesideTakesMoreEvidenceToBegin) {
   EXPECT_TRUE(next_with(moving(), -100, kVotes).moves);
 }
 
-// 40 / 2 / 2 + 60 / 2 + 60 = 100, and 99 with one vote less in the last scan. Negative votes of a scan are
-// not subtracted from past evidence. The displacement does not confirm 5 m/s.
 // Without evidence, slower than 0.5 m/s: both for one that stood and one that moved.
 TEST(MotionClassifier, WhatIsOnAStraightPathMoves) {
   const MotionClassifier classifier(parameters());
   const Time now = kStart + Duration::from_seconds(0.1);
   for (const TrackMotion& last : {TrackMotion{}, standing(), moving()}) {
-    EXPECT_TRUE(classifier.update(last, object(kSlow_mps, kWell_mps), {}, now, true).moves);
+    const TrackMotion on_path = classifier.update(last, object(kSlow_mps, kWell_mps), {}, now, true);
+    EXPECT_TRUE(on_path.moves);
+    EXPECT_EQ(on_path.reason, TrackReason::follows_path);
     EXPECT_FALSE(classifier.update(last, object(kSlow_mps, kWell_mps), {}, now, false).moves);
   }
 }
 
+// 40 / 2 / 2 + 60 / 2 + 60 = 100, and 99 with one vote less in the last scan. Negative votes of a scan are
+// not subtracted from past evidence. The displacement does not confirm 5 m/s.
 TEST(MotionClassifier, PastEvidenceIsHalvedPerScan) {
   for (const int last_votes : {60, 59}) {
     TrackMotion state;

@@ -16,10 +16,6 @@ namespace {
 // more, nine in ten move; of those with fewer, one in four.
 constexpr int kBodyVotes = kSeenThroughVotes;
 
-// The part of a body that is seen is not much smaller than the rest. Chosen: more than 1.5 m from a lorry is
-// the next lane.
-constexpr float kMaxReach_m = 1.5F;
-
 // A velocity is sure to differ from zero by this many standard deviations. Chosen: 99.7 % of a Gaussian.
 constexpr double kSureDeviations = 3;
 
@@ -55,7 +51,7 @@ std::vector<MovingBody> moving_bodies(const LocalPoints& points, const std::vect
       bodies[static_cast<std::size_t>(b)].points.push_back(points.points[i]);
   });
   for (MovingBody& body : bodies) {
-    body.reach_m = std::min(radius_m(body.points), kMaxReach_m);
+    body.reach_m = std::min(radius_m(body.points), kMaxBodyReach_m);
     for (const Eigen::Vector3f& p : body.points) body.box.extend(p);
     const Eigen::Vector3f reach = Eigen::Vector3f::Constant(body.reach_m);
     body.box = {body.box.min() - reach, body.box.max() + reach};

@@ -14,6 +14,10 @@ namespace mapless::inline v1 {
 /// called dynamic must not have its surroundings follow.
 [[nodiscard]] bool surely_moves(const TrackedObject& object);
 
+/// How far from an object parts of its body may be. The part that is seen is not much smaller than the rest.
+/// Chosen: more than this from a lorry is the next lane.
+inline constexpr float kMaxBodyReach_m = 1.5F;
+
 /// Points beside a dynamic object that surely moves which belong to its
 /// body: windows, bars and occluders part the points of one body, and a part of few points is proposed alone,
 /// as static, or not at all.

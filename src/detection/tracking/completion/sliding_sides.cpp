@@ -27,8 +27,9 @@ constexpr float kMoved_m = 0.5F, kColumns = 3;
 constexpr float kMostMoved_m = 4;
 // Older scans may have seen something else. Chosen.
 constexpr double kOldest_s = 2;
-constexpr double kPassed_s = 1;  // chosen: half of this at speed is more than noise and a wheel
-constexpr double kHidden = 0.5;  // of the rays; chosen
+// What the front has passed in the last second; chosen, as at walking speed that is half a metre.
+constexpr double kPassed_s = 1;
+constexpr double kHidden = 0.5;  // least share of the rays there; chosen
 // Share of the rays, and least number of them. Chosen: noise and glass spoil one in ten.
 constexpr double kMost = 0.7;
 constexpr int kLeastRays = 8;
@@ -52,14 +53,14 @@ struct Agreement {
   [[nodiscard]] bool most() const { return agree >= kLeastRays && agree >= kMost * all; }
 };
 
-// Asks the rays whether the rear of a side moved.
-class RearTest {
+// Asks the rays about the ends of a side.
+class EndsTest {
  public:
-  RearTest(const LidarScan& scan, const ObjectProposals& proposed) : scan_(scan), proposed_(proposed) {}
+  EndsTest(const LidarScan& scan, const ObjectProposals& proposed) : scan_(scan), proposed_(proposed) {}
 
-  // Whether most places that the front has passed, at half its speed as it may have sped up, were hidden
-  // before: the road behind a vehicle, which the vehicle itself hid. Before the front of a side is air.
-  // `age` [scans] of its track.
+  // Whether the places that the front has passed since an earlier scan were mostly hidden in that scan. Then
+  // the points there are the road behind a vehicle, which the vehicle itself hid: before the front of a side
+  // is air. Half its speed is taken, as it may have sped up. `age` [scans]: of its track.
   [[nodiscard]] bool front_hid(const SlidingSide& side, const SideSearch& search, double speed,
                                int age) const {
     const ReferenceRays* before = nullptr;
@@ -169,7 +170,7 @@ std::vector<std::uint32_t> SlidingSides::take(const LidarScan& scan, const Objec
   std::vector<std::uint32_t> taken;
   const ObjectMembers members(object);
   SideSearch search(scan, proposed, motions, object);
-  const RearTest test(scan, proposed);
+  const EndsTest test(scan, proposed);
   const Vector3d& origin_0 = proposed.points.origin_0;
   std::erase_if(rears_,
                 [&](const auto& one) { return (scan.start - one.second.time).seconds() > kRemembered_s; });

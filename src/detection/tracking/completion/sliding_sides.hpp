@@ -22,8 +22,9 @@ namespace mapless::inline v1 {
 /// The front is a dynamic object that surely moves. The side behind it (SideSearch) belongs to the same body
 /// if its rear moved: at places behind its last points most rays of this scan pass through, and of the scans
 /// of the last seconds, in which at this velocity the body was still there, most ended on a surface. So the
-/// rear of what stands never looks: a wall, or a car parked beside the one that starts. A rear once seen to
-/// move is taken to move on with the body's velocity for kRemembered_s.
+/// rear of what stands never looks: a wall, or a car parked beside the one that starts. And not if the front
+/// itself hid, a second ago, the places that it has passed since: so the road behind a vehicle looks. A rear
+/// once seen to move is taken to move on with the body's velocity for kRemembered_s.
 class SlidingSides {
  public:
   /// `tracked`, `motions`: of this scan; `object`: number of the proposed object of each point, changed for

@@ -1,4 +1,4 @@
-#include "detection/evidence/surface_plane.hpp"
+#include "detection/evidence/surface_planes.hpp"
 
 #include <cmath>
 

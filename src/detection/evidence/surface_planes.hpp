@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 
+#include "geometry/plane_fit.hpp"
 #include "lidar/aligned_image.hpp"
 #include <mapless/lidar/lidar_scan.hpp>
 
@@ -13,8 +14,8 @@ namespace mapless::inline v1 {
 /// The planes of the surfaces that a scan hit, each from the returns around one of its points.
 ///
 /// A ray that meets a surface at a small angle ends well before or behind a point of it although it hit the
-/// same surface: at 15 degrees a step of 5 cm in the side of a car, a bumper or the edge of a door, is
-/// 20 cm along the ray. Along the normal it stays 5 cm.
+/// same surface: at 15 degrees a step of 3 cm, of ground that is not quite level or the edge of a door, is 12
+/// cm along the ray. Along the normal it stays 3 cm.
 class SurfacePlanes {
  public:
   /// Keeps references. `points`: one per return of the scan [m]. `tolerance_m`: four standard deviations of a
@@ -29,14 +30,13 @@ class SurfacePlanes {
   static constexpr float kReach_m = 1;  // chosen: a surface farther away is another part of the body
 
  private:
-  // Sums over returns around one of them.
-  struct Moments {
-    int count = 0, own_laser = 0;  // of all lasers, of that of the return
-    Eigen::Vector3f sum = Eigen::Vector3f::Zero();
-    Eigen::Matrix3f squares = Eigen::Matrix3f::Zero();
+  // The returns around one of them, about its point.
+  struct Surroundings {
+    Moments moments;
+    bool other_lasers = false;  // than that of the return
   };
   [[nodiscard]] float radius_m(const LidarReturn& r) const;
-  [[nodiscard]] Moments moments(std::size_t i, float radius_m) const;
+  [[nodiscard]] Surroundings around(std::size_t i) const;
 
   const LidarScan& scan_;
   const std::vector<Eigen::Vector3f>& points_;
