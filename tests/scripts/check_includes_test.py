@@ -31,6 +31,23 @@ class Includes(unittest.TestCase):
         self.assertEqual(self.faults("#include <fmt/format.h>\nauto t = fmt::format(x);\n"), [])
         self.assertEqual(self.faults("#include <oneapi/tbb/parallel_for.h>\nvoid g() { tbb::parallel_for(0, 1, h); }\n"), [])
 
+    def test_a_type_of_ours_needs_a_header_that_defines_or_declares_it(self):
+        with tempfile.TemporaryDirectory() as folder:
+            core = pathlib.Path(folder) / "src" / "core"
+            core.mkdir(parents=True)
+            (core / "scan.hpp").write_text("struct Scan {\n  enum class Kind { a };\n};\n")
+            (core / "use.hpp").write_text('#include "core/scan.hpp"\n')
+            use = core / "use.cpp"
+
+            def faults(text):
+                use.write_text(text)
+                return check_includes.check_tree(pathlib.Path(folder))
+
+            self.assertEqual(faults("int f(const Scan& scan);\n"), ["src/core/use.cpp: Scan needs scan.hpp, which nothing that it includes brings"])
+            for right in ('#include "core/use.hpp"\nint f(const Scan& scan);\n', "struct Scan;\nint f(const Scan& scan);\n",
+                          "int f() { return a.Scan + b->Scan; }\n", 'auto t = R"(a "Scan")"; // Scan\n'):
+                self.assertEqual(faults(right), [])
+
     def test_comments_and_texts_use_nothing(self):
         self.assertEqual(self.faults('// a.cross(b)\n/* fmt::\n */\nauto t = "a.llt()";\n'), [])
 

@@ -12,6 +12,7 @@
 #include <Eigen/Geometry>
 
 #include "detection/dynamic_returns.hpp"
+#include "detection/tracking/object_members.hpp"
 #include "lidar/aligned_image.hpp"
 
 namespace mapless::inline v1 {

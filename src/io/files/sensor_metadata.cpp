@@ -30,11 +30,11 @@ YamlMap map_with(const YamlMap& metadata, const std::string& group, const std::s
 std::pair<int, double> columns_and_rate(const YamlMap& metadata) {
   const std::string mode = metadata.text("lidar_mode");
   const std::size_t x = mode.find('x');
-  const auto columns = parse_integer(mode.substr(0, x));
-  const auto rate = x == std::string::npos ? std::nullopt : parse_double(mode.substr(x + 1));
-  if (!columns || *columns < 1 || *columns > 1'000'000 || !rate || !(*rate > 0))
+  const long long columns = parse_integer(mode.substr(0, x)).value_or(0);
+  const double rate = x == std::string::npos ? 0. : parse_double(mode.substr(x + 1)).value_or(0.);
+  if (columns < 1 || columns > 1'000'000 || !(rate > 0))
     metadata.refuse("lidar_mode", "not columns x turns a second, as 1024x10");
-  return {static_cast<int>(*columns), *rate};
+  return {static_cast<int>(columns), rate};
 }
 
 struct HesaiRow {
