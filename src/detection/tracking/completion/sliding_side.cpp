@@ -40,14 +40,21 @@ SideSearch::SideSearch(const LidarScan& scan, const ObjectProposals& proposed,
       motions_(motions),
       object_(object),
       neighbours_(scan, proposed.points, proposed.parameters),
-      reached_(object.size(), 0) {}
+      reached_(scan, neighbours_.image()) {}
+
+void SideSearch::mark(std::span<const std::int32_t> points) {
+  for (const std::int32_t i : points) reached_.mark(i);
+}
+void SideSearch::unmark(std::span<const std::int32_t> points) {
+  for (const std::int32_t i : points) reached_.unmark(i);
+}
 
 // Adds the points linked to these within the plane. It is fitted anew each time they are twice as many, as a
 // side of 20 m is longer than a direction known from its first metre reaches.
 template <class Ends>
 SideSearch::Points SideSearch::linked_in_plane(Points found, const Vector3f& velocity, Ends&& ends,
                                                SlidingSide& side) {
-  for (const std::int32_t i : found) reached_[static_cast<std::size_t>(i)] = 1;
+  mark(found);
   fit(found, velocity, side);
   std::size_t fitted = found.size();
   bool ended = std::any_of(found.begin(), found.end(), ends);
@@ -56,15 +63,14 @@ SideSearch::Points SideSearch::linked_in_plane(Points found, const Vector3f& vel
       fit(found, velocity, side);
       fitted = found.size();
     }
-    neighbours_.for_each(found[next], kLinkRows, kLinkColumns, [&](std::int32_t j) {
-      std::uint8_t& reached = reached_[static_cast<std::size_t>(j)];
-      if (reached != 0 || own_vehicle(j) || side.distance_m(at(j)) > kThickness_m) return;
-      reached = 1;
+    for_each_unreached(found[next], [&](std::int32_t j) {
+      if (own_vehicle(j) || side.distance_m(at(j)) > kThickness_m) return;
+      reached_.mark(j);
       found.push_back(j);
       ended = ended || ends(j);
     });
   }
-  for (const std::int32_t i : found) reached_[static_cast<std::size_t>(i)] = 0;
+  unmark(found);
   if (ended) found.clear();
   return found;
 }
@@ -101,15 +107,16 @@ std::optional<SlidingSide> SideSearch::side_of(std::span<const std::int32_t> obj
 SideSearch::Points SideSearch::static_points_beside(std::span<const std::int32_t> object) {
   Points beside;
   const auto visit = [&](std::int32_t j) {
-    std::uint8_t& reached = reached_[static_cast<std::size_t>(j)];
-    if (reached != 0 || moves(j) || own_vehicle(j)) return;
-    reached = 1;
+    if (moves(j) || own_vehicle(j)) return;
+    reached_.mark(j);
     beside.push_back(j);
   };
-  for (const std::int32_t i : object) neighbours_.for_each(i, kLinkRows, kLinkColumns, visit);
+  mark(object);  // it moves: its points need not be looked at
+  for (const std::int32_t i : object) for_each_unreached(i, visit);
   for (std::size_t next = 0; next < beside.size() && beside.size() < kNear; ++next)
-    neighbours_.for_each(beside[next], kLinkRows, kLinkColumns, visit);
-  for (const std::int32_t i : beside) reached_[static_cast<std::size_t>(i)] = 0;
+    for_each_unreached(beside[next], visit);
+  unmark(object);
+  unmark(beside);
   return beside;
 }
 

@@ -11,6 +11,7 @@
 
 #include "detection/detection_pipeline.hpp"
 #include "detection/segmentation/linked_neighbours.hpp"
+#include "detection/segmentation/marked_returns.hpp"
 #include "detection/tracking/motion_classifier.hpp"
 
 namespace mapless::inline v1 {
@@ -61,6 +62,12 @@ class SideSearch {
   [[nodiscard]] Points static_points_beside(std::span<const std::int32_t> object);
   [[nodiscard]] bool find_plane(const Points& among, const Eigen::Vector3f& velocity,
                                 SlidingSide& side) const;
+  template <class Visit>
+  void for_each_unreached(std::int32_t point, Visit&& visit) const {
+    neighbours_.for_each<LinkedNeighbours::Of::unmarked>(point, kLinkRows, kLinkColumns, reached_, visit);
+  }
+  void mark(std::span<const std::int32_t> points);
+  void unmark(std::span<const std::int32_t> points);
   template <class Ends>
   [[nodiscard]] Points linked_in_plane(Points found, const Eigen::Vector3f& velocity, Ends&& ends,
                                        SlidingSide& side);
@@ -79,7 +86,7 @@ class SideSearch {
   const std::vector<TrackMotion>& motions_;
   const std::vector<std::uint16_t>& object_;
   LinkedNeighbours neighbours_;
-  std::vector<std::uint8_t> reached_;  // by point; all 0 between two calls
+  MarkedReturns reached_;  // none between two calls
 };
 
 }  // namespace mapless
