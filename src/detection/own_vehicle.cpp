@@ -180,10 +180,18 @@ void OwnVehicle::find_own_cells(const LidarScan& scan) {
     const int cells = static_cast<int>(runs[k].columns.size());
     excess_of(k) += runs[k].ends_freely ? cells : -cells;
   }
-  own_.assign(cells_.size(), false);
+  own_.assign(cells_.size(), 0);
+  near_own_.assign(cells_.size(), 0);
+  any_own_ = false;
   for (std::size_t k = 0; k < runs.size(); ++k) {
     if (excess_of(k) < 0) continue;
-    for (const int c : runs[k].columns) own_[cell_index(runs[k].row, c)] = true;
+    any_own_ = true;
+    for (const int c : runs[k].columns) {
+      own_[cell_index(runs[k].row, c)] = 1;
+      const int last = std::min(c + kColumnsAside, model_->columns - 1);
+      for (int near = std::max(c - kColumnsAside, 0); near <= last; ++near)
+        near_own_[cell_index(runs[k].row, near)] = 1;
+    }
   }
 }
 
@@ -250,17 +258,19 @@ void OwnVehicle::learn(const LidarScan& scan, const SE3& T_v0, double tolerance_
 std::vector<std::int32_t> OwnVehicle::find(const LidarScan& scan, double tolerance_m) const {
   const auto tolerance = static_cast<float>(tolerance_m);
   std::vector<std::int32_t> found;
-  if (model_ != scan.model) return found;
+  if (model_ != scan.model || !any_own_) return found;
   const auto is_own = [&](const LidarReturn& r) {
     const int last = std::min(r.column + kColumnsAside, model_->columns - 1);
     for (int c = std::max(r.column - kColumnsAside, 0); c <= last; ++c) {
       const std::size_t at = cell_index(r.laser, c);
-      if (own_[at] && std::abs(r.range_m - cells_[at].range_m) <= tolerance) return true;
+      if (own_[at] != 0 && std::abs(r.range_m - cells_[at].range_m) <= tolerance) return true;
     }
     return false;
   };
   for (std::size_t i = 0; i < scan.returns.size(); ++i) {
-    if (scan.returns[i].range_m < kLargestRange_m && is_own(scan.returns[i]))
+    const LidarReturn& r = scan.returns[i];
+    const int column = std::min(r.column, model_->columns - 1);
+    if (r.range_m < kLargestRange_m && near_own_[cell_index(r.laser, column)] != 0 && is_own(r))
       found.push_back(static_cast<std::int32_t>(i));
   }
   return found;

@@ -67,8 +67,10 @@ class OwnVehicle {
   [[nodiscard]] bool ends_freely(const LidarScan& scan, int row, int column, int side) const;
 
   std::shared_ptr<const LidarModel> model_;
-  std::vector<Cell> cells_;      // row-major, one per laser and column of the model
-  std::vector<bool> own_;        // of each cell
+  std::vector<Cell> cells_;             // row-major, one per laser and column of the model
+  std::vector<std::uint8_t> own_;       // of each cell, 0 or 1
+  std::vector<std::uint8_t> near_own_;  // whether such a cell is at most kColumnsAside away
+  bool any_own_ = false;
   std::optional<SE3> key_T_v0_;  // of the last key scan
   int key_scans_ = 0;            // so far
 };
