@@ -22,6 +22,11 @@ CloudQueue::CloudQueue(const LiveParameters& parameters, std::string topic)
 
 void CloudQueue::add(PointCloud2 cloud, std::uint64_t publisher, Time now, Health& health) {
   if (!is_of_own_publisher(publisher, now, health)) return;
+  if (cloud.view.stamp.nanoseconds() == 0) {
+    cloud.view.stamp = now;
+    health.report(LiveLevel::warning, "no stamp",
+                  "the clouds have no stamp: the time of their arrival is used", now);
+  }
   last_arrival_ = now;
   ++arrived_;
   recent_.add(now);
