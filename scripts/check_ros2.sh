@@ -1,8 +1,9 @@
 #!/bin/sh
-# Checks ros2/mapless_ros: its file of parameters is what the command prints, its launch files are Python, and its sources
-# compile. Where ROS 2 is there (a sourced setup.bash: AMENT_PREFIX_PATH), colcon builds it upon the library of the build
-# that the command is of, and runs its launch tests; else the sources are compiled against tests/ros2_stubs, the part of
-# ROS 2's interface that they use: that finds wrong uses of mapless, and not a wrong memory of ROS 2.
+# Checks ros2/mapless_ros: its file of parameters is what the command prints, its launch files run (with stand-ins of
+# launch), and its sources compile. Where ROS 2 is there (a sourced setup.bash: AMENT_PREFIX_PATH), colcon builds it upon
+# the library of the build that the command is of, and runs its launch tests; else the sources are compiled against
+# tests/ros2_stubs, the part of ROS 2's interface that they use: that finds wrong uses of mapless, and not a wrong memory
+# of ROS 2.
 # usage: scripts/check_ros2.sh MAPLESS_COMMAND [COMPILER]
 set -eu
 cd "$(dirname "$0")/.."
@@ -15,6 +16,7 @@ package=ros2/mapless_ros
 for python in $package/launch/*.py $package/test/*.py; do
   python3 -c 'import ast, sys; ast.parse(open(sys.argv[1]).read(), sys.argv[1])' "$python"
 done
+PYTHONDONTWRITEBYTECODE=1 python3 tests/ros2_stubs/check_launch.py $package
 # colcon, where it builds both, must build the library first.
 grep -q '"dependencies": \["mapless"\]' $package/colcon.pkg
 
