@@ -1,8 +1,9 @@
 #!/bin/sh
-# Checks ros2/mapless_ros: its file of parameters is what the command prints, its launch files are Python, and its sources
-# compile. Where ROS 2 is there (a sourced setup.bash: AMENT_PREFIX_PATH), colcon builds it upon the library of the build
-# that the command is of, and runs its launch tests; else the sources are compiled against tests/ros2_stubs, the part of
-# ROS 2's interface that they use: that finds wrong uses of mapless, and not a wrong memory of ROS 2.
+# Checks ros2/mapless_ros: its file of parameters is what the command prints, its launch files run (with stand-ins of
+# launch), and its sources compile. Where ROS 2 is there (a sourced setup.bash: AMENT_PREFIX_PATH), colcon builds it upon
+# the library of the build that the command is of, and runs its launch tests; else the sources are compiled against
+# tests/ros2_stubs, the part of ROS 2's interface that they use: that finds wrong uses of mapless, and not a wrong memory
+# of ROS 2.
 # usage: scripts/check_ros2.sh MAPLESS_COMMAND [COMPILER]
 set -eu
 cd "$(dirname "$0")/.."
@@ -15,6 +16,9 @@ package=ros2/mapless_ros
 for python in $package/launch/*.py $package/test/*.py; do
   python3 -c 'import ast, sys; ast.parse(open(sys.argv[1]).read(), sys.argv[1])' "$python"
 done
+PYTHONDONTWRITEBYTECODE=1 python3 tests/ros2_stubs/check_launch.py $package
+# colcon, where it builds both, must build the library first.
+grep -q '"dependencies": \["mapless"\]' $package/colcon.pkg
 
 if [ -n "${AMENT_PREFIX_PATH:-}" ] && command -v colcon >/dev/null; then
   cmake --install "$(dirname "$1")/../.." --prefix "$work/mapless" >"$work/install.log"
@@ -27,8 +31,8 @@ fi
 # The headers that the packages of package.xml have, of Humble and later.
 for header in builtin_interfaces/msg/time diagnostic_msgs/msg/diagnostic_array geometry_msgs/msg/transform_stamped \
   nav_msgs/msg/odometry rclcpp/rclcpp rclcpp/serialization rclcpp_components/register_node_macro rosbag2_cpp/reader \
-  rosbag2_cpp/writer sensor_msgs/msg/imu sensor_msgs/msg/point_cloud2 std_srvs/srv/empty tf2_msgs/msg/tf_message \
-  vision_msgs/msg/detection3_d_array visualization_msgs/msg/marker_array; do
+  rosbag2_cpp/writer rosbag2_storage/storage_options sensor_msgs/msg/imu sensor_msgs/msg/point_cloud2 \
+  std_srvs/srv/empty tf2_msgs/msg/tf_message vision_msgs/msg/detection3_d_array visualization_msgs/msg/marker_array; do
   mkdir -p "$work/$(dirname "$header")"
   echo '#include "ros2.hpp"' >"$work/$header.hpp"
 done

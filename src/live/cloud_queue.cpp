@@ -22,6 +22,12 @@ CloudQueue::CloudQueue(const LiveParameters& parameters, std::string topic)
 
 void CloudQueue::add(PointCloud2 cloud, std::uint64_t publisher, Time now, Health& health) {
   if (!is_of_own_publisher(publisher, now, health)) return;
+  if (cloud.view.stamp.nanoseconds() == 0) {
+    cloud.view.stamp = now;
+    stamps_are_arrivals_ = true;
+    health.report(LiveLevel::warning, "no stamp",
+                  "the clouds have no stamp: the time of their arrival is used", now);
+  }
   last_arrival_ = now;
   ++arrived_;
   recent_.add(now);
@@ -98,7 +104,7 @@ std::string CloudQueue::jump(Duration step) const {
   return "";
 }
 
-bool CloudQueue::period_settled() const { return stamps_.size() >= kStampsOfPeriod; }
+bool CloudQueue::period_settled() const { return !stamps_are_arrivals_ && stamps_.size() >= kStampsOfPeriod; }
 
 bool CloudQueue::is_of_own_publisher(std::uint64_t publisher, Time now, Health& health) {
   if (publisher == publisher_) return true;

@@ -45,7 +45,8 @@ class CloudQueue {
   /// Of the last clouds that arrived, by the second smallest distance of their stamps; none before there are
   /// three, and where they do not increase.
   [[nodiscard]] std::optional<Duration> period() const;
-  /// Whether period() is of as many clouds as it will ever be.
+  /// Whether period() is of as many clouds as it will ever be; never of clouds without a stamp, whose
+  /// arrivals are early and late.
   [[nodiscard]] bool period_settled() const;
 
   /// Why a cloud `step` after the last cannot belong to the same drive; empty where it can. Any thread.
@@ -72,7 +73,7 @@ class CloudQueue {
   std::string topic_;
   std::deque<Arrival> waiting_;
   std::deque<Time> stamps_;
-  bool starting_ = true;
+  bool starting_ = true, stamps_are_arrivals_ = false;
   std::uint64_t publisher_ = 0;
   std::optional<Time> last_arrival_;
   std::size_t arrived_ = 0, dropped_ = 0, ignored_ = 0, dropped_at_start_ = 0;

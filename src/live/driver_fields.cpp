@@ -28,6 +28,11 @@ constexpr std::size_t kRangeSamples = 2000;
 // A turn at 5 to 50 Hz lasts this long in microseconds; as nanoseconds it would be a five-thousandth of one.
 constexpr double kShortestTurn_us = 20'000;
 constexpr double kLongestTurn_us = 200'000;
+// A scan lasts a few hundredths of a second to half a second: floating times that last longer are in a
+// smaller unit. As SPAN_UNITS of python/mapless/_fields.py.
+constexpr double kMillisecondsFrom = 5;
+constexpr double kMicrosecondsFrom = 2e3;
+constexpr double kNanosecondsFrom = 1e6;
 // Floating times of the Unix epoch, 1973 to 5138, by the unit they must have: 1e11 s is far in the future,
 // and 1e11 ms in the past.
 constexpr double kEpochFrom_ns = 1e17;
@@ -135,14 +140,17 @@ TimeSpan span_of(const NumberSpan& times, const PointFields& fields) {
 bool is_floating(NumberType type) { return type == NumberType::float32 || type == NumberType::float64; }
 
 TimeUnit unit_of(NumberType type, const TimeSpan& span) {
+  const double length = span.most - span.least;
   if (!is_floating(type)) {
-    const double length = span.most - span.least;
     return length >= kShortestTurn_us && length <= kLongestTurn_us ? TimeUnit::microseconds
                                                                    : TimeUnit::nanoseconds;
   }
   if (span.least >= kEpochFrom_ns) return TimeUnit::nanoseconds;
   if (span.least >= kEpochFrom_us) return TimeUnit::microseconds;
-  return span.least >= kEpochFrom_ms ? TimeUnit::milliseconds : TimeUnit::seconds;
+  if (span.least >= kEpochFrom_ms) return TimeUnit::milliseconds;
+  if (length >= kNanosecondsFrom) return TimeUnit::nanoseconds;
+  if (length >= kMicrosecondsFrom) return TimeUnit::microseconds;
+  return length >= kMillisecondsFrom ? TimeUnit::milliseconds : TimeUnit::seconds;
 }
 
 struct UnitText {

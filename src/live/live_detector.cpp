@@ -62,7 +62,7 @@ struct LiveDetector::State {
   std::vector<LiveOutput> begin_anew(bool forget_sensor);
   std::vector<LiveOutput> outputs(std::vector<LabelledScan> labelled);
   std::vector<LiveOutput> refused(const std::string& reason);
-  [[nodiscard]] bool is_usable(Arrival& arrival);
+  [[nodiscard]] bool is_usable(const Arrival& arrival);
   std::vector<LiveOutput> begin_anew_if_other(const PointCloud2View& cloud, const std::string& jump);
   [[nodiscard]] std::optional<Duration> period(bool settled) const;
 
@@ -111,13 +111,9 @@ std::optional<Arrival> LiveDetector::State::take() {
   return queue.take();
 }
 
-bool LiveDetector::State::is_usable(Arrival& arrival) {
-  PointCloud2View& view = arrival.cloud.view;
+bool LiveDetector::State::is_usable(const Arrival& arrival) {
+  const PointCloud2View& view = arrival.cloud.view;
   const std::lock_guard lock(mutex);
-  if (view.stamp.nanoseconds() == 0) {
-    view.stamp = arrival.arrived;
-    report(LiveLevel::warning, "no stamp", "the clouds have no stamp: the time of their arrival is used");
-  }
   try {
     require_time("topic " + options.topic, "header.stamp", view.stamp);
   } catch (const InputError& error) {
@@ -155,9 +151,11 @@ std::vector<LiveOutput> LiveDetector::State::process_cloud(Arrival arrival) {
   const std::string jump = queue.jump(step);
   std::vector<LiveOutput> done = begin_anew_if_other(arrival.cloud.view, jump);
   if (jump.empty() && step.nanoseconds() <= 0) {
-    append(done, refused(fmt::format("a cloud {:.3f} s older than the one before is ignored: see whether two "
-                                     "drivers publish on topic {}",
-                                     -step.seconds(), options.topic)));
+    const std::string age = step.nanoseconds() == 0
+                                ? "with the stamp of the one before"
+                                : fmt::format("{:.3f} s older than the one before", -step.seconds());
+    append(done, refused(fmt::format("a cloud {} is ignored: see whether two drivers publish on topic {}",
+                                     age, options.topic)));
     return done;
   }
   last_stamp = stamp;

@@ -2,6 +2,8 @@
 #include <bit>
 #include <cstring>
 #include <memory>
+#include <string>
+#include <string_view>
 
 #include "core/parallel_parts.hpp"
 #include <mapless/live/live_output.hpp>
@@ -13,6 +15,7 @@ constexpr std::uint8_t kUint8 = 2;  // PointField.datatype
 constexpr std::uint8_t kUint32 = 6;
 constexpr std::uint8_t kFloat32 = 7;
 constexpr std::uint32_t kAlignment = 4;
+constexpr std::string_view kObjectId = "object_id", kMoving = "moving", kProbability = "probability";
 // Chosen: 50 Hz at 10 turns a second, as wheel odometry is usually published.
 constexpr int kPosesPerScan = 5;
 
@@ -76,9 +79,13 @@ PointCloud2 labelled_cloud(const LiveOutput& output) {
   const std::uint32_t motion_offset = id_offset + 4;
   const std::uint32_t probability_offset = motion_offset + 4;
   out.point_step = probability_offset + 4;
-  out.fields.push_back({"object_id", id_offset, kUint32, 1});
-  out.fields.push_back({"moving", motion_offset, kUint8, 1});
-  out.fields.push_back({"probability", probability_offset, kFloat32, 1});
+  // A cloud that was labelled before: readers take the first field of a name.
+  std::erase_if(out.fields, [](const PointCloud2Field& field) {
+    return field.name == kObjectId || field.name == kMoving || field.name == kProbability;
+  });
+  out.fields.push_back({std::string(kObjectId), id_offset, kUint32, 1});
+  out.fields.push_back({std::string(kMoving), motion_offset, kUint8, 1});
+  out.fields.push_back({std::string(kProbability), probability_offset, kFloat32, 1});
   const std::vector<std::uint32_t> id_of_number = ids_by_number(output.labelled.detection);
   const std::vector<PointMotion> motions = point_motions(output);
   const std::vector<float> probabilities = output.labelled.probability_by_input();

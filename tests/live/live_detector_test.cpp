@@ -90,6 +90,20 @@ TEST(LiveDetector, LabelledCloudsHaveEveryFieldAndTheLabels) {
   EXPECT_FALSE(live_objects(output).empty());
 }
 
+// As that of another mapless: its labels give way to the new ones, and its bytes stay.
+TEST(LiveDetector, LabelsOfBeforeAreNotTakenForTheNew) {
+  const auto robot = driving(12);
+  LiveOutput output = robot->outputs().back();
+  output.cloud.view.fields[3].name = "moving";
+  output.cloud.view.fields[4].name = "object_id";
+  const PointCloud2 labelled = labelled_cloud(output);
+  std::vector<std::string> names;
+  for (const PointCloud2Field& field : labelled.view.fields) names.push_back(field.name);
+  EXPECT_THAT(names, testing::ElementsAre("x", "y", "z", "time", "object_id", "moving", "probability"));
+  EXPECT_EQ(labelled.view.fields[5].offset, 28U);
+  EXPECT_EQ(std::memcmp(labelled.view.data.data(), output.cloud.view.data.data(), kStep), 0);
+}
+
 // The lidar drives at 8 m/s along x; its world is that of the transforms, 2 m above base_link.
 TEST(LiveDetector, GivenPosesPlaceObjectsInTheirWorld) {
   const auto robot = driving(12);
@@ -197,6 +211,29 @@ TEST(LiveDetector, EmptyCloudsAreReportedAndPassedOver) {
   robot->pass_ms(2100);
   robot->add(cloud(12));
   EXPECT_THAT(robot->diagnostics().message, testing::Not(HasSubstr("without points")));
+}
+
+// The time of the arrival takes the place of the stamp; that the clouds are late by turns is no other rate.
+TEST(LiveDetector, CloudsWithoutAStampAreLabelledByTheirArrival) {
+  Robot robot(with_own_odometry());
+  for (int k = 0; k < kScans; ++k) {
+    PointCloud2 next = cloud(k);
+    next.view.stamp = Time();
+    if (k < kScans / 2) robot.pass_ms(20);
+    robot.turn(std::move(next));
+  }
+  EXPECT_THAT(robot.diagnostics().message, HasSubstr("have no stamp: the time of their arrival is used"));
+  EXPECT_THAT(robot.diagnostics().message, testing::Not(HasSubstr("begins anew")));
+  ASSERT_EQ(robot.outputs().size(), kScans - 1U);  // the last waits for a next one
+  EXPECT_EQ(robot.outputs().back().cloud.view.stamp,
+            at_ms(500'000 + 20 * kScans / 2 + kTurnMs * (kScans - 1)));
+}
+
+TEST(LiveDetector, ACloudWithTheStampOfTheLastIsReportedAndPassedOver) {
+  const auto robot = driving(10);
+  robot->turn(cloud(9));
+  EXPECT_THAT(robot->diagnostics().message, HasSubstr("a cloud with the stamp of the one before is ignored"));
+  EXPECT_EQ(robot->turn(cloud(10)), 1U);
 }
 
 TEST(LiveDetector, ACloudThatIsNoneIsReportedAndTheNextTaken) {

@@ -326,15 +326,22 @@ namespace rosbag2_storage {
 struct TopicMetadata {
   std::string name, type;
 };
+struct StorageOptions {
+  std::string uri, storage_id;
+};
 struct SerializedBagMessage {
   std::shared_ptr<rcl_serialized_message_t> serialized_data;
   std::string topic_name;
 };
 }
 namespace rosbag2_cpp {
+struct ConverterOptions {
+  std::string input_serialization_format, output_serialization_format;
+};
 class Reader {
  public:
   void open(const std::string&);
+  void open(const rosbag2_storage::StorageOptions&, const ConverterOptions& = ConverterOptions());
   bool has_next();
   [[nodiscard]] std::vector<rosbag2_storage::TopicMetadata> get_all_topics_and_types() const;
   std::shared_ptr<rosbag2_storage::SerializedBagMessage> read_next();

@@ -5,11 +5,15 @@
 // odometry_in, imu and wheel_odometry can be remapped as those of the node: -r imu:=/imu/data.
 #include <cstdio>
 #include <exception>
+#include <filesystem>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 #include <rclcpp/serialization.hpp>
 #include <rosbag2_cpp/reader.hpp>
 #include <rosbag2_cpp/writer.hpp>
+#include <rosbag2_storage/storage_options.hpp>
 
 #include "messages.hpp"
 #include "parameters.hpp"
@@ -33,6 +37,20 @@ std::string topics_of(const rosbag2_cpp::Reader& reader) {
   return names.empty() ? "none" : names;
 }
 
+// The plugin by the names of the bag's files: where none is named, Humble takes sqlite3 for MCAP, too.
+rosbag2_storage::StorageOptions storage_of(const std::string& bag) {
+  namespace fs = std::filesystem;
+  rosbag2_storage::StorageOptions storage;
+  storage.uri = bag;
+  std::vector<fs::path> files{bag};
+  if (fs::is_directory(bag)) files.assign(fs::directory_iterator(bag), fs::directory_iterator());
+  for (const fs::path& file : files) {
+    if (file.extension() == ".mcap") storage.storage_id = "mcap";
+    if (file.extension() == ".db3") storage.storage_id = "sqlite3";
+  }
+  return storage;
+}
+
 struct Topics {
   std::string points, poses, imu, wheels;
 };
@@ -46,7 +64,7 @@ class BagLabeller {
 
   void run(const std::string& in) {
     rosbag2_cpp::Reader reader;
-    reader.open(in);
+    reader.open(storage_of(in), rosbag2_cpp::ConverterOptions());
     while (rclcpp::ok() && reader.has_next()) take(*reader.read_next());
     if (clouds_ == 0) {
       throw std::runtime_error(in + ": no clouds on topic " + topics_.points +
