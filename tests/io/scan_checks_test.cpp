@@ -8,6 +8,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "io/self_check/time_check.hpp"
+
 namespace mapless {
 namespace MAPLESS_FILE {
 
@@ -89,6 +91,18 @@ TEST(ScanChecks, FindsOneTimeForAllPoints) {
 
 TEST(ScanChecks, FindsTheWrongRate) {
   EXPECT_THAT(oddities_of([](LidarRecord& r) { r.time_ns *= 2; }), ElementsAre(HasSubstr("rate_hz")));
+}
+
+// Sensors of 5 to 20 Hz whose times are ten times too long or too short.
+TEST(ScanChecks, DoubtsRatesOfNoSpinningLidar) {
+  LidarModel model = named_model("VLP-16");
+  for (const auto& [rate_hz, trust] : {std::pair(5.0, Trust::right), std::pair(10.0, Trust::right),
+                                       std::pair(25.0, Trust::right), std::pair(2.0, Trust::doubtful),
+                                       std::pair(1.0, Trust::doubtful), std::pair(100.0, Trust::doubtful)}) {
+    model.rotation_rate_hz = rate_hz;
+    EXPECT_EQ(check_rate(model).trust, trust) << rate_hz << " Hz";
+  }
+  EXPECT_THAT(check_rate(model).problem, HasSubstr("ten times too short"));
 }
 
 TEST(ScanChecks, FindsAxesThatAreExchanged) {
