@@ -72,7 +72,7 @@ TEST_F(ScanWatchTest, NamesAScanThatIsTheOneBeforeItOnceMore) {
 TEST(ScanWatch, NamesTwoScansThatAreExchanged) {
   const test::ToyScene room = test::toy_room("VLP-16", test::drive(0.8, 0));
   ScanWatch right, exchanged;
-  for (int k = 0; k < 10; ++k) {
+  for (int k = 0; k < 16; ++k) {
     right.add(*cast_scan(room, k).scan, static_cast<std::size_t>(k));
     const int other = k == 5 ? 6 : k == 6 ? 5 : k;
     exchanged.add(*cast_scan(room, other).scan, static_cast<std::size_t>(k));

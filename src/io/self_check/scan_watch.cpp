@@ -38,9 +38,11 @@ std::uint64_t hash_of(const LidarScan& scan) {
 constexpr std::size_t kColumnStep = 4;
 constexpr float kSame_m = 0.1F;
 // Two scans are exchanged where both are more like the scan after next than the next, by this share of the
-// beams. Measured, the most in 66 right recordings: .014, on motorways .047 (their posts come back); two
-// scans exchanged: from .02 (on foot) to .15.
-constexpr double kExchanged = 0.06;
+// beams, and where this stands out from the rest of the recording by so many standard deviations: the posts
+// of a motorway bring a scan onto the next but one, again and again. Measured, the most in 66 right
+// recordings: .014, on motorways .047 to .1; two scans exchanged: from .02 (on foot) to .15.
+constexpr double kExchanged = 0.06, kOrderStandsOut = 4;
+constexpr std::size_t kFewestUsual = 8;
 
 // Ranges of a scan, of each laser in every kColumnStep-th column; NaN without a return.
 std::vector<float> thinned(const LidarScan& scan) {
@@ -75,19 +77,37 @@ class OrderWatch {
     std::vector<float> image = thinned(scan);
     const double r_s = scans_ > 0 ? alike(last_, image) : 0, q_s = scans_ > 1 ? alike(second_, image) : 0;
     const double gain = std::min(p_r_ - p_q_, q_s - r_s);
-    if (scans_ > 2 && gain > kExchanged && 2 * q_r_ > p_q_ + r_s) exchanged_.push_back(k - 2);
+    if (scans_ > 2 && gain > kExchanged && 2 * q_r_ > p_q_ + r_s) candidates_.emplace_back(k - 2, gain);
+    if (scans_ > 2 && gain <= kExchanged) add_usual(gain);
     second_ = std::exchange(last_, std::move(image));
     p_q_ = std::exchange(q_r_, r_s);
     p_r_ = q_s;
     ++scans_;
   }
-  [[nodiscard]] const std::vector<std::size_t>& exchanged() const { return exchanged_; }
+  // The first of each pair.
+  [[nodiscard]] std::vector<std::size_t> exchanged() const {
+    std::vector<std::size_t> out;
+    if (usual_ < kFewestUsual) return out;
+    const double limit = mean_ + kOrderStandsOut * std::sqrt(squares_ / static_cast<double>(usual_));
+    for (const auto& [k, gain] : candidates_)
+      if (gain > limit) out.push_back(k);
+    return out;
+  }
 
  private:
+  // Running mean and sum of squares about it (Welford 1962).
+  void add_usual(double gain) {
+    const double difference = gain - mean_;
+    mean_ += difference / static_cast<double>(++usual_);
+    squares_ += difference * (gain - mean_);
+  }
+
   std::size_t scans_ = 0;
   std::vector<float> last_, second_;    // r and q when s comes
   double p_q_ = 0, q_r_ = 0, p_r_ = 0;  // how alike they are
-  std::vector<std::size_t> exchanged_;  // the first of each pair
+  std::vector<std::pair<std::size_t, double>> candidates_;
+  std::size_t usual_ = 0;
+  double mean_ = 0, squares_ = 0;
 };
 
 }  // namespace
@@ -126,7 +146,7 @@ std::vector<std::string> ScanWatch::lines() const {
     if (const std::string line = findings->line(); !line.empty())
       out.push_back(fmt::format("doubtful {}: {}", name, line));
   }
-  if (const auto& pairs = s.order.exchanged(); !pairs.empty()) {
+  if (const auto pairs = s.order.exchanged(); !pairs.empty()) {
     const std::string others =
         pairs.size() > 1 ? fmt::format(" (and {} other places)", pairs.size() - 1) : "";
     out.push_back(fmt::format(
