@@ -3,6 +3,7 @@
 #include <functional>
 #include <memory>
 #include <numbers>
+#include <random>
 #include <utility>
 
 #include <gmock/gmock.h>
@@ -103,6 +104,31 @@ TEST(ScanChecks, DoubtsRatesOfNoSpinningLidar) {
     EXPECT_EQ(check_rate(model).trust, trust) << rate_hz << " Hz";
   }
   EXPECT_THAT(check_rate(model).problem, HasSubstr("ten times too short"));
+}
+
+// Along its beam: the noise is that of the range.
+void move_along(LidarRecord& record, double by_m) {
+  record.position_v += static_cast<float>(by_m) * record.position_v.normalized();
+}
+
+TEST(ScanChecks, FindsRangesWithNoise) {
+  std::mt19937 random(1);
+  std::normal_distribution<double> fine(0, 0.03), coarse(0, 0.3);
+  EXPECT_THAT(oddities_of([&](LidarRecord& r) { move_along(r, fine(random)); }), IsEmpty());
+  EXPECT_THAT(oddities_of([&](LidarRecord& r) { move_along(r, coarse(random)); }),
+              ElementsAre(HasSubstr("noise of 0.30 m")));
+}
+
+TEST(ScanChecks, FindsRangesAtRandom) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> share(0, 1), off(2, 60);
+  const auto spoil = [&](double part) {
+    return [&random, &share, &off, part](LidarRecord& r) {
+      if (share(random) < part) move_along(r, off(random));
+    };
+  };
+  EXPECT_THAT(oddities_of(spoil(0.05)), IsEmpty());
+  EXPECT_THAT(oddities_of(spoil(0.3)), ElementsAre(HasSubstr("ranges at random")));
 }
 
 TEST(ScanChecks, FindsAxesThatAreExchanged) {
