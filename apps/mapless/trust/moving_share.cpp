@@ -1,7 +1,9 @@
 #include "trust/moving_share.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <numeric>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -26,9 +28,11 @@ constexpr std::size_t kFewestPoints = 1000;
 void MovingShare::add(std::size_t k, const Detection& detection) {
   const LidarScan& scan = *detection.scan;
   Sectors moving{}, points{};
-  const auto columns = static_cast<std::size_t>(std::max(1, scan.columns));
+  std::vector<std::uint8_t> sectors(static_cast<std::size_t>(std::max(1, scan.columns)));
+  for (std::size_t c = 0; c < sectors.size(); ++c)
+    sectors[c] = static_cast<std::uint8_t>(kSectors * c / sectors.size());
   for (std::size_t i = 0; i < detection.object.size(); ++i) {
-    const auto sector = kSectors * static_cast<std::size_t>(scan.returns[i].column) / columns % kSectors;
+    const std::size_t sector = sectors[static_cast<std::size_t>(scan.returns[i].column)];
     ++points[sector];
     if (detection.object[i] != 0) ++moving[sector];
   }

@@ -63,7 +63,8 @@ constexpr double kFastest_mps = 150;
 // doubtful where as many places speak for the poses. Forwards: right motorways of two simulators have .11 to
 // .21, feet for metres .305. Backwards: vehicles less than 1.45 times as fast as the sensor (115 km/h beside
 // 80; measured, .13 to .32); poses that are inverted or reversed have 1.
-constexpr double kTraffic_mps = 3, kAlongWay = 0.98, kTrafficShare = 0.28, kOvertakenShare = 0.45;
+constexpr double kTraffic_mps = 3, kAlongWay = 0.98, kTrafficShare = 0.28, kOvertakenShare = 0.45,
+                 kLorry_mps = 20;
 // Displacement that is rest: this; up to a tenth of that by the poses, but not more than a walk.
 constexpr double kRest_m = 0.3, kRestShare = 0.1, kMostRest_m = 1.5;
 
@@ -114,8 +115,9 @@ bool may_be_traffic(const Vector6d& found, const std::optional<Vector6d>& said) 
   if (!said) return false;
   const Eigen::Vector3d slow = found.head<3>(), fast = said->head<3>();
   const double along = slow.dot(fast), both = slow.norm() * fast.norm();
+  const double ahead = std::max(kTrafficShare, 1 - kLorry_mps / fast.norm());
   return fast.norm() > kTraffic_mps && fast.norm() <= kFastest_mps &&
-         slow.norm() < (along < 0 ? kOvertakenShare : kTrafficShare) * fast.norm() &&
+         slow.norm() < (along < 0 ? kOvertakenShare : ahead) * fast.norm() &&
          std::abs(along) > kAlongWay * both;
 }
 

@@ -35,7 +35,7 @@ std::uint64_t hash_of(const LidarScan& scan) {
 
 // Two scans are compared in every so-many-th column; a beam is the same where its ranges differ by less than
 // three standard deviations of the difference of two ranges with noise of 0.025 m.
-constexpr std::size_t kColumnStep = 4;
+constexpr int kColumnStep = 8;
 constexpr float kSame_m = 0.1F;
 // Two scans are exchanged where both are more like the scan after next than the next, by this share of the
 // beams, and where this stands out from the rest of the recording by so many standard deviations: the posts
@@ -46,13 +46,15 @@ constexpr std::size_t kFewestUsual = 8;
 
 // Ranges of a scan, of each laser in every kColumnStep-th column; NaN without a return.
 std::vector<float> thinned(const LidarScan& scan) {
-  const auto columns = static_cast<std::size_t>(scan.columns);
   std::vector<float> out;
-  for (std::size_t i = 0; i < scan.cells.size(); ++i) {
-    if (i % columns % kColumnStep != 0) continue;
-    const std::int32_t cell = scan.cells[i];
-    out.push_back(cell < 0 ? std::numeric_limits<float>::quiet_NaN()
-                           : scan.returns[static_cast<std::size_t>(cell)].range_m);
+  out.reserve(scan.cells.size() / static_cast<std::size_t>(kColumnStep) +
+              static_cast<std::size_t>(scan.rows()));
+  for (int row = 0; row < scan.rows(); ++row) {
+    for (int column = 0; column < scan.columns; column += kColumnStep) {
+      const std::int32_t cell = scan.cell(row, column);
+      out.push_back(cell < 0 ? std::numeric_limits<float>::quiet_NaN()
+                             : scan.returns[static_cast<std::size_t>(cell)].range_m);
+    }
   }
   return out;
 }
@@ -60,13 +62,13 @@ std::vector<float> thinned(const LidarScan& scan) {
 // Share of the beams with a return in both that have the same range.
 double alike(const std::vector<float>& a, const std::vector<float>& b) {
   if (a.size() != b.size()) return 0;
-  double same = 0, both = 0;
+  std::size_t same = 0, both = 0;
   for (std::size_t i = 0; i < a.size(); ++i) {
     const float difference_m = std::abs(a[i] - b[i]);
     both += difference_m >= 0 ? 1 : 0;  // not NaN
     same += difference_m < kSame_m ? 1 : 0;
   }
-  return both >= static_cast<double>(kFewestSamples) ? same / both : 0;
+  return both >= kFewestSamples ? static_cast<double>(same) / static_cast<double>(both) : 0;
 }
 
 // Finds neighbouring scans p q r s of which q and r are exchanged: p and r, q and r, q and s are one scan
