@@ -20,8 +20,21 @@ def _open(path: str, format: str, sensor: str, given: Mapping[str, str]) -> _cor
     return open_in_python(path, format, sensor, given)
 
 
+def not_utf8(arguments: list[str]) -> str | None:
+    """The first argument that is not UTF-8, which the C++ library does not take from Python, as it can be printed."""
+    for argument in arguments:
+        try:
+            argument.encode()
+        except UnicodeEncodeError:
+            return argument.encode("utf-8", "backslashreplace").decode()
+    return None
+
+
 def run(arguments: list[str]) -> int:
     """Runs the command with these arguments, without the name of the program; returns its exit code."""
+    if (wrong := not_utf8(arguments)) is not None:
+        print(f"mapless: error: argument {wrong}: is not UTF-8; rename the file or folder", file=sys.stderr)
+        return 2
     _core.set_reader(_open, list(FORMATS), list(OPTIONS.items()))
     sys.stdout.flush()
     sys.stderr.flush()

@@ -7,7 +7,8 @@ import pathlib
 from collections.abc import Mapping
 
 from mapless import _core
-from mapless._recording import CloudSource, Recording
+from mapless._command import not_utf8
+from mapless._recording import MOST_NS, UNEXPECTED, CloudSource, Recording
 from mapless.readers import FIELDS, Options
 from mapless.readers.registry import READERS, Reader
 
@@ -28,6 +29,8 @@ def open(
     if unknown is not None:
         raise TypeError(f"open() has no option {unknown}: expected one of {', '.join(flags)}")
     given = {flags[name]: text for name, text in options.items() if text is not None}
+    if (wrong := not_utf8([os.fspath(path), os.fspath(sensor)])) is not None:
+        raise _core.InputError(f"{wrong}: is not UTF-8; rename the file or folder")
     found = open_in_python(os.fspath(path), format, os.fspath(sensor), given)
     return Recording(found or _core.open_folder(os.fspath(path), format, os.fspath(sensor)))
 
@@ -47,9 +50,15 @@ def open_in_python(path: str, format: str, sensor: str, given: Mapping[str, str]
 def opened(reader: Reader, path: pathlib.Path, options: Options, format: str) -> CloudSource:
     """What a reader does not expect in a damaged file, such as a column that is missing, is InputError too."""
     try:
-        return reader.open(path, options, format)
+        source = reader.open(path, options, format)
     except _core.Error:
         raise
-    except (LookupError, ValueError, TypeError, AttributeError, ArithmeticError, MemoryError, RecursionError) as error:
+    except UNEXPECTED as error:
         name = format or "/".join(reader.formats)
         raise _core.InputError(f"{path}: damaged, or not {name}: {type(error).__name__}: {error}") from error
+    for k, start_ns in enumerate(source.starts_ns):
+        if abs(start_ns) > MOST_NS:
+            raise _core.InputError(
+                f"{source.scan_name(k)}: start = {start_ns} ns: beyond 146 years from 1970; correct the times of its points"
+            )
+    return source

@@ -13,6 +13,11 @@ import numpy.typing as npt
 from mapless import _core
 from mapless._fields import Fields
 
+# What libraries and NumPy raise for contents that a reader has not thought of.
+UNEXPECTED = (LookupError, ValueError, TypeError, AttributeError, ArithmeticError, MemoryError, RecursionError, EOFError)
+# Beyond these an instant is not a time in int64 nanoseconds; half of what they hold, as differences are taken.
+MOST_NS = 2**62
+
 
 @dataclasses.dataclass
 class Scan:
@@ -79,7 +84,13 @@ class CloudSource(abc.ABC):
         return None
 
     def read_fields(self, k: int) -> tuple[Any, ...]:
-        return self.read(k).as_tuple()
+        """What a reader does not expect in a damaged scan is InputError that names it, too."""
+        try:
+            return self.read(k).as_tuple()
+        except _core.Error:
+            raise
+        except UNEXPECTED as error:
+            raise _core.InputError(f"{self.scan_name(k)}: damaged: {type(error).__name__}: {error}") from error
 
 
 class Recording:

@@ -168,3 +168,62 @@ def test_a_time_that_is_none_is_named(text, scans, tmp_path):
     (folder / "times.txt").write_bytes(text.encode("utf-8", "surrogatepass"))
     with pytest.raises(mapless.InputError, match="times.txt:1: .*: not a time in seconds"):
         mapless.open(folder, columns="x,y,z,intensity,ring,time")
+
+
+# What is wrong with the second scan of a folder, and what the error says of it.
+SPOILT = {
+    "complex": (lambda rows: np.zeros((9, 3), complex), "field x = complex128: not a number per point"),
+    "vectors": (
+        lambda rows: np.zeros(9, [("x", "f4", (3,)), ("y", "f4"), ("z", "f4")]),
+        "field x = float32, \\(3,\\) of them a point: not a number per point",
+    ),
+    "text": (lambda rows: np.zeros(9, [("x", "S8"), ("y", "f4"), ("z", "f4")]), "field x = .*S8: not a number per point"),
+    "time NaN": (lambda rows: with_time(rows, np.nan), "point 7 time = nan: not a time; correct it, or leave the field out"),
+}
+
+
+def with_time(rows, time):
+    rows["time"][7] = time
+    return rows
+
+
+@pytest.mark.parametrize("kind", SPOILT)
+def test_a_scan_that_is_no_numbers_is_refused_by_file_and_field(kind, scans, tmp_path):
+    spoil, message = SPOILT[kind]
+    folder = folder_of(scans[:2], tmp_path, ".npy", write_structured_npy)
+    np.save(folder / "000001.npy", spoil(rows_of(scans[1])))
+    recording = mapless.open(folder, sensor="VLP-16")
+    with pytest.raises(mapless.InputError, match=f"drive/000001.npy: {message}"):
+        recording[1]
+
+
+def test_an_array_that_claims_more_than_the_memory_is_refused_by_file(scans, tmp_path):
+    folder = folder_of(scans[:1], tmp_path, ".npy", write_structured_npy)
+    file = folder / "000000.npy"
+    count = f"({len(rows_of(scans[0]))},)".encode()
+    file.write_bytes(file.read_bytes().replace(count, b"(99999999999999,)", 1))
+    with pytest.raises(mapless.InputError, match="000000.npy: no array of NumPy"):
+        mapless.open(folder, sensor="VLP-16")
+
+
+def test_times_beyond_all_clocks_are_refused_by_scan(scans, tmp_path):
+    def far_away(path, rows):
+        wide = rows.astype([(name, "<f8") for name in rows.dtype.names])
+        wide["time"] = 1e27 * (1 + wide["time"])
+        np.save(path, wide)
+
+    folder = folder_of(scans[:1], tmp_path, ".npy", far_away)
+    with pytest.raises(mapless.InputError, match="000000.npy: start = [0-9]+ ns: beyond 146 years from 1970"):
+        mapless.open(folder, sensor="VLP-16")
+
+
+def test_a_name_that_is_not_utf8_is_refused(tmp_path):
+    with pytest.raises(mapless.InputError, match=r"a.udcff: is not UTF-8; rename the file or folder"):
+        mapless.open(tmp_path / "a\udcff")
+
+
+def test_the_command_refuses_a_name_that_is_not_utf8(capsys):
+    from mapless._command import run
+
+    assert run(["info", "a\udcff"]) == 2
+    assert capsys.readouterr().err == "mapless: error: argument a\\udcff: is not UTF-8; rename the file or folder\n"

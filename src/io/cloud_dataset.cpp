@@ -61,11 +61,15 @@ struct FieldsThere {
 
 FieldsThere fields_there(const PointFields& fields) { return {fields.ring.size > 0, fields.time.size > 0}; }
 
-// Of the first scan that can be read. A scan without times among scans with them would get others.
+bool is_empty(const Cloud& cloud) { return cloud.fields.x.size == 0; }
+
+// Of the first scan that can be read and has points. A scan without times among scans with them would get
+// others.
 std::optional<FieldsThere> fields_of_first(const CloudSource& source) {
   for (std::size_t k = 0; k < std::min(source.starts().size(), kScansForSensor); ++k) {
     try {
-      return fields_there(source.read(k).fields);
+      const Cloud cloud = source.read(k);
+      if (!is_empty(cloud)) return fields_there(cloud.fields);
     } catch (const InputError&) {  // the run says so when it reaches the scan
     }
   }
@@ -112,6 +116,7 @@ class CloudDataset final : public Dataset {
 
  private:
   void require_same_fields(const Cloud& cloud, std::size_t k) const {
+    if (is_empty(cloud)) return;
     const FieldsThere own = fields_there(cloud.fields), first = fields_.value_or(own);
     if (own.ring == first.ring && own.time == first.time) return;
     const bool differs_in_time = own.time != first.time, has = differs_in_time ? own.time : own.ring;

@@ -51,6 +51,27 @@ TEST(PosePair, TheMotionsOfVehiclesAndOfTheStaticWorldStandOut) {
   EXPECT_GT(wrong->found, 5);
 }
 
+// Loaded wagons that drive beside the sensor have a motion of their own, on their side alone.
+TEST(PosePair, OneVehicleSpeaksFromOneHalfTurn) {
+  test::ToyScene scene = test::toy_street("VLP-16");
+  scene.trajectory = test::drive(6, 0);
+  scene.world = {test::toy_ground(-1.8), test::toy_box({-6, -9, 2}, {2.5, 2, 4}),
+                 test::toy_box({9, -9, 2}, {2.5, 2, 4}), test::toy_box({-14, 9, 2}, {2.5, 2, 4}),
+                 test::toy_box({16, 9, 2}, {2.5, 2, 4})};
+  for (int i = -2; i <= 3; ++i) {
+    test::ToyBody wagon = test::toy_box({3.0 * i, 4, 0}, {1, 1, 1.8});
+    wagon.velocity_0 = {3, 0, 0};
+    scene.world.push_back(wagon);
+  }
+  const test::ToyScan first = cast_scan(scene, 0), second = cast_scan(scene, 5);
+  const PosePair pair(*first.scan, *second.scan);
+  EXPECT_TRUE(pair.one_sided(constant(forward(6)), forward(3))) << "relative to the wagons";
+  const test::ToyScene room = test::toy_room("VLP-16", test::drive(1, 0));
+  const test::ToyScan before = cast_scan(room, 0), after = cast_scan(room, 5);
+  EXPECT_FALSE(PosePair(*before.scan, *after.scan).one_sided(constant(forward(3)), forward(1)))
+      << "walls all around";
+}
+
 TEST(PosePair, AWrongMotionDoesNotStandOut) {
   const test::ToyScene room = test::toy_room("VLP-16", test::drive(1, 0));
   const test::ToyScan first = cast_scan(room, 0), second = cast_scan(room, 5);

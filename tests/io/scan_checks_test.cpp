@@ -3,10 +3,13 @@
 #include <functional>
 #include <memory>
 #include <numbers>
+#include <random>
 #include <utility>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "io/self_check/time_check.hpp"
 
 namespace mapless {
 namespace MAPLESS_FILE {
@@ -89,6 +92,43 @@ TEST(ScanChecks, FindsOneTimeForAllPoints) {
 
 TEST(ScanChecks, FindsTheWrongRate) {
   EXPECT_THAT(oddities_of([](LidarRecord& r) { r.time_ns *= 2; }), ElementsAre(HasSubstr("rate_hz")));
+}
+
+// Sensors of 5 to 20 Hz whose times are ten times too long or too short.
+TEST(ScanChecks, DoubtsRatesOfNoSpinningLidar) {
+  LidarModel model = named_model("VLP-16");
+  for (const auto& [rate_hz, trust] : {std::pair(5.0, Trust::right), std::pair(10.0, Trust::right),
+                                       std::pair(25.0, Trust::right), std::pair(2.0, Trust::doubtful),
+                                       std::pair(1.0, Trust::doubtful), std::pair(100.0, Trust::doubtful)}) {
+    model.rotation_rate_hz = rate_hz;
+    EXPECT_EQ(check_rate(model).trust, trust) << rate_hz << " Hz";
+  }
+  EXPECT_THAT(check_rate(model).problem, HasSubstr("ten times too short"));
+}
+
+// Along its beam: the noise is that of the range.
+void move_along(LidarRecord& record, double by_m) {
+  record.position_v += static_cast<float>(by_m) * record.position_v.normalized();
+}
+
+TEST(ScanChecks, FindsRangesWithNoise) {
+  std::mt19937 random(1);
+  std::normal_distribution<double> fine(0, 0.03), coarse(0, 0.3);
+  EXPECT_THAT(oddities_of([&](LidarRecord& r) { move_along(r, fine(random)); }), IsEmpty());
+  EXPECT_THAT(oddities_of([&](LidarRecord& r) { move_along(r, coarse(random)); }),
+              ElementsAre(HasSubstr("noise of 0.30 m")));
+}
+
+TEST(ScanChecks, FindsRangesAtRandom) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> share(0, 1), off(2, 60);
+  const auto spoil = [&](double part) {
+    return [&random, &share, &off, part](LidarRecord& r) {
+      if (share(random) < part) move_along(r, off(random));
+    };
+  };
+  EXPECT_THAT(oddities_of(spoil(0.05)), IsEmpty());
+  EXPECT_THAT(oddities_of(spoil(0.3)), ElementsAre(HasSubstr("ranges at random")));
 }
 
 TEST(ScanChecks, FindsAxesThatAreExchanged) {

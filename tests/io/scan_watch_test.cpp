@@ -67,5 +67,19 @@ TEST_F(ScanWatchTest, NamesAScanThatIsTheOneBeforeItOnceMore) {
   EXPECT_THAT(lines_of([&](LidarScan& scan, std::size_t) { scan.returns = first.returns; }), IsEmpty());
 }
 
+// Walls ahead and behind come .3 m nearer in a scan: the scan before the two is like the second, the one
+// after them like the first.
+TEST(ScanWatch, NamesTwoScansThatAreExchanged) {
+  const test::ToyScene room = test::toy_room("VLP-16", test::drive(0.8, 0));
+  ScanWatch right, exchanged;
+  for (int k = 0; k < 16; ++k) {
+    right.add(*cast_scan(room, k).scan, static_cast<std::size_t>(k));
+    const int other = k == 5 ? 6 : k == 6 ? 5 : k;
+    exchanged.add(*cast_scan(room, other).scan, static_cast<std::size_t>(k));
+  }
+  EXPECT_THAT(right.lines(), IsEmpty());
+  EXPECT_THAT(exchanged.lines(), ElementsAre(HasSubstr("doubtful order: scans 5 and 6 look exchanged")));
+}
+
 }  // namespace MAPLESS_FILE
 }  // namespace mapless

@@ -86,6 +86,8 @@ TEST_F(SelfCheckTest, DoubtsPosesThatAreFasterThanAllThatIsSeen) {
   const CheckResult along = check_poses_of(faster(6));
   EXPECT_EQ(along.trust, Trust::doubtful) << along.measured;
   EXPECT_THAT(along.problem, HasSubstr("vehicles fill the view"));
+  EXPECT_EQ(check_poses_of(faster(3.55)).trust, Trust::doubtful) << "28.4 m/s, all else 20.4 m/s: lorries";
+  EXPECT_EQ(check_poses_of(faster(-3)).trust, Trust::doubtful) << "all overtakes, 1.33 times as fast";
   EXPECT_EQ(check_poses_of(faster(-2)).trust, Trust::wrong) << "nothing that moves along";
   EXPECT_EQ(check_poses_of(faster(-6)).trust, Trust::doubtful);
   EXPECT_EQ(check_poses_of(faster(20)).trust, Trust::wrong) << "160 m/s";

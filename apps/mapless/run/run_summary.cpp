@@ -103,7 +103,7 @@ void RunSummary::add(const Detection& detection) {
   const auto dynamic = static_cast<std::size_t>(std::count_if(
       detection.object.begin(), detection.object.end(), [](std::uint16_t object) { return object != 0; }));
   dynamic_points_ += dynamic;
-  if (detection.motion_known) moving_share_.add(first_scan_ + scans_, dynamic, detection.object.size());
+  if (detection.motion_known) moving_share_.add(first_scan_ + scans_, detection);
   objects_ += static_cast<std::size_t>(detection.objects);
   for (const TrackedObject& object : detection.tracked) count_id(object.id);
   for (std::size_t row = 0; row < kTimingRows.size(); ++row)

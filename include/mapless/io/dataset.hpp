@@ -202,7 +202,7 @@ void require_trusted(const std::vector<CheckResult>& results);
 
 /// Holds the scans of a run against what is said about them, one after the other, where check_recording looks
 /// at a few: points against their beams, ranges and times in every third scan; whether a scan is the one
-/// before it once more in each. Says only what is clearly wrong.
+/// before it once more, or exchanged with it, in each. Says only what is clearly wrong.
 class ScanWatch {
  public:
   ScanWatch();

@@ -206,7 +206,9 @@ def main(arguments: list[str]) -> int:
         print(f"mapless: error: {error}", file=sys.stderr)
         return error.exit_code
     except OSError as error:
-        print(f"mapless: error: {error}", file=sys.stderr)
+        place = error.filename2 or error.filename
+        what = f"{place}: {error.strerror}; check the path and its permissions" if place else error
+        print(f"mapless: error: {what}", file=sys.stderr)
         return int(ExitCode.TEMPORARY if error.errno in (28, 122) else ExitCode.FAILURE)
     except KeyboardInterrupt:
         say("interrupted; what is done is kept, the same command goes on with the rest")

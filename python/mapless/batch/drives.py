@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterator, Mapping
 
 import mapless
 from mapless import _core
+from mapless._command import not_utf8
 from mapless.batch import storage
 from mapless.batch.errors import BatchError, ExitCode
 from mapless.batch.plan import Refusal, absolute
@@ -22,6 +23,8 @@ ROSBAG2_KEY = b"rosbag2_bagfile_information"
 # To distinguish copies of a drive from drives of the same sizes: the first bytes of some of the files.
 COMPARED_FILES = 8
 COMPARED_BYTES = 65536
+# Format of a folder that cannot be looked into.
+UNKNOWN = "unknown"
 
 
 @dataclasses.dataclass
@@ -41,6 +44,8 @@ def formats_of(path: pathlib.Path, holds: Callable[[pathlib.Path], bytes] = path
         metadata = path / "metadata.yaml"
         if metadata.is_file() and ROSBAG2_KEY in holds(metadata):
             return ["rosbag2"]
+        if not_utf8([str(path)]) is not None:
+            return [UNKNOWN]  # mapless.open refuses it by name
         return _core.recognised_formats(str(path))
     return [reader.formats[0] for reader in READERS if reader.fits(path)][:1]
 

@@ -39,7 +39,7 @@ def read_npy(file: pathlib.Path, columns: np.dtype[np.void] | None) -> Array:
     """(N, C) with the columns x, y, z first or as named, or a structured array."""
     try:
         array: Array = np.load(file, allow_pickle=False)
-    except (ValueError, EOFError, OSError) as error:
+    except (ValueError, EOFError, OSError, MemoryError) as error:
         raise InputError(f"{file}: no array of NumPy: {error}") from None
     if array.dtype.names is not None:
         return array.reshape(-1)

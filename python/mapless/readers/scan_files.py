@@ -109,11 +109,11 @@ class ScanFiles(CloudSource):
         return self._fields(k)[0]
 
     def scan_name(self, k: int) -> str:
-        return str(self.files[k])
+        return str(self.files[k]).encode("utf-8", "backslashreplace").decode()
 
     def _fields(self, k: int) -> tuple[Fields, list[str]]:
         stamp_ns = 0 if self._stamps_ns is None else self._stamps_ns[k]
-        fields, notes = fields_of_cloud(self._read_cloud(self.files[k]), stamp_ns, 1, str(self.files[k]))
+        fields, notes = fields_of_cloud(self._read_cloud(self.files[k]), stamp_ns, 1, self.scan_name(k))
         if self._compensated_after_ns is not None:
             fields.compensated_to_ns = stamp_ns + self._compensated_after_ns
         return fields, notes

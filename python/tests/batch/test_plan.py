@@ -73,6 +73,22 @@ def test_no_drive_is_bad_data_and_leaves_no_plan(tmp_path, batch):
     assert batch("plan", tmp_path / "none", "-o", tmp_path / "plan")[0] == 3
 
 
+def test_a_folder_whose_name_is_not_utf8_is_refused_by_name_and_the_others_planned(tmp_path, make_drive, batch):
+    make_drive(tmp_path / "drives" / "a", 4)
+    (tmp_path / "drives" / "b\udcff").mkdir()
+    code, _, err = batch("plan", tmp_path / "drives", "-o", tmp_path / "plan")
+    assert [line["id"] for line in read(tmp_path / "plan")] == ["a"]
+    assert "is not UTF-8; rename the file or folder" in err
+    assert code == 4
+
+
+def test_a_plan_into_a_folder_is_refused_by_name(tmp_path, make_drive, batch):
+    make_drive(tmp_path / "drives" / "a", 4)
+    code, _, err = batch("plan", tmp_path / "drives", "-o", tmp_path / "drives")
+    assert code == 1
+    assert err.splitlines()[-1] == f"mapless: error: {tmp_path}/drives: Is a directory; check the path and its permissions"
+
+
 def test_a_line_that_was_edited_is_refused(tmp_path, make_drive, batch):
     make_drive(tmp_path / "drives" / "a", 4)
     plan = tmp_path / "plan"

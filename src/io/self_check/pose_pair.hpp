@@ -50,6 +50,9 @@ class PosePair {
   };
   /// None where `said` does not cover the scans.
   [[nodiscard]] std::optional<Flank> flank(const Motion& said, const Vector6d& found) const;
+  /// Whether the points that are on surfaces under `found` alone lie within half a turn of the sensor. They
+  /// may then be of one vehicle: a plane separates it from the sensor. A wrong motion shows all around.
+  [[nodiscard]] bool one_sided(const Motion& said, const Vector6d& found) const;
   /// The constant velocity near `velocity` under which the two fit best.
   [[nodiscard]] Vector6d registered(Vector6d velocity) const;
   /// The constant velocity between the starts of the two scans.
@@ -84,6 +87,7 @@ class PosePair {
     double apart_m;          // displacement of the points between the two (median)
   };
   [[nodiscard]] std::optional<Accounts> accounts(const Motion& said, const Vector6d& found) const;
+  static double moved_m(const Surfel& s, const Poses& poses, const Poses& other);
   [[nodiscard]] double peak(const Poses& poses, const Vector6d& towards_other, double apart_m) const;
   bool step(Vector6d& velocity, double reach_m, double scale_m) const;
 

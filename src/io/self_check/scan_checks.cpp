@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "io/self_check/beam_check.hpp"
+#include "io/self_check/noise_check.hpp"
 #include "io/self_check/range_check.hpp"
 #include "io/self_check/time_check.hpp"
 
@@ -44,15 +45,16 @@ void ScanChecks::add(const LidarScan& scan, std::size_t k, const Trajectory* giv
   ranges_.add(check_ranges(scan), k);
   beams_.add(check_beams(scan, given), k);
   times_.add(check_point_times(scan), k);
+  noise_.add(check_noise(scan), k);
 }
 
 std::vector<CheckResult> ScanChecks::results(const Dataset& dataset) const {
-  return {beams_.result(dataset), ranges_.result(dataset), times_.result(dataset)};
+  return {beams_.result(dataset), ranges_.result(dataset), times_.result(dataset), noise_.result(dataset)};
 }
 
 std::vector<std::string> ScanChecks::lines() const {
   std::vector<std::string> out;
-  for (const Findings& findings : {beams_, ranges_, times_}) {
+  for (const Findings& findings : {beams_, ranges_, times_, noise_}) {
     if (std::string line = findings.line(); !line.empty()) out.push_back(std::move(line));
   }
   return out;

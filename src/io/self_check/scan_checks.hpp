@@ -28,7 +28,7 @@ class Findings {
   std::vector<std::size_t> bad_;
 };
 
-/// The checks of single scans: ranges, beams, times of the points.
+/// The checks of single scans: ranges, beams, times of the points, noise.
 class ScanChecks {
  public:
   /// `given`: the poses, to tell points in the world frame; may be null.
@@ -38,7 +38,7 @@ class ScanChecks {
   [[nodiscard]] std::vector<std::string> lines() const;
 
  private:
-  Findings ranges_{"ranges"}, beams_{"beams"}, times_{"times"};
+  Findings ranges_{"ranges"}, beams_{"beams"}, times_{"times"}, noise_{"noise"};
 };
 
 }  // namespace mapless

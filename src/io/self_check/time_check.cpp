@@ -20,6 +20,9 @@ constexpr double kDoubtfulRate = 0.15, kWrongRate = 0.35;
 constexpr double kDoubtfulScatter = 0.02, kWrongScatter = 0.08;
 // Times that span less than this share of the turn are those of the lasers within a column, at most.
 constexpr double kOneTime = 0.01;
+// Spinning lidars turn at 5 to 20 Hz by their data sheets. A slower one than this, or a faster one, has times
+// that are ten times too long or too short.
+constexpr double kSlowest_hz = 2.5, kFastest_hz = 45;
 // Two scans overlap where the later begins this share of a turn before the end of the earlier.
 constexpr double kOverlap = 0.2;
 
@@ -125,8 +128,22 @@ ScanFinding check_point_times(const LidarScan& scan) {
   return found;
 }
 
-ScanFinding check_scan_times(const Dataset& dataset, std::size_t first, std::size_t count) {
+ScanFinding check_rate(const LidarModel& model) {
+  const double rate_hz = model.rotation_rate_hz;
   ScanFinding found;
+  found.trust = rate_hz < kSlowest_hz || rate_hz > kFastest_hz ? Trust::doubtful : Trust::right;
+  found.measured = fmt::format("a turn takes {:.4f} s", 1 / rate_hz);
+  if (found.trust == Trust::right) return found;
+  found.problem = fmt::format(
+      "{} turns at {:.3g} Hz, where spinning lidars turn at 5 to 20 Hz: times look about ten times too {}",
+      model.name, rate_hz, rate_hz < kSlowest_hz ? "long" : "short");
+  found.remedy = "correct the times, or the rate of the sensor";
+  return found;
+}
+
+ScanFinding check_scan_times(const Dataset& dataset, std::size_t first, std::size_t count) {
+  ScanFinding found = check_rate(*dataset.model());
+  if (found.trust != Trust::right) return found;
   if (count < 2) {
     found.measured = "not checked: one scan";
     return found;

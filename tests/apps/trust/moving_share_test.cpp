@@ -1,5 +1,6 @@
 #include "trust/moving_share.hpp"
 
+#include <algorithm>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -10,10 +11,18 @@ namespace MAPLESS_FILE {
 
 using testing::HasSubstr;
 
-// Of 10,000 points a scan, these per cent move.
-MovingShare share_of(const std::vector<std::size_t>& per_cent) {
+// The same number of points in each of the first `sectors` sectors.
+MovingShare::Sectors evenly(std::size_t points, std::size_t sectors = MovingShare::kSectors) {
+  MovingShare::Sectors out{};
+  std::fill_n(out.begin(), sectors, points / sectors);
+  return out;
+}
+
+// Of 16,000 points a scan, these per cent move, all in the first `sectors` sectors.
+MovingShare share_of(const std::vector<std::size_t>& per_cent, std::size_t sectors = MovingShare::kSectors) {
   MovingShare share;
-  for (std::size_t k = 0; k < per_cent.size(); ++k) share.add(40 + k, 100 * per_cent[k], 10'000);
+  for (std::size_t k = 0; k < per_cent.size(); ++k)
+    share.add(40 + k, evenly(160 * per_cent[k], sectors), evenly(16'000));
   return share;
 }
 
@@ -31,13 +40,18 @@ TEST(MovingShare, NamesTheScanInWhichTheShareRises) {
               HasSubstr("from 1 to 24 % at once in scan 49:"));
 }
 
+// A lorry that comes beside the sensor fills half of the view at most, and may be found within one scan.
+TEST(MovingShare, AcceptsAVehicleThatFillsHalfOfTheView) {
+  EXPECT_EQ(share_of({0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 22, 18, 13, 20, 4, 0}, 8).trouble(), "");
+}
+
 TEST(MovingShare, FindsARunInWhichNearlyAllMoves) {
   EXPECT_THAT(share_of(std::vector<std::size_t>(20, 60)).trouble(), HasSubstr("60 % of all points"));
 }
 
 TEST(MovingShare, DoesNotJudgeScansOfFewPoints) {
   MovingShare share;
-  for (std::size_t k = 0; k < 20; ++k) share.add(k, k % 2 == 0 ? 0 : 400, 500);
+  for (std::size_t k = 0; k < 20; ++k) share.add(k, evenly(k % 2 == 0 ? 0 : 400), evenly(500));
   EXPECT_EQ(share.trouble(), "");
 }
 

@@ -188,6 +188,20 @@ TEST(PcdFolder, RefusesAScanThatLacksAFieldOfTheOthers) {
   EXPECT_THAT(refusal(2), AllOf(HasSubstr("2.pcd"), HasSubstr("no laser (ring) of each point")));
 }
 
+// A driver that has lost its packets for a turn.
+TEST(PcdFolder, AScanWithoutPointsHasTheFieldsOfTheOthers) {
+  const test::TemporaryFolder folder;
+  write_file_atomically(folder / "times.txt", "100\n100.1\n100.2\n");
+  const std::vector<Firing> fired = firings(0, 1808);
+  write_scan(folder / "0.pcd", {}, {kRing, kTimeNs});
+  write_scan(folder / "1.pcd", fired, {kRing, kTimeNs});
+  write_scan(folder / "2.pcd", {}, {kRing, kTimeNs});
+  const auto dataset = open_pcd_folder(folder.path(), vlp16());
+  EXPECT_TRUE(dataset->read(0).returns.empty());
+  EXPECT_FALSE(dataset->read(1).returns.empty());
+  EXPECT_TRUE(dataset->read(2).returns.empty());
+}
+
 TEST(PcdFolder, AcceptsRingsCountedFromTheTop) {
   const auto fired = firings(0, 1808);
   const Column from_top{"ring", 'U', 2, [](const Firing& f) { return 15 - f.laser; }};
