@@ -49,6 +49,10 @@ constexpr int kEndedPerTen = 3;
 // one cell in seven after five key scans. Chosen.
 constexpr int kMostBridged = 8;
 
+// By so many key scans the own vehicle is remembered: behind and beside its parts other things come and go,
+// and whether a run ends freely with them. Chosen: half a second.
+constexpr int kMostOwn = 5;
+
 // Firings jitter by a column from scan to scan.
 constexpr int kColumnsAside = 2;
 
@@ -80,6 +84,7 @@ void OwnVehicle::Cell::add(float seen_m, float tolerance_m) {
     range_m = seen_m < kLargestRange_m ? seen_m : 0;
     others = static_cast<std::uint8_t>(std::min(same + others - 1, kMostOthers));
     same = range_m > 0 ? 1 : 0;
+    own = 0;
   }
   if (same + others >= kRemembered) {
     same /= 2;
@@ -184,9 +189,12 @@ void OwnVehicle::find_own_cells(const LidarScan& scan) {
   near_own_.assign(cells_.size(), 0);
   any_own_ = false;
   for (std::size_t k = 0; k < runs.size(); ++k) {
-    if (excess_of(k) < 0) continue;
-    any_own_ = true;
+    const int found = excess_of(k) < 0 ? -1 : 1;
     for (const int c : runs[k].columns) {
+      Cell& cell = cells_[cell_index(runs[k].row, c)];
+      cell.own = static_cast<std::int8_t>(std::clamp(cell.own + found, -kMostOwn, kMostOwn));
+      if (cell.own <= 0) continue;
+      any_own_ = true;
       own_[cell_index(runs[k].row, c)] = 1;
       const int last = std::min(c + kColumnsAside, model_->columns - 1);
       for (int near = std::max(c - kColumnsAside, 0); near <= last; ++near)

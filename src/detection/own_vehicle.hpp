@@ -29,6 +29,8 @@ namespace mapless::inline v1 {
 ///   to kMostBridged, do not divide a run.
 /// - A body is made of runs of neighbouring rows, of one surface. It is on the own vehicle if half of it or
 ///   more is in runs that end freely. Ground between parts of the own vehicle may count as one of them.
+///   So it must have been in most of the last key scans, up to kMostOwn: what is behind its edges comes and
+///   goes.
 /// - A return is on the own vehicle if its range is that of such a cell in its row, at most
 ///   kColumnsAside from its own. Anything in front of the own vehicle has another range.
 ///
@@ -48,6 +50,7 @@ class OwnVehicle {
     float range_m = 0;        // 0: none below kLargestRange_m
     std::uint8_t same = 0;    // key scans with this range
     std::uint8_t others = 0;  // with another
+    std::int8_t own = 0;      // key scans in which its body was the own vehicle less the others, of the last
     [[nodiscard]] bool constant(int key_scans) const;
     void add(float seen_m, float tolerance_m);
   };

@@ -236,18 +236,18 @@ TEST(OwnVehicle, IsNoDarkSideWhoseEndMoves) {
   }
 }
 
-// What is found of a bonnet in five rows after eight key scans, where something that moves, at most 0.15 m
-// nearer or farther, is beside it in the lowest `touched` rows.
-std::size_t found_where_touched(int touched) {
+// What is found of a bonnet in five rows in the last of `scans` key scans, where something that moves, at
+// most 0.15 m nearer or farther, is beside it in the lowest `touched` rows, in scan `from` and later.
+std::size_t found_where_touched(int touched, int from = 0, int scans = 8) {
   OwnVehicle own;
   const std::vector<double> lasers(5, 0);
   const LidarScan first = test::small_scan(lasers, 3);
   std::size_t found = 0;
-  for (int k = 0; k < 8; ++k) {
-    LidarScan scan = test::small_scan(lasers, 3 - 0.1 * k);
+  for (int k = 0; k < scans; ++k) {
+    LidarScan scan = test::small_scan(lasers, 4 - 0.1 * k);
     scan.model = first.model;
     for (LidarReturn& r : scan.returns) {
-      const bool touches = r.laser < touched && r.column > kLastOwn && r.column <= kLastOwn + 4;
+      const bool touches = k >= from && r.laser < touched && r.column > kLastOwn && r.column <= kLastOwn + 4;
       if (r.column >= kFirstOwn && r.column <= kLastOwn) r.range_m = 1.5F;
       if (touches) r.range_m = 1.35F + 0.1F * static_cast<float>(k % 4);
     }
@@ -261,6 +261,13 @@ std::size_t found_where_touched(int touched) {
 TEST(OwnVehicle, IsABodyMostOfWhichEndsFreely) {
   EXPECT_EQ(found_where_touched(2), 5 * kBonnet / 2);
   EXPECT_EQ(found_where_touched(3), 0U);
+}
+
+// What comes to its ends in a later scan does not make another body of it at once: it was found in more than
+// five scans, and five speak against it.
+TEST(OwnVehicle, IsRememberedForFiveKeyScans) {
+  EXPECT_EQ(found_where_touched(3, 10, 13), 5 * kBonnet / 2);
+  EXPECT_EQ(found_where_touched(3, 10, 16), 0U);
 }
 
 // `own` drives with the sensor at `speed_mps`: of scans `first` to 25, the points that move.
