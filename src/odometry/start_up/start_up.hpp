@@ -91,6 +91,7 @@ class StartUp {
   [[nodiscard]] bool is_weakly_constrained() const;
   Result decide();
   void refine_first_scans();
+  [[nodiscard]] RegistrationSettings with_observed_rotation() const;
   std::optional<Registration> refine_jointly();
   std::optional<Registration> try_from_rest(double min_score);
   Result restart();
