@@ -122,14 +122,9 @@ def check_file(root, file, headers):
             yield f"{file.relative_to(root)}: {match[0].strip()} needs <{needed.rstrip('/')}>, which nothing that it includes brings"
 
 
-def forget():
-    """The files may be others now."""
-    for kept in (includes_of, code_of, declared_in):
-        kept.cache_clear()
-
-
 def check_tree(root):
-    forget()
+    for kept in (includes_of, code_of, declared_in):
+        kept.cache_clear()  # the files may be others now
     files = [f for folder in FOLDERS for f in sorted((root / folder).rglob("*")) if f.suffix in (".hpp", ".cpp")]
     headers = headers_of_types(files)
     return [fault for file in files for fault in check_file(root, file, headers)]

@@ -8,6 +8,7 @@ import sys
 from collections.abc import Mapping
 
 from mapless import _core
+from mapless._text import not_utf8
 from mapless.readers import FORMATS, OPTIONS
 
 
@@ -18,16 +19,6 @@ def _open(path: str, format: str, sensor: str, given: Mapping[str, str]) -> _cor
     from mapless._open import open_in_python
 
     return open_in_python(path, format, sensor, given)
-
-
-def not_utf8(arguments: list[str]) -> str | None:
-    """The first argument that is not UTF-8, which the C++ library does not take from Python, as it can be printed."""
-    for argument in arguments:
-        try:
-            argument.encode()
-        except UnicodeEncodeError:
-            return argument.encode("utf-8", "backslashreplace").decode()
-    return None
 
 
 def run(arguments: list[str]) -> int:

@@ -7,8 +7,8 @@ import pathlib
 from collections.abc import Mapping
 
 from mapless import _core
-from mapless._command import not_utf8
 from mapless._recording import MOST_NS, UNEXPECTED, CloudSource, Recording
+from mapless._text import not_utf8
 from mapless.readers import FIELDS, Options
 from mapless.readers.registry import READERS, Reader
 

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator, Mapping
 
 import mapless
 from mapless import _core
-from mapless._command import not_utf8
+from mapless._text import not_utf8
 from mapless.batch import storage
 from mapless.batch.errors import BatchError, ExitCode
 from mapless.batch.plan import Refusal, absolute

@@ -201,7 +201,7 @@ class EvidenceGrowth {
       const auto number = static_cast<std::uint16_t>(std::min<std::size_t>(ends_.size(), kMaxObjectNumber));
       for (const std::int32_t j : front_) result_.object[static_cast<std::size_t>(j)] = number;
     }
-    for (const std::int32_t i : objects_) marks_.mark(i);
+    marks_.mark(objects_);
   }
 
   [[nodiscard]] std::span<const std::int32_t> object(std::size_t n) const {

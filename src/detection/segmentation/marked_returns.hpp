@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "lidar/aligned_image.hpp"
@@ -28,6 +29,12 @@ class MarkedReturns {
   }
   void unmark(std::int32_t i) {
     each_bit(i, [](std::uint64_t& word, std::uint64_t bit) { word &= ~bit; });
+  }
+  void mark(std::span<const std::int32_t> returns) {
+    for (const std::int32_t i : returns) mark(i);
+  }
+  void unmark(std::span<const std::int32_t> returns) {
+    for (const std::int32_t i : returns) unmark(i);
   }
 
   /// The marks of `count` <= kWrapColumns columns of a row, from aligned column `first` in [-kWrapColumns,

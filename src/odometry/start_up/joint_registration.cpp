@@ -19,7 +19,7 @@ constexpr int kMaxSteps = 30;
 // RegistrationSettings::small_step: 3 mm and 0.3 mrad. Derived: a step moves a scan to where the others are,
 // and these move as well, so that several steps hardly smaller than the first follow. Measured: with 5 the
 // tunnel of TEST(StartUp, TheStepsOfAPersonAreNotEvenedOut) ends after two steps.
-constexpr double kSmallStep = 3;
+constexpr double kSmallJointStep = 3;
 // The maps move with the scans, so that a step may lose inliers; along a weakly constrained direction it may
 // diverge. The iteration ends at a step with fewer soft inliers than this part of the most so far. Measured:
 // without the limit one motorway start of 50 went from 27 to 10 m/s (docs/notebook/odometry.md, "How it
@@ -100,9 +100,9 @@ void add_scan(std::size_t interval, std::vector<BinSums>& sums, const Registrati
     registration.inliers += bin.inliers;
     registration.soft_inliers += bin.soft_inliers;
   }
-  // Every pair of scans enters twice, points of the first on planes of the second and the reverse, each with
-  // half its information. A scan is moved by both halves alike: its own points stand for those that others
-  // have on its planes.
+  // Every pair of scans enters twice, points of the first on planes of the second and the reverse, so each
+  // would count half. But the derivative is taken for one scan alone: it leaves out that the points of the
+  // others lie on planes of this one, which tell of its motion as much. Twice one half is the whole.
   add_points(sums, interval, kInformationRatio, system);
 }
 
@@ -152,7 +152,7 @@ std::optional<double> joint_gauss_newton_step(const WindowPrior& prior, const st
 std::optional<Registration> register_jointly(std::vector<TrajectoryKnot> knots, const WindowPrior& prior,
                                              const std::vector<UsableScan>& scans,
                                              RegistrationSettings settings) {
-  settings.small_step = kSmallStep;
+  settings.small_step = kSmallJointStep;
   MapsOfOthers maps(settings.point_sigma_m, 1);
   Registration out;
   out.knots = std::move(knots);

@@ -7,11 +7,6 @@
 
 namespace mapless::inline v1 {
 
-/// RegistrationSettings::small_step of the start: 5 mm and 0.5 mrad. Points change their planes from step to
-/// step, so that in a forest the steps stay at 1 to 5 mm for 25 steps. Measured: docs/notebook/odometry.md,
-/// "Cost of the start".
-inline constexpr double kSmallStartUpStep = 5;
-
 /// Registers a few consecutive scans at once, each to the map of all the others. Together they constrain a
 /// motion that the first two scans of a sparse sensor leave open. `knots` and `prior` cover the whole time;
 /// UsableScan::interval counts in `knots`. Inliers and degeneracy of the result are those of the last scan.

@@ -36,6 +36,10 @@ constexpr double kNearTurnRateSigma_radps = 0.5;
 constexpr int kEdgeSteps = 8;
 // The same along a direction in which the speed is imposed: far below the steps between these speeds.
 constexpr double kImposedSpeedSigma_mps = 0.02;
+// RegistrationSettings::small_step: 5 mm and 0.5 mrad. Points change their planes from step to step, so that
+// in a forest the steps stay at 1 to 5 mm for 25 steps. Measured: docs/notebook/odometry.md, "Cost of the
+// start".
+constexpr double kSmallPairStep = 5;
 // Fewest soft inliers of a motion. Measured without the limit on flying starts: one better, two worse
 // (docs/notebook/odometry.md, "How it starts").
 constexpr double kMinSoftInliers = 50;
@@ -196,7 +200,7 @@ bool PairOfScans::iterate(double scale, int steps, bool coarse, const WindowPrio
                           Registration& registration) const {
   RegistrationSettings level = settings_;
   level.weights.gate_m *= scale;
-  level.small_step = kSmallStartUpStep;
+  level.small_step = kSmallPairStep;
   registration.converged = false;
   PlaneMap map(scale * settings_.point_sigma_m, scale, kGrids);
   for (int i = 0; i < steps && !registration.converged; ++i) {

@@ -326,9 +326,9 @@ bool StartUp::is_weakly_constrained() const {
 
 // The settings with the density of the rotation of these scans: a walking person rolls the sensor at 4
 // rad/s^2, 12 times what the expected density allows in a scan. That of the translation stays the expected
-// one: along a direction that planes hardly fix, changes of the estimated velocity are its errors. Measured
-// (docs/notebook/odometry.md, "The joint registration of the first scans"): VLP-16 flights err by 3.3 and 1.8
-// cm over the first four scans, with both densities by 8.3 and 13.5, with neither by 4.7 and 10.7.
+// one: along a direction that planes hardly fix, changes of the estimated velocity are its errors. Measured:
+// with both observed, VLP-16 flights err several times as much (docs/notebook/odometry.md, "The joint
+// registration of the first scans").
 RegistrationSettings StartUp::with_observed_rotation() const {
   RegistrationSettings out = settings_;
   const auto of_start = std::span(best().knots).subspan(scans_.front().interval);

@@ -42,19 +42,12 @@ SideSearch::SideSearch(const LidarScan& scan, const ObjectProposals& proposed,
       neighbours_(scan, proposed.points, proposed.parameters),
       reached_(scan, neighbours_.image()) {}
 
-void SideSearch::mark(std::span<const std::int32_t> points) {
-  for (const std::int32_t i : points) reached_.mark(i);
-}
-void SideSearch::unmark(std::span<const std::int32_t> points) {
-  for (const std::int32_t i : points) reached_.unmark(i);
-}
-
 // Adds the points linked to these within the plane. It is fitted anew each time they are twice as many, as a
 // side of 20 m is longer than a direction known from its first metre reaches.
 template <class Ends>
 SideSearch::Points SideSearch::linked_in_plane(Points found, const Vector3f& velocity, Ends&& ends,
                                                SlidingSide& side) {
-  mark(found);
+  reached_.mark(found);
   fit(found, velocity, side);
   std::size_t fitted = found.size();
   bool ended = std::any_of(found.begin(), found.end(), ends);
@@ -70,7 +63,7 @@ SideSearch::Points SideSearch::linked_in_plane(Points found, const Vector3f& vel
       ended = ended || ends(j);
     });
   }
-  unmark(found);
+  reached_.unmark(found);
   if (ended) found.clear();
   return found;
 }
@@ -111,12 +104,12 @@ SideSearch::Points SideSearch::static_points_beside(std::span<const std::int32_t
     reached_.mark(j);
     beside.push_back(j);
   };
-  mark(object);  // it moves: its points need not be looked at
+  reached_.mark(object);  // it moves: its points need not be looked at
   for (const std::int32_t i : object) for_each_unreached(i, visit);
   for (std::size_t next = 0; next < beside.size() && beside.size() < kNear; ++next)
     for_each_unreached(beside[next], visit);
-  unmark(object);
-  unmark(beside);
+  reached_.unmark(object);
+  reached_.unmark(beside);
   return beside;
 }
 

@@ -66,8 +66,6 @@ class SideSearch {
   void for_each_unreached(std::int32_t point, Visit&& visit) const {
     neighbours_.for_each<LinkedNeighbours::Of::unmarked>(point, kLinkRows, kLinkColumns, reached_, visit);
   }
-  void mark(std::span<const std::int32_t> points);
-  void unmark(std::span<const std::int32_t> points);
   template <class Ends>
   [[nodiscard]] Points linked_in_plane(Points found, const Eigen::Vector3f& velocity, Ends&& ends,
                                        SlidingSide& side);
