@@ -41,6 +41,7 @@ struct ObjectProposals {
   std::vector<ReferenceRays> references;         ///< that gave the evidence
   VotingParameters parameters;                   ///< with the tolerance for the noise of `scan`
   std::vector<std::vector<std::int32_t>> faint;  ///< EvidenceGrowthResult::faint
+  std::vector<std::int32_t> rims;                ///< EvidenceGrowthResult::rims
   StageSeconds seconds;
   std::shared_ptr<ScanExplanation> explanation;  ///< null unless wanted: DetectionPipeline::explain
 };

@@ -236,6 +236,7 @@ ObjectProposals VotingPipeline::run_stages(PendingScan query, const std::vector<
   out.objects = regions.objects;
   out.evidence = std::move(regions.evidence);
   out.faint = std::move(regions.faint);
+  out.rims = std::move(regions.rims);
   out.votes = std::move(evidence);
   out.points = std::move(query.points);
   out.parameters = query.parameters;

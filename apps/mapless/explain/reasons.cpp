@@ -37,8 +37,8 @@ const std::array<ReasonText, kPointSteps> kPointTexts = {{
     {"no evidence", "Its votes sum to 0: no scan says that it moves."},
     {"static votes",
      "Its votes sum to {votes}, and a point is evidence of motion above 0. {near} of its 14 "
-     "neighbours are part of an object; a hole is filled from {fill_neighbours} on, at "
-     "{firmly_static} votes or more."},
+     "neighbours are part of an object; a hole is filled from {fill_neighbours} on (of two "
+     "lasers at least, where these are far apart), at {firmly_static} votes or more."},
     {"little support",
      "Its votes sum to {votes}, with those of {supporters} linked neighbours to {support}: a "
      "seed takes {seed_score}. No linked point within 2 lasers and 4 columns is part of an "

@@ -1,6 +1,7 @@
 #include "detection/segmentation/evidence_growth.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <span>
 
 #include <oneapi/tbb/blocked_range.h>
@@ -140,6 +141,8 @@ class EvidenceGrowth {
   void fill() {
     std::vector<std::int8_t> dynamic_neighbours(votes_.size(), 0);
     std::vector<std::int32_t> added = dynamic_;
+    const std::size_t grown_points = dynamic_.size();
+    const MarkedReturns grown = marks_;
     for (int round = 0; round < kFillRounds + kTangentialRounds && !added.empty(); ++round) {
       count_neighbours(added, round < kFillRounds ? kFirmlyStatic : kTangentialVotes, dynamic_neighbours);
       for (const std::int32_t i : front_) {
@@ -149,7 +152,28 @@ class EvidenceGrowth {
       dynamic_.insert(dynamic_.end(), front_.begin(), front_.end());
       added.swap(front_);
     }
+    find_rims(std::span(dynamic_).subspan(grown_points), grown);
     std::sort(dynamic_.begin(), dynamic_.end());
+  }
+
+  // The points of `filled`, in the order in which they were, that have too few neighbours in the marked ones
+  // and those before them that are no rim, or have them in one row far away.
+  void find_rims(std::span<const std::int32_t> filled, MarkedReturns marked) {
+    for (const std::int32_t i : filled) {
+      const LidarReturn& r = scan_.returns[static_cast<std::size_t>(i)];
+      int neighbours = 0;
+      unsigned rows = 0;  // one bit each
+      neighbours_.for_each<Of::marked>(i, kSupportRows, kSupportColumns, marked, [&](std::int32_t j) {
+        ++neighbours;
+        rows |= 1U << (scan_.returns[static_cast<std::size_t>(j)].laser - r.laser + kSupportRows);
+      });
+      const double rows_apart_m = scan_.model->elevation_step(r.laser) * static_cast<double>(r.range_m);
+      if (neighbours >= kFillNeighbours && (std::popcount(rows) > 1 || rows_apart_m <= parameters_.link_m)) {
+        marked.mark(i);
+      } else {
+        result_.rims.push_back(i);
+      }
+    }
   }
 
   // In the first scans no point of the world is known to be static, and tangential surfaces would extend over

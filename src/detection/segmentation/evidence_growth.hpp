@@ -28,6 +28,10 @@ struct EvidenceGrowthResult {
   /// One per return. 0: static; else 1, 2, ... 65535 (shared beyond), by lowest return index.
   std::vector<std::uint16_t> object;
   int objects = 0;
+  /// Points of objects that are filled from one laser alone, where lasers are more than link_m apart: the
+  /// next row beyond a body is of the ground beneath it as often as of the body. They are no part of labels,
+  /// but of the object in all else: docs/notebook/detection.md, "Rims".
+  std::vector<std::int32_t> rims;
   std::vector<ObjectEvidence> evidence;  ///< by object number - 1
   /// Clusters of linked points that are in no object though their votes are above 0: too little in this scan
   /// alone (StraightPaths). Not objects.

@@ -35,6 +35,7 @@ void explain_segmentation(const LidarScan& scan, const LocalPoints& points,
       if (regions.object[static_cast<std::size_t>(j)] != 0) ++out.reach_labelled;
     });
   });
+  for (const std::int32_t i : regions.rims) explanation.points[static_cast<std::size_t>(i)].proposed = 0;
 }
 
 }  // namespace mapless

@@ -50,6 +50,7 @@ Detection MovingObjects::classify(ObjectProposals proposed) {
   }
   if (detection.explanation) explain(proposed.evidence, moved, detection);
   erase_dropped(states_, now);
+  take_off(proposed.rims, detection);
   std::vector<std::uint32_t> completing =
       complete_bodies(proposed.points, proposed.votes, detection.tracked, motions_, detection.object);
   const std::vector<std::uint32_t> sides =
@@ -99,6 +100,15 @@ void MovingObjects::give_ids(std::vector<TrackedObject>& moving, Time now) {
     if (given.id == 0) given.id = next_id_++;
     given.moved = now;
     object.id = given.id;
+  }
+}
+
+void MovingObjects::take_off(const std::vector<std::int32_t>& rims, Detection& detection) {
+  for (const std::int32_t i : rims) {
+    std::uint16_t& number = detection.object[static_cast<std::size_t>(i)];
+    --detection.tracked[number - 1U].points;
+    detection.trace[static_cast<std::size_t>(i)].growth = GrowthVerdict::not_reached;
+    number = 0;
   }
 }
 

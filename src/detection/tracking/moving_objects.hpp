@@ -47,6 +47,8 @@ class MovingObjects {
   };
   void give_ids(std::vector<TrackedObject>& moving, Time now);
   [[nodiscard]] std::uint32_t given_id(std::uint32_t track) const;  // 0: none
+  /// Makes the rims of objects static.
+  static void take_off(const std::vector<std::int32_t>& rims, Detection& detection);
   void stop_standing(const ObjectProposals& proposed, const Detection& detection);
   void explain(const std::vector<ObjectEvidence>& evidence, const std::vector<bool>& moved,
                Detection& detection) const;

@@ -4,6 +4,7 @@
 #include <random>
 #include <set>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "oracle/evidence_growth_oracle.hpp"
@@ -147,6 +148,21 @@ TEST_F(EvidenceImage, FillsHolesAndRims) {
   EXPECT_EQ(grow().verdict[at(2, 9)], GrowthVerdict::not_reached);
   parameters_.grow = false;
   EXPECT_EQ(grow().verdict[at(2, 7)], GrowthVerdict::not_reached);
+}
+
+// At 5 m lasers are 0.05 m apart, a hundredth of a radian. (2, 9) is beside (2, 8), too, but that is a rim.
+TEST_F(EvidenceImage, RimsAreFilledFromOneDistantLaser) {
+  parameters_.link_per_m = 20;  // all are linked
+  for (int c = 4; c <= 12; ++c) set(3, c, 3);
+  parameters_.link_m = 0.051;
+  EXPECT_TRUE(grow().rims.empty());
+  parameters_.link_m = 0.049;
+  for (const int c : {8, 9}) EXPECT_THAT(grow().rims, testing::Contains(at(2, c)));
+  for (const auto& [row, column] : {std::pair{1, 8}, {2, 10}}) {  // in the row beyond, or its own
+    set(row, column, 3);
+    for (const int c : {8, 9}) EXPECT_THAT(grow().rims, testing::Not(testing::Contains(at(2, c))));
+    set(row, column, 0);
+  }
 }
 
 // A straight end advances by one column per round in its middle: two rounds, and six more over points of at

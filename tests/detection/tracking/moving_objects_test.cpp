@@ -1,5 +1,7 @@
 #include "detection/tracking/moving_objects.hpp"
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 #include "support/toy_scene.hpp"
@@ -62,6 +64,24 @@ TEST(MovingObjects, NumbersMovingObjectsOnly) {
         EXPECT_EQ(detection.trace[i].growth == GrowthVerdict::static_track, !moves && box[i] == 1);
       }
     }
+  }
+}
+
+// The rims of an object that moves are static, and not counted with it.
+TEST(MovingObjects, RimsAreNoPartOfLabels) {
+  const auto scene = room_with_box(1);
+  MovingObjects moving{DetectorParameters{}};
+  for (int k = 0; k < 4; ++k) {
+    ObjectProposals proposed = propose(scene, k, kDisplacement_m);
+    const std::vector<std::uint16_t> box = proposed.object;
+    const auto points = static_cast<int>(std::count(box.begin(), box.end(), 1));
+    const auto first = std::find(box.begin(), box.end(), 1) - box.begin();
+    proposed.rims = {static_cast<std::int32_t>(first)};
+    const Detection detection = moving.classify(std::move(proposed));
+    ASSERT_EQ(detection.objects, 1);
+    EXPECT_EQ(detection.tracked.front().points, points - 1);
+    for (std::size_t i = 0; i < box.size(); ++i)
+      EXPECT_EQ(detection.dynamic(i), box[i] == 1 && i != static_cast<std::size_t>(first));
   }
 }
 
