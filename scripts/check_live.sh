@@ -30,3 +30,4 @@ for motion in tf own; do
   PYTHONDONTWRITEBYTECODE=1 "$work/environment/bin/python" tests/live/live_client.py "$mapless" "$work/drive" "$motion"
 done
 PYTHONDONTWRITEBYTECODE=1 "$work/environment/bin/python" tests/live/live_rig_client.py "$mapless" "$work/rig"
+PYTHONDONTWRITEBYTECODE=1 "$work/environment/bin/python" tests/live/live_topics_client.py "$mapless"

@@ -148,6 +148,18 @@ std::vector<LivePose> live_poses(const LiveOutput& output) {
   return poses;
 }
 
+std::vector<LiveTransform> live_transforms(const LiveOutput& output, bool inverted) {
+  std::vector<LiveTransform> transforms;
+  for (const LivePose& pose : live_poses(output)) {
+    if (inverted) {
+      transforms.push_back({pose.time, output.body_frame, output.world_frame, pose.T_wb.inverse()});
+    } else {
+      transforms.push_back({pose.time, output.world_frame, output.body_frame, pose.T_wb});
+    }
+  }
+  return transforms;
+}
+
 // A perturbation xi of the sensor, exp(xi) T_v0, is Ad(T_bv) xi of the body; so is the velocity. On T_wb it
 // acts from the right, as exp(-Ad xi): along the axes of w it is that, rotated.
 std::optional<LiveOdometry> live_odometry(const LiveOutput& output) {

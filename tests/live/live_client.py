@@ -32,6 +32,7 @@ from cyclonedds.util import duration  # noqa: E402
 from ros2_types import (  # noqa: E402
     Detection3DArray,
     DiagnosticArray,
+    Float64,
     Header,
     Imu,
     Odometry,
@@ -62,6 +63,7 @@ FIELDS = [("x", 0, 7), ("y", 4, 7), ("z", 8, 7), ("intensity", 12, 7), ("ring", 
 
 OUTPUTS = {"points_labelled": PointCloud2, "points_static": PointCloud2, "points_moving": PointCloud2}
 OUTPUTS |= {"objects": Detection3DArray, "odometry": Odometry, "diagnostics": DiagnosticArray}
+OUTPUTS |= {"debug/processing_time_ms": Float64}
 
 
 def stamp(ns):
@@ -141,18 +143,23 @@ def stamp_of(message):
 
 
 class Client:
-    def __init__(self, read=OUTPUTS):
+    def __init__(self, read=OUTPUTS, driver=True):
         self.participant = DomainParticipant(DOMAIN)
-        self.points = self.writer("points", PointCloud2, DRIVER)
-        self.tf = self.writer("tf", TFMessage, DRIVER)
-        self.imu = self.writer("imu", Imu, DRIVER)
-        self.wheels = self.writer("wheel_odometry", Odometry, DRIVER)
-        self.tf_static = self.writer("tf_static", TFMessage, STATIC)
+        if driver:
+            self.drive()
+        self.kinds = read
         self.readers = {
             name: DataReader(self.participant, Topic(self.participant, f"rt/{name}", kind), qos=USER)
             for name, kind in read.items()
         }
         self.received = {name: [] for name in read}
+
+    def drive(self):
+        self.points = self.writer("points", PointCloud2, DRIVER)
+        self.tf = self.writer("tf", TFMessage, DRIVER)
+        self.imu = self.writer("imu", Imu, DRIVER)
+        self.wheels = self.writer("wheel_odometry", Odometry, DRIVER)
+        self.tf_static = self.writer("tf_static", TFMessage, STATIC)
 
     def writer(self, name, kind, qos):
         return DataWriter(self.participant, Topic(self.participant, f"rt/{name}", kind), qos=qos)
@@ -164,7 +171,7 @@ class Client:
             self.received[first].append(message)
             break
         for name, reader in self.readers.items():
-            self.received[name] += [m for m in reader.take(N=50) if hasattr(m, "header")]
+            self.received[name] += [m for m in reader.take(N=50) if isinstance(m, self.kinds[name])]
 
     def wait_until(self, is_found):
         for _ in range(300):
@@ -239,6 +246,8 @@ def run(client, drive, own_odometry):
     stood = sum(message.width for message in client.received["points_static"])
     assert 0 < moved < stood
     assert bool(client.received["odometry"]) == own_odometry
+    times = [message.data for message in client.received["debug/processing_time_ms"]]
+    assert len(times) > count / 2 and all(0 < time < 5000 for time in times), times
     message, values = diagnostics_after(client, count)
     print(f"diagnostics: {message}: {values}")
     assert values["dropped"] == "0", values

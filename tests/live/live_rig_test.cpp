@@ -43,6 +43,25 @@ TEST(LivePoses, FollowTheMotionWithinEachScan) {
   }
 }
 
+TEST(LiveTransforms, AreThePosesOrTheirInverse) {
+  Robot robot(with_own_odometry());
+  robot.drive(0, kScans);
+  const LiveOutput& output = robot.outputs().back();
+  const std::vector<LivePose> poses = live_poses(output);
+  for (const bool inverted : {false, true}) {
+    SCOPED_TRACE(inverted);
+    const std::vector<LiveTransform> transforms = live_transforms(output, inverted);
+    ASSERT_EQ(transforms.size(), poses.size());
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      EXPECT_EQ(transforms[i].time, poses[i].time);
+      EXPECT_EQ(transforms[i].parent, inverted ? "lidar" : "odom");
+      EXPECT_EQ(transforms[i].child, inverted ? "odom" : "lidar");
+      const SE3 T_wb = inverted ? transforms[i].T_parent_child.inverse() : transforms[i].T_parent_child;
+      EXPECT_TRUE(T_wb.matrix().isApprox(poses[i].T_wb.matrix(), 1e-9));
+    }
+  }
+}
+
 // The second lidar has the clouds of the first, as if it stood in its place, on a clock that is 250 ms
 // behind.
 TEST(LiveRig, AnotherLidarIsLabelledAlongTheMotionOfTheFirst) {

@@ -19,6 +19,11 @@ class Header(IdlStruct, typename="std_msgs::msg::dds_::Header_"):
 
 
 @dataclass
+class Float64(IdlStruct, typename="std_msgs::msg::dds_::Float64_"):
+    data: float64
+
+
+@dataclass
 class PointField(IdlStruct, typename="sensor_msgs::msg::dds_::PointField_"):
     name: str
     offset: uint32

@@ -36,6 +36,9 @@ struct Header {
 struct ColorRGBA {
   float r, g, b, a;
 };
+struct Float64 {
+  double data;
+};
 }
 namespace geometry_msgs::msg {
 struct Point {
@@ -244,6 +247,7 @@ struct PublisherOptions {
 };
 struct SubscriptionBase {
   using SharedPtr = std::shared_ptr<SubscriptionBase>;
+  [[nodiscard]] const char* get_topic_name() const;
 };
 template <class M>
 struct Subscription : SubscriptionBase {};
@@ -270,6 +274,12 @@ struct Time {
   operator builtin_interfaces::msg::Time() const;
 };
 struct NodeOptions {};
+class TopicEndpointInfo {
+ public:
+  [[nodiscard]] const std::string& node_name() const;
+  [[nodiscard]] const std::string& node_namespace() const;
+  [[nodiscard]] const std::string& topic_type() const;
+};
 struct NodeTopicsInterface {
   [[nodiscard]] std::string resolve_topic_name(const std::string& name, bool only_expand = false) const;
 };
@@ -288,6 +298,10 @@ class Node {
   [[nodiscard]] std::shared_ptr<NodeTopicsInterface> get_node_topics_interface();
   [[nodiscard]] const char* get_name() const;
   [[nodiscard]] const char* get_fully_qualified_name() const;
+  [[nodiscard]] const char* get_namespace() const;
+  [[nodiscard]] std::map<std::string, std::vector<std::string>> get_topic_names_and_types() const;
+  [[nodiscard]] std::vector<TopicEndpointInfo> get_publishers_info_by_topic(const std::string&,
+                                                                            bool no_mangle = false) const;
   [[nodiscard]] Logger get_logger() const;
   [[nodiscard]] Time now() const;
   template <class M>

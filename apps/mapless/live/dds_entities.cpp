@@ -1,9 +1,10 @@
 #include "live/dds_entities.hpp"
 
 #include <algorithm>
+#include <cstring>
 #include <iterator>
-#include <set>
 #include <string_view>
+#include <utility>
 
 #include <mapless/core/errors.hpp>
 
@@ -38,6 +39,16 @@ dds_entity_t make_topic(const DdsParticipant& participant, const std::string& to
   const std::string name = "rt/" + (topic.starts_with('/') ? topic.substr(1) : topic);
   return require_dds(dds_create_topic(participant.entity(), type, name.c_str(), nullptr, nullptr),
                      "topic " + topic);
+}
+
+// "sensor_msgs/msg/PointCloud2" of "sensor_msgs::msg::dds_::PointCloud2_".
+std::string ros_type(std::string name) {
+  for (const auto& [part, with] : {std::pair("dds_::", ""), std::pair("::", "/")}) {
+    for (std::size_t at = name.find(part); at != std::string::npos; at = name.find(part))
+      name.replace(at, std::strlen(part), with);
+  }
+  if (name.ends_with('_')) name.pop_back();
+  return name;
 }
 
 // Of all topics of a robot at once.
@@ -75,8 +86,7 @@ bool has_readers(dds_entity_t writer) {
   return status.current_count > 0;
 }
 
-std::vector<std::string> published_topics(const DdsParticipant& participant,
-                                          const dds_topic_descriptor_t* type) {
+std::vector<PublishedTopic> published_topics(const DdsParticipant& participant) {
   const dds_entity_t reader = require_dds(
       dds_create_reader(participant.entity(), DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, nullptr),
       "discovery");
@@ -86,21 +96,20 @@ std::vector<std::string> published_topics(const DdsParticipant& participant,
       dds_read(reader, samples.data(), infos.data(), kMostPublications, kMostPublications);
   dds_guid_t own = {};
   dds_get_guid(participant.entity(), &own);
-  std::set<std::string> topics;
+  std::vector<PublishedTopic> topics;
   for (dds_return_t i = 0; i < count; ++i) {
     const auto& found =
         *static_cast<const dds_builtintopic_endpoint_t*>(samples[static_cast<std::size_t>(i)]);
     const std::string_view name = found.topic_name;
     const bool is_own = std::equal(std::begin(own.v), std::end(own.v), std::begin(found.participant_key.v));
     const bool is_alive = infos[static_cast<std::size_t>(i)].instance_state == DDS_ALIVE_INSTANCE_STATE;
-    if (is_alive && !is_own && name.starts_with("rt/") &&
-        std::string_view(found.type_name) == type->m_typename)
-      topics.emplace(name.substr(3));
+    if (is_alive && !is_own && name.starts_with("rt/"))
+      topics.push_back({std::string(name.substr(3)), ros_type(found.type_name)});
   }
   if (count > 0) dds_return_loan(reader, samples.data(), count);
   dds_delete(reader);
   require_dds(count, "discovery");
-  return {topics.begin(), topics.end()};
+  return topics;
 }
 
 }  // namespace mapless::app

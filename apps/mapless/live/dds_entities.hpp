@@ -9,6 +9,7 @@
 #include <dds/dds.h>
 
 #include "ros2_messages.h"
+#include <mapless/live/live_options.hpp>
 
 namespace mapless::app {
 
@@ -27,6 +28,8 @@ struct DdsType;
   }
 MAPLESS_DDS_TYPE(sensor_msgs_msg_dds__PointCloud2_,
                  "9198cabf7da3796ae6fe19c4cb3bdd3525492988c70522628af5daa124bae2b5");
+MAPLESS_DDS_TYPE(std_msgs_msg_dds__Float64_,
+                 "705ba9c3d1a09df43737eb67095534de36fd426c0587779bda2bc51fe790182a");
 MAPLESS_DDS_TYPE(nav_msgs_msg_dds__Odometry_,
                  "3cc97dc7fb7502f8714462c526d369e35b603cfc34d946e3f2eda2766dfec6e0");
 MAPLESS_DDS_TYPE(sensor_msgs_msg_dds__Imu_,
@@ -69,9 +72,8 @@ class DdsParticipant {
                                        DdsQuality quality);
 [[nodiscard]] bool has_readers(dds_entity_t writer);
 
-/// The topics of ROS 2, sorted, on which others publish messages of this type.
-[[nodiscard]] std::vector<std::string> published_topics(const DdsParticipant& participant,
-                                                        const dds_topic_descriptor_t* type);
+/// The topics of ROS 2 that others publish, as far as they are discovered.
+[[nodiscard]] std::vector<PublishedTopic> published_topics(const DdsParticipant& participant);
 
 template <class Message>
 class DdsReader {

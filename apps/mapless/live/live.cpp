@@ -1,13 +1,18 @@
 #include "live/live.hpp"
 
+#include <algorithm>
+#include <chrono>
 #include <cstdlib>
 #include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <thread>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 #include <tbb/global_control.h>
 
@@ -30,6 +35,9 @@ struct LiveVerbOptions {
   std::optional<std::size_t> threads;
 };
 
+// Participants find one another within one or two seconds.
+constexpr int kLongestDiscovery_ms = 2000, kPoll_ms = 50;
+
 // Domains above 232 have no UDP ports.
 constexpr unsigned long kMostDomain = 232;
 
@@ -41,6 +49,23 @@ std::uint32_t domain_of_environment() {
   if (*end == '\0' && *text != '-' && domain <= kMostDomain) return static_cast<std::uint32_t>(domain);
   throw ParameterError({"environment", "ROS_DOMAIN_ID", text, "not a whole number from 0 to 232",
                         "set it as for the other nodes"});
+}
+
+// Without a name: `points`, or the only topic of clouds that is published.
+std::string find_topic(std::uint32_t domain) {
+  const DdsParticipant participant(domain);
+  const std::string usual = LiveOptions().topic;
+  std::vector<std::string> found;
+  for (int waited = 0; waited < kLongestDiscovery_ms && !InterruptGuard::requested(); waited += kPoll_ms) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(kPoll_ms));
+    found = cloud_topics(published_topics(participant));
+    if (std::find(found.begin(), found.end(), usual) != found.end()) return usual;
+  }
+  if (found.size() > 1)
+    throw ParameterError({fmt::format("domain {}", domain), "topic",
+                          fmt::format("{}", fmt::join(found, ", ")), "several carry clouds",
+                          "choose one by --points"});
+  return found.empty() ? usual : found.front();
 }
 
 std::string flag_of(std::string key) {
@@ -86,6 +111,7 @@ int live(LiveVerbOptions options) {
   }
   if (!node.live.sensor_name.empty()) node.live.sensor = model_from_name_or_file(node.live.sensor_name);
   const InterruptGuard interrupt;
+  if (node.live.topic.empty()) node.live.topic = find_topic(node.domain);
   LiveNode running(node);
   say("mapless: reads topic {} in domain {}, writes {}points_labelled\n", node.live.topic, node.domain,
       node.prefix);
@@ -103,9 +129,11 @@ void add_live(CLI::App& app, int& exit_code) {
       "points_labelled, points_static, points_moving, objects, object_markers, odometry, diagnostics out");
   const auto options = std::make_shared<LiveVerbOptions>();
   LiveNodeOptions& node = options->node;
-  verb->add_option("--points", node.live.topic, "topic of the clouds, sensor_msgs/PointCloud2")
-      ->check(topic_name())
-      ->capture_default_str();
+  node.live.topic.clear();
+  verb->add_option("--points", node.live.topic,
+                   "topic of the clouds, sensor_msgs/PointCloud2 (default: points, or the only topic of "
+                   "clouds that is published)")
+      ->check(topic_name());
   for (const LiveSetting& setting : live_settings(node.live)) {
     verb->add_option(flag_of(std::string(setting.name)), *setting.value, std::string(setting.help))
         ->capture_default_str();

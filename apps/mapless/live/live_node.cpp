@@ -1,11 +1,8 @@
 #include "live/live_node.hpp"
 
-#include <algorithm>
 #include <chrono>
 #include <exception>
 #include <future>
-
-#include <fmt/format.h>
 
 #include "live/messages.hpp"
 #include "terminal/stderr.hpp"
@@ -38,6 +35,7 @@ LiveNode::LiveNode(const LiveNodeOptions& options)
       objects_(participant_, options.prefix + "objects", DdsQuality::reliable),
       markers_(participant_, options.prefix + "object_markers", DdsQuality::reliable),
       odometry_(participant_, options.prefix + "odometry", DdsQuality::reliable),
+      processing_time_(participant_, options.prefix + "debug/processing_time_ms", DdsQuality::reliable),
       diagnostics_(participant_, "diagnostics", DdsQuality::reliable) {
   if (options.live.needs_frames()) tf_static_.emplace(participant_, "tf_static", DdsQuality::transient_local);
   if (options.live.live.motion == LiveMotion::tf) tf_.emplace(participant_, "tf", DdsQuality::sensor_data);
@@ -61,7 +59,7 @@ void LiveNode::run(const std::function<bool()>& stop) {
     const EndReading end{stop_reading};
     while (!stop() && reading.wait_for(std::chrono::seconds(0)) == std::future_status::timeout) {
       live_.wait(Duration::from_nanoseconds(kLongestWait));
-      for (const LiveOutput& output : live_.process()) publish(output);
+      label();
       if (std::chrono::steady_clock::now() < next_diagnostics) continue;
       next_diagnostics += kDiagnosticsPeriod;
       publish_diagnostics();
@@ -70,6 +68,14 @@ void LiveNode::run(const std::function<bool()>& stop) {
   reading.get();
   for (const LiveOutput& output : live_.reset()) publish(output);
   publish_diagnostics();
+}
+
+void LiveNode::label() {
+  const auto began = std::chrono::steady_clock::now();
+  const std::vector<LiveOutput> outputs = live_.process();
+  const std::chrono::duration<double, std::milli> processing = std::chrono::steady_clock::now() - began;
+  for (const LiveOutput& output : outputs) publish(output);
+  if (!outputs.empty() && processing_time_.has_readers()) processing_time_.write({processing.count()});
 }
 
 void LiveNode::read_all(const std::atomic<bool>& stop) {
@@ -151,25 +157,16 @@ void LiveNode::publish_odometry(const LiveOutput& output) {
   if (odometry_.has_readers())
     odometry_.write(odometry_message(*odometry, output.world_frame, output.body_frame).message);
   if (tf_out_)
-    tf_out_->write(transforms_message(live_poses(output), output.world_frame, output.body_frame).message);
-}
-
-// A wrong name of a topic is the usual reason for no cloud, small buffers of the sockets the next.
-void LiveNode::say_other_topics() {
-  const auto topics = published_topics(participant_, DdsType<Cloud>::descriptor());
-  if (std::find(topics.begin(), topics.end(), options_.live.topic) != topics.end()) {
-    say("mapless: topic {} is published, and no cloud has arrived yet; where this lasts, raise "
-        "net.core.rmem_max (docs/ros2.md)\n",
-        options_.live.topic);
-    return;
-  }
-  say("mapless: no cloud yet on topic {}; topics of clouds in domain {}: {}\n", options_.live.topic,
-      options_.domain, topics.empty() ? "none" : fmt::format("{}", fmt::join(topics, ", ")));
+    tf_out_->write(transforms_message(live_transforms(output, options_.live.live.invert_tf)).message);
 }
 
 void LiveNode::publish_diagnostics() {
-  const LiveDiagnostics diagnostics = live_.diagnostics();
-  if (diagnostics_count_++ == kSecondsUntilHint && !diagnostics.has_clouds) say_other_topics();
+  LiveDiagnostics diagnostics = live_.diagnostics();
+  if (++diagnostics_count_ > kSecondsUntilHint && !diagnostics.has_clouds) {
+    diagnostics.message = why_no_cloud(options_.live.topic, published_topics(participant_));
+    if (diagnostics_count_ == kSecondsUntilHint + 1)
+      say("mapless: domain {}: {}\n", options_.domain, diagnostics.message);
+  }
   for (const LiveEvent& event : live_.take_events()) {
     static constexpr const char* kLevels[] = {"", "warning: ", "error: "};
     say("mapless: {}{}\n", kLevels[static_cast<int>(event.level)], event.text);

@@ -36,9 +36,9 @@ class LiveNode {
   void read_measurements();
   void add_transforms(const tf2_msgs_msg_dds__TFMessage_& message, bool is_static);
   void publish(const LiveOutput& output);
+  void label();
   void publish_odometry(const LiveOutput& output);
   void publish_diagnostics();
-  void say_other_topics();
 
   template <class Message>
   using Reader = DdsReader<Message>;
@@ -59,6 +59,7 @@ class LiveNode {
   Writer<vision_msgs_msg_dds__Detection3DArray_> objects_;
   Writer<visualization_msgs_msg_dds__MarkerArray_> markers_;
   Writer<nav_msgs_msg_dds__Odometry_> odometry_;
+  Writer<std_msgs_msg_dds__Float64_> processing_time_;
   Writer<diagnostic_msgs_msg_dds__DiagnosticArray_> diagnostics_;
   std::optional<Writer<Transforms>> tf_out_;
 };

@@ -164,18 +164,17 @@ OdometryMessage odometry_message(const LiveOdometry& odometry, const std::string
   return out;
 }
 
-TransformMessage transforms_message(const std::vector<LivePose>& poses, const std::string& world_frame,
-                                    const std::string& body_frame) {
+TransformMessage transforms_message(const std::vector<LiveTransform>& transforms) {
   TransformMessage out;
-  std::vector<geometry_msgs_msg_dds__TransformStamped_> transforms;
-  for (const LivePose& pose : poses) {
-    auto& transform = transforms.emplace_back();
-    transform.header = header_of(out, pose.time, world_frame);
-    transform.child_frame_id = out.text(body_frame);
-    transform.transform = {vector_of<geometry_msgs_msg_dds__Vector3_>(pose.T_wb.translation()),
-                           quaternion_of(pose.T_wb.rotation())};
+  std::vector<geometry_msgs_msg_dds__TransformStamped_> stamped;
+  for (const LiveTransform& transform : transforms) {
+    auto& one = stamped.emplace_back();
+    one.header = header_of(out, transform.time, transform.parent);
+    one.child_frame_id = out.text(transform.child);
+    one.transform = {vector_of<geometry_msgs_msg_dds__Vector3_>(transform.T_parent_child.translation()),
+                     quaternion_of(transform.T_parent_child.rotation())};
   }
-  out.set(out.message.transforms, std::move(transforms));
+  out.set(out.message.transforms, std::move(stamped));
   return out;
 }
 

@@ -55,9 +55,7 @@ using ObjectsMessage = OwnedMessage<vision_msgs_msg_dds__Detection3DArray_>;
 [[nodiscard]] CloudMessage cloud_message(const PointCloud2& cloud);
 [[nodiscard]] OdometryMessage odometry_message(const LiveOdometry& odometry, const std::string& world_frame,
                                                const std::string& body_frame);
-[[nodiscard]] TransformMessage transforms_message(const std::vector<LivePose>& poses,
-                                                  const std::string& world_frame,
-                                                  const std::string& body_frame);
+[[nodiscard]] TransformMessage transforms_message(const std::vector<LiveTransform>& transforms);
 /// `now`: Unix time.
 [[nodiscard]] DiagnosticsMessage diagnostics_message(const LiveDiagnostics& diagnostics, Time now);
 [[nodiscard]] ObjectsMessage objects_message(const LiveOutput& output);

@@ -32,6 +32,7 @@ struct LiveParameters {
   bool use_imu = false;
   bool use_wheel_odometry = false;
   bool publish_tf = false;
+  bool invert_tf = false;
   int queue_clouds = 5;
   int start_queue_clouds = 40;
   double max_gap_s = 1.0;
@@ -54,6 +55,10 @@ struct LiveParameters {
                 "tf_static places on the lidar",
                 "docs/ros2.md"),
         declare(&P::publish_tf, "publish_tf", "write the own odometry to tf, too", "docs/ros2.md"),
+        declare(&P::invert_tf, "invert_tf",
+                "in tf the base frame is the parent of the world frame: for a base frame that has another "
+                "parent already",
+                "docs/ros2.md"),
         declare(&P::queue_clouds, "queue_clouds", "clouds", 1, 1000,
                 "clouds that wait for detection; where more arrive, the oldest is dropped",
                 "depth of the sensor-data profile of ROS 2"),
@@ -108,5 +113,18 @@ struct LiveSetting {
 /// The parameters of detection under their own keys, those of odometry under "odometry.", and those of
 /// LiveParameters.
 [[nodiscard]] std::vector<ParameterReference> live_parameters(LiveOptions& options);
+
+/// A topic that another node publishes, and the type of its messages, such as "sensor_msgs/msg/PointCloud2".
+struct PublishedTopic {
+  std::string name, type;
+};
+
+/// Why no cloud comes on topic `points`, and what to do, for the diagnostics of a node that waits for one:
+/// the topic carries other messages, nobody publishes on it, or clouds are lost on their way.
+[[nodiscard]] std::string why_no_cloud(const std::string& points,
+                                       const std::vector<PublishedTopic>& published);
+
+/// The names of those that carry clouds, sorted, each once.
+[[nodiscard]] std::vector<std::string> cloud_topics(const std::vector<PublishedTopic>& published);
 
 }  // namespace mapless

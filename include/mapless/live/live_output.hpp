@@ -83,6 +83,16 @@ struct LivePose {
 /// the same body turns at instants of its own. Empty where live_odometry is none.
 [[nodiscard]] std::vector<LivePose> live_poses(const LiveOutput& output);
 
+/// As geometry_msgs/TransformStamped.
+struct LiveTransform {
+  Time time;
+  std::string parent, child;
+  SE3 T_parent_child;
+};
+
+/// live_poses for tf. `inverted`: the world is the child of the body.
+[[nodiscard]] std::vector<LiveTransform> live_transforms(const LiveOutput& output, bool inverted);
+
 /// As diagnostic_msgs/DiagnosticStatus.
 enum class LiveLevel : std::uint8_t { ok = 0, warning = 1, error = 2 };
 

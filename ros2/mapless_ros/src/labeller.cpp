@@ -4,6 +4,7 @@
 #include <cstring>
 #include <functional>
 #include <string_view>
+#include <vector>
 
 #include <rclcpp_components/register_node_macro.hpp>
 
@@ -15,6 +16,8 @@ namespace {
 
 // How long the end of the node may take.
 constexpr double kLongestWait_s = 0.1;
+// Discovery takes one or two.
+constexpr int kSecondsUntilHint = 3;
 
 std::uint64_t publisher_of(const rclcpp::MessageInfo& info) {
   const auto& gid = info.get_rmw_message_info().publisher_gid.data;
@@ -42,6 +45,8 @@ Labeller::Labeller(const rclcpp::NodeOptions& options) : Node("labeller", option
   markers_ =
       create_publisher<visualization_msgs::msg::MarkerArray>("object_markers", reliable(), overridable);
   odometry_ = create_publisher<Odometry>("odometry", reliable(), overridable);
+  processing_time_ =
+      create_publisher<std_msgs::msg::Float64>("debug/processing_time_ms", reliable(), overridable);
   diagnostics_ = create_publisher<diagnostic_msgs::msg::DiagnosticArray>("/diagnostics", reliable());
   if (options_.live.publish_tf)
     tf_out_ = create_publisher<Transforms>("/tf", rclcpp::QoS(rclcpp::KeepLast(100)));
@@ -107,7 +112,14 @@ void Labeller::label() {
     if (reset_wanted_.exchange(false)) {
       for (const mapless::LiveOutput& output : live_->reset()) publish(output);
     }
-    for (const mapless::LiveOutput& output : live_->process()) publish(output);
+    const auto began = std::chrono::steady_clock::now();
+    const std::vector<mapless::LiveOutput> outputs = live_->process();
+    const std::chrono::duration<double, std::milli> processing = std::chrono::steady_clock::now() - began;
+    for (const mapless::LiveOutput& output : outputs) publish(output);
+    if (outputs.empty() || !is_read(*processing_time_)) continue;
+    std_msgs::msg::Float64 message;
+    message.data = processing.count();
+    processing_time_->publish(message);
   }
 }
 
@@ -128,7 +140,8 @@ void Labeller::publish_odometry(const mapless::LiveOutput& output) {
   if (!odometry) return;
   const auto message = odometry_message(*odometry, output.world_frame, output.body_frame);
   if (is_read(*odometry_)) odometry_->publish(message);
-  if (tf_out_) tf_out_->publish(transforms_message(output));
+  if (tf_out_)
+    tf_out_->publish(transforms_message(mapless::live_transforms(output, options_.live.invert_tf)));
 }
 
 void Labeller::publish_diagnostics() {
@@ -141,11 +154,28 @@ void Labeller::publish_diagnostics() {
       RCLCPP_INFO(get_logger(), "%s", event.text.c_str());
     }
   }
+  mapless::LiveDiagnostics diagnostics = live_->diagnostics();
+  if (++diagnostics_count_ > kSecondsUntilHint && !diagnostics.has_clouds) {
+    diagnostics.message = mapless::why_no_cloud(points_->get_topic_name(), published_topics());
+    if (diagnostics_count_ == kSecondsUntilHint + 1)
+      RCLCPP_WARN(get_logger(), "%s", diagnostics.message.c_str());
+  }
   diagnostic_msgs::msg::DiagnosticArray message;
   message.header.stamp = now();
-  message.status.push_back(
-      status_message(live_->diagnostics(), std::string(get_fully_qualified_name()) + ": labels"));
+  message.status.push_back(status_message(diagnostics, std::string(get_fully_qualified_name()) + ": labels"));
   diagnostics_->publish(message);
+}
+
+// Of other nodes.
+std::vector<mapless::PublishedTopic> Labeller::published_topics() const {
+  std::vector<mapless::PublishedTopic> topics;
+  for (const auto& [name, types] : get_topic_names_and_types()) {
+    for (const rclcpp::TopicEndpointInfo& publisher : get_publishers_info_by_topic(name)) {
+      if (publisher.node_name() == get_name() && publisher.node_namespace() == get_namespace()) continue;
+      topics.push_back({name, publisher.topic_type()});
+    }
+  }
+  return topics;
 }
 
 }  // namespace mapless_ros

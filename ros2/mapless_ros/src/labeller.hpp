@@ -3,8 +3,10 @@
 #include <atomic>
 #include <memory>
 #include <thread>
+#include <vector>
 
 #include <rclcpp/rclcpp.hpp>
+#include <std_msgs/msg/float64.hpp>
 #include <std_srvs/srv/empty.hpp>
 
 #include "messages.hpp"
@@ -29,6 +31,7 @@ class Labeller : public rclcpp::Node {
   void publish(const mapless::LiveOutput& output);
   void publish_odometry(const mapless::LiveOutput& output);
   void publish_diagnostics();
+  [[nodiscard]] std::vector<mapless::PublishedTopic> published_topics() const;
 
   mapless::LiveOptions options_;
   std::unique_ptr<mapless::LiveDetector> live_;
@@ -37,10 +40,12 @@ class Labeller : public rclcpp::Node {
   rclcpp::Publisher<vision_msgs::msg::Detection3DArray>::SharedPtr objects_;
   rclcpp::Publisher<visualization_msgs::msg::MarkerArray>::SharedPtr markers_;
   rclcpp::Publisher<Odometry>::SharedPtr odometry_;
+  rclcpp::Publisher<std_msgs::msg::Float64>::SharedPtr processing_time_;
   rclcpp::Publisher<Transforms>::SharedPtr tf_out_;
   rclcpp::Publisher<diagnostic_msgs::msg::DiagnosticArray>::SharedPtr diagnostics_;
   rclcpp::ServiceBase::SharedPtr reset_;
   rclcpp::TimerBase::SharedPtr timer_;
+  int diagnostics_count_ = 0;
   std::atomic<bool> stop_{false}, reset_wanted_{false};
   std::thread thread_;
 };

@@ -149,15 +149,15 @@ nav_msgs::msg::Odometry odometry_message(const mapless::LiveOdometry& odometry,
   return message;
 }
 
-tf2_msgs::msg::TFMessage transforms_message(const mapless::LiveOutput& output) {
+tf2_msgs::msg::TFMessage transforms_message(const std::vector<mapless::LiveTransform>& transforms) {
   tf2_msgs::msg::TFMessage message;
-  for (const mapless::LivePose& pose : mapless::live_poses(output)) {
-    auto& transform = message.transforms.emplace_back();
-    transform.header.stamp = stamp_of(pose.time);
-    transform.header.frame_id = output.world_frame;
-    transform.child_frame_id = output.body_frame;
-    set(transform.transform.translation, pose.T_wb.translation());
-    set(transform.transform.rotation, pose.T_wb.rotation());
+  for (const mapless::LiveTransform& transform : transforms) {
+    auto& stamped = message.transforms.emplace_back();
+    stamped.header.stamp = stamp_of(transform.time);
+    stamped.header.frame_id = transform.parent;
+    stamped.child_frame_id = transform.child;
+    set(stamped.transform.translation, transform.T_parent_child.translation());
+    set(stamped.transform.rotation, transform.T_parent_child.rotation());
   }
   return message;
 }

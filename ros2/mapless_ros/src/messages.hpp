@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <diagnostic_msgs/msg/diagnostic_array.hpp>
 #include <geometry_msgs/msg/transform_stamped.hpp>
@@ -31,7 +32,7 @@ mapless::PointCloud2 cloud_of(const sensor_msgs::msg::PointCloud2::ConstSharedPt
 sensor_msgs::msg::PointCloud2::UniquePtr cloud_message(const mapless::PointCloud2& cloud);
 nav_msgs::msg::Odometry odometry_message(const mapless::LiveOdometry& odometry,
                                          const std::string& world_frame, const std::string& body_frame);
-tf2_msgs::msg::TFMessage transforms_message(const mapless::LiveOutput& output);
+tf2_msgs::msg::TFMessage transforms_message(const std::vector<mapless::LiveTransform>& transforms);
 diagnostic_msgs::msg::DiagnosticStatus status_message(const mapless::LiveDiagnostics& diagnostics,
                                                       const std::string& name);
 vision_msgs::msg::Detection3DArray objects_message(const mapless::LiveOutput& output);
