@@ -77,6 +77,7 @@ bool OdometryRun::process_all() {
 
 void OdometryRun::process(std::size_t k) {
   const auto scan = std::make_shared<const LidarScan>(dataset_.read(k));
+  watch_.add(*scan, k);
   const auto begin = std::chrono::steady_clock::now();
   const std::clock_t processor_begin = std::clock();
   OdometryUpdate update = odometry_.process(scan);

@@ -49,6 +49,8 @@ class OdometryRun {
 
   /// Of the scans processed.
   [[nodiscard]] const OdometryReport& report() const { return report_; }
+  /// What contradicts in them: ScanWatch::lines.
+  [[nodiscard]] std::vector<std::string> scan_doubts() const { return watch_.lines(); }
   /// Number of scans whose poses are written, of rows in trajectory.txt, and the times of the odometry alone;
   /// after run().
   [[nodiscard]] std::size_t scans() const { return scans_written_; }
@@ -78,6 +80,7 @@ class OdometryRun {
   std::size_t finished_before_;
 
   // The thread that calls run.
+  ScanWatch watch_;
   LidarOdometry odometry_;
   OdometryReport report_;
   std::deque<OpenScan> open_;  // poses not written yet, in order

@@ -138,14 +138,20 @@ Json odometry_json(const OdometryReport& r) {
 
 }  // namespace
 
-void RunSummary::set_scan_doubts(const std::vector<std::string>& lines) {
-  scan_doubts_.clear();
-  for (const std::string& line : lines) {
+std::vector<std::string> further_doubts(const std::vector<std::string>& said,
+                                        const std::vector<std::string>& found) {
+  std::vector<std::string> further;
+  for (const std::string& line : found) {
     const std::string about = line.substr(0, line.find(':') + 1);  // "doubtful beams:"
-    if (std::none_of(input_doubts_.begin(), input_doubts_.end(),
-                     [&](const std::string& said) { return said.starts_with(about); }))
-      scan_doubts_.push_back(line);
+    if (std::none_of(said.begin(), said.end(),
+                     [&](const std::string& one) { return one.starts_with(about); }))
+      further.push_back(line);
   }
+  return further;
+}
+
+void RunSummary::set_scan_doubts(const std::vector<std::string>& lines) {
+  scan_doubts_ = further_doubts(input_doubts_, lines);
 }
 
 std::vector<std::string> RunSummary::doubts() const {

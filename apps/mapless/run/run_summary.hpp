@@ -21,6 +21,11 @@
 
 namespace mapless::app {
 
+/// The lines of `found`, by ScanWatch, about what no line of `said`, of the self-check of the input, is
+/// about.
+[[nodiscard]] std::vector<std::string> further_doubts(const std::vector<std::string>& said,
+                                                      const std::vector<std::string>& found);
+
 /// Number of durations in summary.json: one per step of the method, and their total.
 inline constexpr std::size_t kTimings = 11;
 

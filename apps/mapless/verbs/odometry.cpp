@@ -2,6 +2,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -18,6 +19,7 @@
 #include "run/given_motion.hpp"
 #include "run/lost_motion.hpp"
 #include "run/odometry_run.hpp"
+#include "run/run_summary.hpp"
 #include "terminal/exit_codes.hpp"
 #include "terminal/interrupt.hpp"
 #include "terminal/stderr.hpp"
@@ -88,6 +90,8 @@ bool run_to_the_end(OdometryRun& run, const ResultFolder& result, OdometrySummar
     summary.complete = run.run();
     if (!summary.complete) summary.stopped = "interrupted";
     summary.trouble = run.report().trouble();
+    for (std::string& line : further_doubts(summary.doubts, run.scan_doubts()))
+      summary.doubts.push_back(std::move(line));
     if (const std::string doubt = motion_doubt(run.report()); summary.complete && !doubt.empty())
       summary.doubts.push_back(doubt);
     write_summary(result, summary, run, finished_before);

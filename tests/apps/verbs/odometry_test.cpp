@@ -64,6 +64,19 @@ TEST(Odometry, WritesSeveralPosesAScanWhereAsked) {
   EXPECT_GT(summary["scan_ms"]["median"], 0.0);
 }
 
+// Scan 7 is scan 6 once more: as in `detect`, that is said, and the poses are not trusted.
+TEST(Odometry, SaysWhichScansContradict) {
+  const test::TemporaryFolder folder;
+  const std::filesystem::path scans = folder / "street/scans";
+  test::write_toy_sequence(test::toy_street("VLP-16"), 12, folder / "street");
+  std::filesystem::copy_file(scans / "000006.pcd", scans / "000007.pcd",
+                             std::filesystem::copy_options::overwrite_existing);
+  const auto r = run_command({"odometry", folder / "street", "-o", folder / "out", "--json"});
+  EXPECT_EQ(r.exit_code, 4);
+  EXPECT_THAT(r.err, HasSubstr("doubtful scans: scan 7"));
+  EXPECT_THAT(nlohmann::json::parse(r.out)["doubts"].dump(), HasSubstr("doubtful scans: scan 7"));
+}
+
 TEST(Odometry, ReplacesPosesOnlyWhenAsked) {
   const test::TemporaryFolder folder;
   test::write_toy_sequence(test::toy_street("VLP-16"), 6, folder / "street");
