@@ -31,6 +31,12 @@ std::string remedy_for(const std::string& type) {
   return "give the topic of the clouds";
 }
 
+// What another node of mapless publishes is no cloud of a driver.
+bool is_output(std::string_view name) {
+  return name.ends_with("points_labelled") || name.ends_with("points_static") ||
+         name.ends_with("points_moving");
+}
+
 // Names of ROS 2 begin with "/", those of the command line need not.
 std::string_view without_slash(std::string_view name) {
   return name.starts_with('/') ? name.substr(1) : name;
@@ -41,7 +47,7 @@ std::string_view without_slash(std::string_view name) {
 std::vector<std::string> cloud_topics(const std::vector<PublishedTopic>& published) {
   std::set<std::string> names;
   for (const PublishedTopic& topic : published) {
-    if (topic.type == kCloud) names.insert(topic.name);
+    if (topic.type == kCloud && !is_output(topic.name)) names.insert(topic.name);
   }
   return {names.begin(), names.end()};
 }

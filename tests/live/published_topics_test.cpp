@@ -17,6 +17,8 @@ TEST(CloudTopics, AreSortedAndNamedOnce) {
       cloud_topics({{"roof", kCloud}, {"imu", "sensor_msgs/msg/Imu"}, {"bumper", kCloud}, {"roof", kCloud}}),
       ElementsAre("bumper", "roof"));
   EXPECT_THAT(cloud_topics({}), ElementsAre());
+  EXPECT_THAT(cloud_topics({{"roof/points_labelled", kCloud}, {"points_static", kCloud}, {"points", kCloud}}),
+              ElementsAre("points"));
 }
 
 TEST(WhyNoCloud, NamesTheTopicsOfClouds) {

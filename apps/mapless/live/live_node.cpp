@@ -157,7 +157,7 @@ void LiveNode::publish_odometry(const LiveOutput& output) {
   if (odometry_.has_readers())
     odometry_.write(odometry_message(*odometry, output.world_frame, output.body_frame).message);
   if (tf_out_)
-    tf_out_->write(transforms_message(live_transforms(output, options_.live.live.invert_tf)).message);
+    tf_out_->write(transforms_message(live_transforms(output, options_.live.live.invert_odom_tf)).message);
 }
 
 void LiveNode::publish_diagnostics() {

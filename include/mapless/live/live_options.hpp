@@ -32,7 +32,7 @@ struct LiveParameters {
   bool use_imu = false;
   bool use_wheel_odometry = false;
   bool publish_tf = false;
-  bool invert_tf = false;
+  bool invert_odom_tf = false;
   int queue_clouds = 5;
   int start_queue_clouds = 40;
   double max_gap_s = 1.0;
@@ -55,7 +55,7 @@ struct LiveParameters {
                 "tf_static places on the lidar",
                 "docs/ros2.md"),
         declare(&P::publish_tf, "publish_tf", "write the own odometry to tf, too", "docs/ros2.md"),
-        declare(&P::invert_tf, "invert_tf",
+        declare(&P::invert_odom_tf, "invert_odom_tf",
                 "in tf the base frame is the parent of the world frame: for a base frame that has another "
                 "parent already",
                 "docs/ros2.md"),
@@ -124,7 +124,7 @@ struct PublishedTopic {
 [[nodiscard]] std::string why_no_cloud(const std::string& points,
                                        const std::vector<PublishedTopic>& published);
 
-/// The names of those that carry clouds, sorted, each once.
+/// The names of those that carry clouds, sorted, each once; without the outputs of mapless.
 [[nodiscard]] std::vector<std::string> cloud_topics(const std::vector<PublishedTopic>& published);
 
 }  // namespace mapless

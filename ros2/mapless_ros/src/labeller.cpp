@@ -141,7 +141,7 @@ void Labeller::publish_odometry(const mapless::LiveOutput& output) {
   const auto message = odometry_message(*odometry, output.world_frame, output.body_frame);
   if (is_read(*odometry_)) odometry_->publish(message);
   if (tf_out_)
-    tf_out_->publish(transforms_message(mapless::live_transforms(output, options_.live.invert_tf)));
+    tf_out_->publish(transforms_message(mapless::live_transforms(output, options_.live.invert_odom_tf)));
 }
 
 void Labeller::publish_diagnostics() {
