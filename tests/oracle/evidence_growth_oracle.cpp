@@ -17,6 +17,11 @@ int EvidenceGrowthOracle::image_column(const LidarReturn& r) const {
   return r.column + static_cast<int>(std::lround(offset * columns_per_rad));
 }
 
+int EvidenceGrowthOracle::columns_apart(const LidarReturn& a, const LidarReturn& b) const {
+  const int apart = std::abs(image_column(a) - image_column(b)) % scan_.columns;
+  return std::min(apart, scan_.columns - apart);
+}
+
 double EvidenceGrowthOracle::link_m(const LidarReturn& r) const {
   const auto& lasers = scan_.model->lasers;
   double spacing = 2 * std::numbers::pi / scan_.model->columns;
@@ -31,8 +36,7 @@ double EvidenceGrowthOracle::link_m(const LidarReturn& r) const {
 bool EvidenceGrowthOracle::linked(std::size_t i, std::size_t j, int rows, int columns) const {
   const LidarReturn &a = scan_.returns[i], &b = scan_.returns[j];
   if (std::abs(a.laser - b.laser) > rows) return false;
-  const int apart = std::abs(image_column(a) - image_column(b)) % scan_.columns;
-  if (std::min(apart, scan_.columns - apart) > columns) return false;
+  if (columns_apart(a, b) > columns) return false;
   const double distance = (points_[i].cast<double>() - points_[j].cast<double>()).norm();
   return distance <= std::min(link_m(a), link_m(b));
 }
@@ -90,9 +94,11 @@ void EvidenceGrowthOracle::add_surfaces(const std::vector<PointEvidence>& votes,
     for (std::size_t i = first; i < votes.size(); ++i)
       if (found[i] && objects[i] == first) object.push_back(i);
     const std::vector<char> surface = surfaces_of(object, votes, dynamic);
-    const auto size = static_cast<std::size_t>(std::count(surface.begin(), surface.end(), 1));
-    const Ends ends = ends_of(surface, votes);
-    if (size > 8 * object.size() || ends.free <= 3 * ends.static_points) continue;
+    const auto size = static_cast<int>(std::count(surface.begin(), surface.end(), 1));
+    const Rim rim = rim_of(surface, votes, dynamic);
+    const bool one_side = rim.moving * rim.moving >= size && rim.free > 3 * rim.static_points;
+    const bool two_sides = rim.moving * rim.moving >= 4 * size && rim.moving > 3 * rim.static_points;
+    if (size > 8 * static_cast<int>(object.size()) || !(one_side || two_sides)) continue;
     for (std::size_t i = 0; i < votes.size(); ++i) {
       if (!surface[i]) continue;
       dynamic[i] = 1;
@@ -121,20 +127,22 @@ std::vector<char> EvidenceGrowthOracle::surfaces_of(const std::vector<std::size_
   return surface;
 }
 
-EvidenceGrowthOracle::Ends EvidenceGrowthOracle::ends_of(const std::vector<char>& surface,
-                                                         const std::vector<PointEvidence>& votes) const {
-  Ends ends;
+EvidenceGrowthOracle::Rim EvidenceGrowthOracle::rim_of(const std::vector<char>& surface,
+                                                       const std::vector<PointEvidence>& votes,
+                                                       const std::vector<char>& dynamic) const {
+  Rim rim;
   for (std::size_t i = 0; i < votes.size(); ++i) {
     for (std::size_t j = 0; j < votes.size(); ++j) {
       const LidarReturn &a = scan_.returns[i], &b = scan_.returns[j];
-      const int apart = std::abs(a.column - b.column);
-      if (!surface[i] || a.laser != b.laser || (apart != 1 && apart != scan_.columns - 1)) continue;
-      const bool link = linked(i, j, 0, 1);
-      if (link && !surface[j] && votes[j].total() < -4) ++ends.static_points;
-      if (!link && b.range_m > a.range_m) ++ends.free;
+      const int rows = std::abs(a.laser - b.laser);
+      if (!surface[i] || surface[j] || rows + columns_apart(a, b) != 1) continue;
+      const bool link = linked(i, j, 1, 1);
+      if (!link && rows == 0 && b.range_m > a.range_m) ++rim.free;
+      if (link && dynamic[j]) ++rim.moving;
+      if (link && !dynamic[j] && votes[j].total() < -4) ++rim.static_points;
     }
   }
-  return ends;
+  return rim;
 }
 
 EvidenceGrowthResult EvidenceGrowthOracle::grow(const std::vector<PointEvidence>& votes,

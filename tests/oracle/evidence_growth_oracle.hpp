@@ -28,11 +28,13 @@ class EvidenceGrowthOracle {
   [[nodiscard]] std::vector<char> surfaces_of(const std::vector<std::size_t>& object,
                                               const std::vector<PointEvidence>& votes,
                                               const std::vector<char>& dynamic) const;
-  struct Ends {
+  struct Rim {
     int free = 0;           // in front of something farther
     int static_points = 0;  // continuing into static points
+    int moving = 0;         // continuing into dynamic points
   };
-  [[nodiscard]] Ends ends_of(const std::vector<char>& surface, const std::vector<PointEvidence>& votes) const;
+  [[nodiscard]] Rim rim_of(const std::vector<char>& surface, const std::vector<PointEvidence>& votes,
+                           const std::vector<char>& dynamic) const;
   /// Numbers the sets of `dynamic` points and collects the evidence of each.
   void number(const std::vector<PointEvidence>& votes, const std::vector<char>& dynamic,
               EvidenceGrowthResult& result) const;
@@ -45,6 +47,8 @@ class EvidenceGrowthOracle {
                           const std::vector<std::size_t>& object) const;
   [[nodiscard]] bool linked(std::size_t i, std::size_t j, int rows, int columns) const;
   [[nodiscard]] double link_m(const LidarReturn& r) const;
+  /// Columns of the aligned image, which wraps.
+  [[nodiscard]] int columns_apart(const LidarReturn& a, const LidarReturn& b) const;
   [[nodiscard]] int image_column(const LidarReturn& r) const;
   /// Lowest index of the set of `chosen` points that each belongs to; meaningless for the others.
   [[nodiscard]] std::vector<std::size_t> sets(const std::vector<char>& chosen) const;

@@ -186,7 +186,7 @@ class EvidenceGrowth {
   // Adds those of one object after another; returns whether there are any. The marks are on labelled points.
   bool add_tangential_surfaces() {
     const std::size_t before = dynamic_.size();
-    TangentialSurfaces surfaces(scan_, points_, neighbours_, votes_, marks_);
+    TangentialSurfaces surfaces(scan_, neighbours_, votes_, marks_);
     for (std::size_t n = 0; n < ends_.size(); ++n) {
       for (const std::int32_t i : surfaces.of(object(n))) {
         verdict(i) = GrowthVerdict::grown;

@@ -12,7 +12,7 @@ constexpr int kColumns = test::kSmallColumns;
 /// each, and the side between them has kTangentialVotes; on the first and the last laser all of the side has.
 class BusSide : public test::EvidenceImage {
  protected:
-  static constexpr int kFirst = 6, kLast = 15, kAll = 5 * 10, kFound = 3 * 4;
+  static constexpr int kFirst = 6, kLast = 15, kAll = 5 * 10, kFound = 3 * 4, kLeft = 3 * 2;
   BusSide() {
     parameters_.link_m = 2;
     parameters_.link_per_m = parameters_.link_spacings = 0;
@@ -33,10 +33,10 @@ class BusSide : public test::EvidenceImage {
     points_.points[at(laser, column)] = r.position_v;
     set(laser, column, votes);
   }
-  // Half a metre from row to row, more than kBaseline_m.
-  void stretch() {
-    for (std::size_t i = 0; i < scan_.returns.size(); ++i)
-      points_.points[i].z() = 0.5F * static_cast<float>(scan_.returns[i].laser);
+  void show_left_end_only() {
+    for (int l = 1; l < 4; ++l) {
+      for (int c = kLast - 1; c <= kLast; ++c) set(l, c, -4);
+    }
   }
   [[nodiscard]] long found() const {
     const auto objects = grow().object;
@@ -57,45 +57,55 @@ TEST_F(BusSide, IsNotEvaluatedWhereOnlyTheOwnVehicleIsKnownToBeStatic) {
   EXPECT_EQ(found(), kFound);
 }
 
-// For one end that continues into static points there must be more than three in front of something farther.
+// The left end alone moves: it takes 7 places of the rim of 44 points, one side of their square, not two. The
+// rim ends freely at seven others.
 TEST_F(BusSide, IsStaticIfItContinuesIntoStaticPoints) {
+  show_left_end_only();
   put(0, kLast + 1, 5, -9);
-  EXPECT_EQ(found(), kFound);  // three free ends, one that continues
-  set(2, kLast - 1, -4);
-  set(2, kLast, -4);
-  EXPECT_EQ(found(), kAll);  // four free ends
+  EXPECT_EQ(found(), kAll);  // six free ends, one that continues
+  put(4, kLast + 1, 5, -9);
+  EXPECT_EQ(found(), kLeft);  // five and two
 }
 
-// The row above is static, in line with those below.
-TEST_F(BusSide, IsStaticIfItContinuesStraightAcrossRowsIntoStaticPoints) {
+TEST_F(BusSide, IsStaticIfItContinuesAcrossRowsIntoStaticPoints) {
   for (int c = kFirst; c <= kLast; ++c) set(4, c, -9);
-  stretch();
   EXPECT_EQ(found(), kFound);
-  for (int c = kFirst; c <= kLast; ++c) put(4, c, 6, -9);  // not in line: a metre behind
-  stretch();
+  for (int c = kFirst; c <= kLast; ++c) put(4, c, 8, -9);  // not linked: three metres behind
   EXPECT_EQ(found(), kAll - 10);
 }
 
-// No scan observed the row above before. The side continues straight into both ends, as the ground would not.
-TEST_F(BusSide, ContinuesIntoUnobservedPointsIfItContinuesStraightIntoMovingOnes) {
-  for (int c = kFirst; c <= kLast; ++c) votes_[at(4, c)] = {0, -1, false, true, false, false, false};
-  stretch();
-  EXPECT_EQ(found(), kAll - 10);
-  for (int l = 1; l < 4; ++l) {
-    for (const int c : {kFirst, kFirst + 1, kLast - 1, kLast}) put(l, c, 4, 3);
+// Ground seen by two rows beside a foot: it touches the object at few places.
+TEST_F(BusSide, IsStaticIfTheObjectTakesLessThanOneSideOfIt) {
+  show_left_end_only();
+  EXPECT_EQ(found(), kAll);
+  for (const int l : {0, 4}) {
+    for (const int c : {kFirst, kFirst + 1}) put(l, c, 10, -9);
   }
-  stretch();
-  EXPECT_EQ(found(), kFound);
+  EXPECT_EQ(found(), kLeft);  // 3 places of the rim of 40 points
 }
 
 // Something nearer occludes its ends.
 TEST_F(BusSide, IsStaticIfNoEndIsVisible) {
+  show_left_end_only();
+  for (int l = 0; l < 5; ++l) put(l, kLast + 1, 2, -9);
+  for (const int l : {0, 4}) put(l, kFirst - 1, 2, -9);
+  EXPECT_EQ(found(), kLeft);
+  put(4, kFirst - 1, 10, -9);
+  EXPECT_EQ(found(), kAll);
+}
+
+// Both ends take 14 places of the rim of 38 points: two sides of their square.
+TEST_F(BusSide, NeedsNoVisibleEndBetweenTwoThatMove) {
   for (const int l : {0, 4}) {
     for (const int c : {kFirst - 1, kLast + 1}) put(l, c, 2, -9);
   }
-  EXPECT_EQ(found(), kFound);
-  put(4, kFirst - 1, 10, -9);
   EXPECT_EQ(found(), kAll);
+  for (const int l : {0, 4}) {
+    for (const int c : {kFirst - 1, kLast + 1}) put(l, c, 5, -9);
+  }
+  EXPECT_EQ(found(), kAll);  // continues into four static points
+  for (const int l : {0, 4}) put(l, kLast, 5, -9);
+  EXPECT_EQ(found(), kFound);  // 12 places of the rim of 36 points, and four static ones
 }
 
 TEST_F(BusSide, ExcludesPointsThatOnlyTheLaterScanObserved) {
@@ -108,11 +118,11 @@ TEST_F(BusSide, ExcludesPointsThatOnlyTheLaterScanObserved) {
 // 44 candidates are at most eight times the six labelled points, 47 more than eight times three.
 TEST_F(BusSide, IsAtMostEightTimesTheLabelledPoints) {
   for (int l = 1; l < 4; ++l) {
-    for (int c = kFirst; c < kFirst + 2; ++c) set(l, c, -4);
+    for (int c = kFirst; c <= kLast; ++c) set(l, c, c == 10 || c == 11 ? 3 : -4);
   }
   EXPECT_EQ(found(), kAll);  // 44
-  for (int l = 1; l < 4; ++l) set(l, kLast - 1, -4);
-  EXPECT_EQ(found(), 3);  // 47
+  for (int l = 1; l < 4; ++l) set(l, 11, -4);
+  EXPECT_EQ(found(), 3);  // 47, 8 places of whose rim are at the object
 }
 
 TEST_F(BusSide, IsStaticUntilSomePointIsKnownToBeStatic) {
