@@ -88,6 +88,9 @@ TEST(StartUp, TheStepsOfAPersonAreNotEvenedOut) {
   EXPECT_EQ(tunnel.state, MotionState::good);
   for (std::size_t k = 1; k < 5; ++k)
     EXPECT_LT(tunnel.error_m(tunnel.starts[k], tunnel.starts[k + 1]), 0.02) << "from scan " << k;
+  // With the expected density of rotation the turns of these two were .037 and .049 deg off.
+  for (std::size_t k = 4; k <= 5; ++k)
+    EXPECT_LT(tunnel.turn_error_deg(tunnel.starts[k], tunnel.starts[k + 1]), 0.03) << "from scan " << k;
 }
 
 // Registered jointly without a limit, these scans leave the right speed after 16 steps, for half of it and
