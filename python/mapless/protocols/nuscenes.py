@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from mapless._core import InputError
 from mapless.protocols.counts import ComparedScan, Mask, Range, read_found
-from mapless.readers.nuscenes import POINT, by_token, pose_of, scenes_of, sweeps_of, tables_of
+from mapless.readers.nuscenes import POINT, Poses, Table, pose_of, scenes_of, sweeps_of, tables_of
 
 MOVING_ATTRIBUTES = ("vehicle.moving", "cycle.with_rider", "pedestrian.moving")
 NEAREST_M, FARTHEST_M = 3.0, 50.0
@@ -21,10 +21,10 @@ Points = npt.NDArray[np.float64]
 
 def within(points_0: Points, box: Any) -> Mask:
     """Points inside a box of the world; its size is width, length, height."""
-    pose = pose_of(box)
+    pose = pose_of(box, f"box {box['token']}")
     local = (points_0 - pose[:3, 3]) @ pose[:3, :3]
     width, length, height = box["size"]
-    inside: Mask = (np.abs(local) <= np.array([length, width, height]) / 2).all(axis=1)
+    inside: Mask = np.asarray((np.abs(local) <= np.array([length, width, height]) / 2).all(axis=1))
     return inside
 
 
@@ -38,10 +38,10 @@ class NuScenes:
 
     def compared(self, name: str, truth: pathlib.Path, predictions: pathlib.Path) -> Iterator[ComparedScan]:
         tables = self._tables(truth)
-        ego, sensors = by_token(tables, "ego_pose"), by_token(tables, "calibrated_sensor")
-        attributes = {token for token, row in by_token(tables, "attribute").items() if row["name"] in MOVING_ATTRIBUTES}
+        ego, sensors = Poses(tables, "ego_pose"), Poses(tables, "calibrated_sensor")
+        attributes = {token for token, row in Table(tables, "attribute").items() if row["name"] in MOVING_ATTRIBUTES}
         boxes: dict[str, list[Any]] = {}
-        for box in by_token(tables, "sample_annotation").values():
+        for box in Table(tables, "sample_annotation").values():
             if attributes.intersection(box["attribute_tokens"]):
                 boxes.setdefault(box["sample_token"], []).append(box)
         for k, sweep in enumerate(sweeps_of(tables, name)):
@@ -50,7 +50,7 @@ class NuScenes:
             file = truth / sweep["filename"]
             rows = np.fromfile(file, dtype=POINT)
             points = np.column_stack([rows[axis] for axis in "xyz"]).astype(np.float64)
-            pose = pose_of(ego[sweep["ego_pose_token"]]) @ pose_of(sensors[sweep["calibrated_sensor_token"]])
+            pose = ego.pose(sweep["ego_pose_token"]) @ sensors.pose(sweep["calibrated_sensor_token"])
             points_0 = points @ pose[:3, :3].T + pose[:3, 3]
             moving = np.zeros(len(points), dtype=bool)
             for box in boxes.get(sweep["sample_token"], []):

@@ -39,11 +39,13 @@ def edges_of(messages: Iterable[tuple[str, Any]]) -> dict[Frames, list[tuple[int
         get = POSE_OF["geometry_msgs/msg/TransformStamped" if kind == TRANSFORMS else kind]
         for part in parts:
             position, rotation = get(part)
-            pose = matrix(
-                (position.x, position.y, position.z), (rotation.x, rotation.y, rotation.z, rotation.w)
-            )
             stamp_ns = part.header.stamp.sec * 1_000_000_000 + part.header.stamp.nanosec
             frames = (part.header.frame_id.lstrip("/"), getattr(part, "child_frame_id", "").lstrip("/"))
+            try:
+                turn = (rotation.x, rotation.y, rotation.z, rotation.w)
+                pose = matrix((position.x, position.y, position.z), turn, f"{stamp_ns} ns")
+            except InputError:  # refused where it is used: frames that nobody asks for may be wrong
+                pose = np.full((4, 4), np.nan)
             edges.setdefault(frames, []).append((stamp_ns, pose))
     return edges
 

@@ -48,9 +48,10 @@ class HeliprReader:
                 try:
                     stamp, *numbers = line.split()
                     values = [float(number) for number in numbers]
-                    timed.append((int(stamp), matrix(values[:3], values[3:7])))
-                except (ValueError, IndexError):
+                    stamp_ns = int(stamp)
+                except ValueError:
                     raise InputError(f"{poses}:{i + 1}: not a time in ns, a position and a quaternion x y z w") from None
+                timed.append((stamp_ns, matrix(values[:3], values[3:7], f"{poses}:{i + 1}")))
             source.trajectory = trajectory_of(timed, str(poses))
             source.notes.append(f"trajectory: {poses.name}, of the sensor")
         return source

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import pathlib
 import tempfile
 from collections.abc import Iterator
@@ -26,6 +27,54 @@ def import_sdk(path: str) -> Any:
     return ouster.sdk
 
 
+# Sizes of packets and images: the SDK ends by a signal where one of them is 0.
+MOST = {"columns_per_frame": 4096, "columns_per_packet": 128, "pixels_per_column": 512}
+# Spread of the beams of any model [degrees]: less is in radians.
+LEAST_SPREAD_DEG = 2.0
+
+
+def require_metadata(file: pathlib.Path) -> None:
+    """What the SDK takes from a metadata file and is not of an Ouster."""
+    try:
+        metadata = json.loads(file.read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError) as error:
+        raise InputError(f"{file}: no metadata of an Ouster: {error!s:.200}") from None
+    if not isinstance(metadata, dict):
+        raise InputError(f"{file}: no metadata of an Ouster: not an object of JSON")
+
+    def part(*names: str) -> dict[str, Any]:
+        """Of older firmware everything lies at the top."""
+        found = next((metadata[name] for name in names if name in metadata), metadata)
+        return found if isinstance(found, dict) else {}
+
+    sizes = part("lidar_data_format", "data_format")
+    for name, most in MOST.items():
+        value = sizes.get(name, 1)
+        if not isinstance(value, int) or not 1 <= value <= most:
+            raise InputError(f"{file}: {name} = {value!r:.80}: expected 1 to {most}; give the metadata of this capture")
+    columns = str(part("config_params").get("lidar_mode", "")).partition("x")[0]
+    if columns.isdigit() and int(columns) != sizes.get("columns_per_frame", int(columns)):
+        raise InputError(
+            f"{file}: lidar_mode has {columns} columns, columns_per_frame = {sizes['columns_per_frame']}; give the metadata of "
+            "this capture"
+        )
+    require_altitudes(file, part("beam_intrinsics").get("beam_altitude_angles"))
+
+
+def require_altitudes(file: pathlib.Path, angles: Any) -> None:
+    """In degrees, from the top down; all 0 where they are made up. What is no list of numbers the SDK refuses."""
+    if not isinstance(angles, list) or not all(isinstance(angle, (int, float)) for angle in angles):
+        return
+    degrees = np.array(angles, dtype=np.float64)
+    name = f"{file}: beam_altitude_angles"
+    if not (np.abs(degrees) < 90).all():
+        raise InputError(f"{name}: expected finite degrees between -90 and 90; give the metadata of this capture")
+    if len(degrees) > 1 and degrees[0] < degrees[-1]:
+        raise InputError(f"{name} = {degrees[0]:g} to {degrees[-1]:g}: expected from the top down; give them as the sensor does")
+    if 0 < np.ptp(degrees) < LEAST_SPREAD_DEG:
+        raise InputError(f"{name} = {degrees[0]:g} to {degrees[-1]:g}: expected degrees: are they radians?")
+
+
 def column_times_ns(timestamps: Array, valid: Array) -> Array:
     """Instant of each column; of a column whose packet was lost, between its neighbours."""
     columns = np.arange(len(timestamps))
@@ -46,6 +95,8 @@ class OusterCapture(CloudSource):
         self._metadata = metadata
         if metadata is not None and not metadata.is_file():
             raise InputError(f"{metadata}: no such file")
+        if metadata is not None:
+            require_metadata(metadata)
         self._scans = SequentialScans(self._decoded)
         self.starts_ns = [fields.stamp_ns for fields in self._decoded()]
         if not self.starts_ns:
@@ -71,15 +122,18 @@ class OusterCapture(CloudSource):
         return file
 
     def _decoded(self) -> Iterator[Fields]:
-        meta = {} if self._metadata is None else {"meta": [str(self._metadata)]}
-        try:
-            source = self._sdk.open_source(self.path, **meta)
-        except Exception as error:  # the SDK raises several kinds, RuntimeError for a file that is none among them
-            raise InputError(f"{self.path}: no capture that ouster-sdk reads: {error}") from None
-        for frames in source:
+        for frames in self._frames():
             frame = next((frame for frame in frames if frame is not None), None)
             if frame is not None and (np.asarray(frame.status) & 1).any():
                 yield self._fields(frame)
+
+    def _frames(self) -> Iterator[Any]:
+        meta = {} if self._metadata is None else {"meta": [str(self._metadata)]}
+        try:
+            yield from self._sdk.open_source(self.path, **meta)
+        except Exception as error:  # the SDK raises several kinds, RuntimeError for a file that is none among them
+            given = "" if self._metadata is None else f" with the metadata {self._metadata}"
+            raise InputError(f"{self.path}: no capture that ouster-sdk reads{given}: {error}") from None
 
     def _fields(self, frame: Any) -> Fields:
         info = self._info = frame.sensor_info

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import collections
 import pathlib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from typing import Any, NamedTuple
 
 from mapless._core import InputError
 from mapless._recording import CloudSource
@@ -18,8 +19,28 @@ OUSTER_PORT = 7502
 SNIFFED_PACKETS = 200
 
 
-def udp_packets(path: pathlib.Path) -> Iterator[tuple[float, int, bytes]]:
-    """Time [s], destination port and payload of every UDP packet; of a fragmented one the first fragment."""
+class UdpPacket(NamedTuple):
+    time_s: float
+    source: bytes  # address
+    port: int  # of the destination
+    payload: bytes
+
+
+def link_layers(dpkt: Any) -> dict[int, Callable[[bytes], Any]]:
+    """How a frame becomes a packet of IP, by the link type of the capture (tcpdump.org/linktypes.html)."""
+    loopback: Callable[[bytes], Any] = lambda frame: dpkt.loopback.Loopback(frame).data
+    layers = {
+        1: lambda frame: dpkt.ethernet.Ethernet(frame).data,
+        113: lambda frame: dpkt.sll.SLL(frame).data,
+        276: lambda frame: dpkt.sll2.SLL2(frame).data,
+        **dict.fromkeys((0, 108), loopback),
+        **dict.fromkeys((12, 14, 101, 228), dpkt.ip.IP),
+    }
+    return layers
+
+
+def udp_packets(path: pathlib.Path) -> Iterator[UdpPacket]:
+    """Every UDP packet; of a fragmented one the first fragment."""
     try:
         import dpkt
     except ImportError:
@@ -32,17 +53,21 @@ def udp_packets(path: pathlib.Path) -> Iterator[tuple[float, int, bytes]]:
             reader = dpkt.pcap.UniversalReader(file)
         except (ValueError, dpkt.dpkt.Error):
             raise InputError(f"{path}: no packet capture: neither pcap nor pcapng") from None
-        link = {dpkt.pcap.DLT_EN10MB: dpkt.ethernet.Ethernet, dpkt.pcap.DLT_LINUX_SLL: dpkt.sll.SLL}
-        parse = link.get(reader.datalink(), dpkt.ethernet.Ethernet)
+        ip_of = link_layers(dpkt).get(reader.datalink())
+        if ip_of is None:
+            raise InputError(
+                f"{path}: link type = {reader.datalink()}: frames that are not read; record on Ethernet, or convert the "
+                "capture to Ethernet or raw IP"
+            )
         try:
             for stamp, frame in reader:
                 try:
-                    packet = parse(frame).data
+                    packet = ip_of(frame)
                 except dpkt.dpkt.Error:
                     continue
                 udp = getattr(packet, "data", None)
                 if isinstance(udp, dpkt.udp.UDP):
-                    yield float(stamp), int(udp.dport), bytes(udp.data)
+                    yield UdpPacket(float(stamp), bytes(packet.src), int(udp.dport), bytes(udp.data))
         except dpkt.dpkt.NeedData:
             return  # the last packet of a capture that was cut off
 
@@ -60,15 +85,13 @@ def metadata_of(path: pathlib.Path, options: Options) -> pathlib.Path | None:
 def refusal(path: pathlib.Path) -> InputError:
     """Why a capture cannot be read: what is in it."""
     kinds: collections.Counter[tuple[int, int]] = collections.Counter()
-    for k, (_, port, payload) in enumerate(udp_packets(path)):
-        if k >= SNIFFED_PACKETS:
-            break
-        if payload[:2] == HESAI_START:
+    for _, packet in zip(range(SNIFFED_PACKETS), udp_packets(path)):
+        if packet.payload[:2] == HESAI_START:
             return InputError(
                 f"{path}: packets of a Hesai sensor, which no library that mapless uses decodes; record the "
                 "PointCloud2 of its driver in a bag"
             )
-        kinds[port, len(payload)] += 1
+        kinds[packet.port, len(packet.payload)] += 1
     if any(port == OUSTER_PORT for port, _ in kinds):
         return InputError(f"{path}: packets of an Ouster sensor: give its metadata with --meta FILE.json")
     found = ", ".join(f"{count} of {size} bytes to port {port}" for (port, size), count in kinds.most_common(3))
@@ -90,6 +113,6 @@ class PacketReader:
         if path.suffix.lower() == ".osf" or metadata is not None:
             return ouster.OusterCapture(path, metadata)
         sniffed = zip(range(SNIFFED_PACKETS), udp_packets(path))
-        if any(len(payload) == VELODYNE_PACKET_BYTES for _, (_, _, payload) in sniffed):
+        if any(len(packet.payload) == VELODYNE_PACKET_BYTES for _, packet in sniffed):
             return velodyne.VelodyneCapture(path, options.sensor)
         raise refusal(path)

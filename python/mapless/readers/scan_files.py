@@ -58,6 +58,8 @@ def stamps_of(files: Sequence[pathlib.Path], folder: pathlib.Path) -> tuple[list
 
 def read_rows(file: pathlib.Path, dtype: np.dtype[np.void], remedy: str) -> Array:
     """The packed rows of a file. `remedy`: what to do where it does not hold whole ones."""
+    if not file.is_file():
+        raise InputError(f"{file}: no such file; {remedy}")
     size = file.stat().st_size
     if size == 0 or size % dtype.itemsize != 0:
         names = ", ".join(dtype.names or ())

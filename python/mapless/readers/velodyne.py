@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import ipaddress
 import pathlib
+import struct
 from collections.abc import Iterable, Iterator
 from typing import Any
 
@@ -22,6 +24,24 @@ SENSORS = {"VLP16": "VLP-16", "PuckLite": "VLP-16", "HDL32E": "HDL-32E"}
 MAX_RANGE_M = 400.0
 # An HDL-64E puts another byte of its status and calibration into each packet where other models name themselves.
 STATUS_PACKETS = 5
+
+
+# Packets that are looked at for whether the sensor turns, and the share of them that may be before the one before them.
+TURNING_PACKETS, MOST_BACKWARDS = 400, 0.1
+FULL_TURN = 36000  # [0.01 degrees]
+
+
+def require_turning(path: str, packets: Iterable[bytes]) -> None:
+    """Azimuths of packets increase by little, but for a few that the network exchanges."""
+    azimuths = [struct.unpack_from("<H", packet, 2)[0] for packet in packets]
+    steps = [(after - before) % FULL_TURN for before, after in zip(azimuths, azimuths[1:])]
+    backwards = sum(step > FULL_TURN / 2 for step in steps)
+    if steps and (not any(steps) or backwards > MOST_BACKWARDS * len(steps)):
+        said = "do not change" if not any(steps) else f"decrease {backwards} times"
+        raise InputError(
+            f"{path}: azimuth: those of the first {len(azimuths)} packets {said}: a sensor that does not turn, packets out "
+            "of order, or damaged ones; record the capture again"
+        )
 
 
 def import_decoder(path: str) -> Any:
@@ -128,10 +148,11 @@ class VelodyneCapture(CloudSource):
         self.path = str(path)
         self._file = path
         self._config = decoder_config(self.path, (packet for _, packet in self._packets()), sensor)
+        require_turning(self.path, (packet for _, (_, packet) in zip(range(TURNING_PACKETS), self._packets())))
         self._scans = SequentialScans(self._decoded)
         self.starts_ns = [first_instant_ns(fields) for fields in self._decoded()]
         if not self.starts_ns:
-            raise InputError(f"{path}: no complete packet of a Velodyne sensor")
+            raise InputError(f"{path}: no return in its packets of a Velodyne sensor, or all of them damaged")
         model = self._model()
         self.sensor = sensor_name(model)
         self.recovers_sensor = turns_beams(import_decoder(self.path), self._config)
@@ -148,17 +169,35 @@ class VelodyneCapture(CloudSource):
         return decoder.model_id
 
     def _packets(self) -> Iterator[tuple[float, bytes]]:
-        for stamp_s, _, payload in udp_packets(self._file):
-            if len(payload) == VELODYNE_PACKET_BYTES:
-                yield stamp_s, payload
+        """Of one sensor. Scans of two in one would be no scans."""
+        sensor = None
+        for packet in udp_packets(self._file):
+            if len(packet.payload) != VELODYNE_PACKET_BYTES:
+                continue
+            sensor = sensor or (packet.source, packet.port)
+            if (packet.source, packet.port) != sensor:
+                both = " and ".join(
+                    f"{ipaddress.ip_address(source)} to port {port}"
+                    for source, port in (sensor, (packet.source, packet.port))
+                )
+                raise InputError(
+                    f"{self.path}: packets of two Velodyne sensors, from {both}; give a capture of one, which "
+                    "tcpdump -r writes with 'src host' and 'dst port'"
+                )
+            yield packet.time_s, packet.payload
 
     def _decoded(self) -> Iterator[Fields]:
         vd = import_decoder(self.path)
         decoder = vd.StreamDecoder(self._config)
-        results = (decoder.decode(stamp_s, packet) for stamp_s, packet in self._packets())
-        for result in results:
-            if result is not None and len(result[1]):
-                yield fields_of_decoded(result[0].device, result[1])
-        last = decoder.finish()
+        try:
+            results = (decoder.decode(stamp_s, packet) for stamp_s, packet in self._packets())
+            for result in results:
+                if result is not None and len(result[1]):
+                    yield fields_of_decoded(result[0].device, result[1])
+            last = decoder.finish()
+        except RuntimeError as error:  # of a model that is unknown, or another than that of the first packet
+            raise InputError(
+                f"{self.path}: packet: {error}; its packets are damaged, or of a sensor that velodyne-decoder does not read"
+            ) from None
         if last is not None and len(last[1]):
             yield fields_of_decoded(last[0].device, last[1])
