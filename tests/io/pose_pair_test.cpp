@@ -89,5 +89,19 @@ TEST(PosePair, AWrongMotionDoesNotStandOut) {
   EXPECT_FALSE(pair.peaks([](Time) { return std::nullopt; }, forward(1)));
 }
 
+// Points of both scans fit the room under the right motion, and under none beside it.
+TEST(PosePair, PrefersTheRightMotion) {
+  const test::ToyScene room = test::toy_room("VLP-16", test::drive(2, 0));
+  const test::ToyScan first = cast_scan(room, 0), second = cast_scan(room, 5);
+  const PosePair pair(*first.scan, *second.scan);
+  const Motion right = constant(forward(2)), wrong = constant(forward(2.6));
+  const auto nowhere = [](Time) { return std::nullopt; };
+  const std::vector<double> of_wrong = pair.preferences(wrong, {right, wrong, nowhere});
+  EXPECT_GT(of_wrong[0], 5);
+  EXPECT_EQ(of_wrong[1], 0);
+  EXPECT_EQ(of_wrong[2], 0) << "does not cover the scans";
+  EXPECT_LT(pair.preferences(right, {wrong})[0], -5);
+}
+
 }  // namespace MAPLESS_FILE
 }  // namespace mapless

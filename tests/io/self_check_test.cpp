@@ -55,7 +55,9 @@ class SelfCheckTest : public testing::Test {
 
 TEST_F(SelfCheckTest, FindsNothingInARightRecording) {
   for (const CheckResult& result : check(street->trajectory())) {
-    EXPECT_EQ(result.trust, Trust::right) << result.name << ": " << result.measured << result.problem;
+    // The velocity hardly changes within a second.
+    const Trust expected = result.name == "pose times" ? Trust::unknown : Trust::right;
+    EXPECT_EQ(result.trust, expected) << result.name << ": " << result.measured << result.problem;
     EXPECT_EQ(result.problem, "");
   }
 }

@@ -181,7 +181,7 @@ enum class Trust : std::uint8_t {
 
 /// One part of the self-check.
 struct CheckResult {
-  std::string name;  ///< "beams", "times", "ranges" or "poses"
+  std::string name;  ///< "beams", "times", "ranges", "pose scale", "pose times", "poses", ...
   Trust trust = Trust::unknown;
   std::string measured;  ///< what was found, one line, for every trust
   std::string where;     ///< file of the first scan that contradicts; empty where none does
@@ -192,7 +192,7 @@ struct CheckResult {
 /// Holds a recording against what is said about it, on a few scans: points against the beams and columns of
 /// the sensor, their ranges against its limits, times against the angle turned, and, where `given` is not
 /// null, poses against the scans (docs/reliability.md, "The self-check"). Looks at scans spread over
-/// [first, first + count). A scan that cannot be read is left out. Costs the reading of up to 40 scans.
+/// [first, first + count). A scan that cannot be read is left out. Costs the reading of up to 100 scans.
 [[nodiscard]] std::vector<CheckResult> check_recording(const Dataset& dataset,
                                                        const std::shared_ptr<const Trajectory>& given,
                                                        std::size_t first, std::size_t count);

@@ -72,6 +72,15 @@ ScanPoses poses_of(const LidarScan& scan, const Vector6d& velocity, Time since) 
   return poses;
 }
 
+// How much better the second is than the first, each by which points are on surfaces (McNemar 1947).
+double preference(const std::vector<bool>& here, const std::vector<bool>& there) {
+  double here_alone = 0, there_alone = 0;
+  for (std::size_t i = 0; i < here.size(); ++i) {
+    if (here[i] != there[i]) (here[i] ? here_alone : there_alone) += 1;
+  }
+  return (there_alone - here_alone) / std::sqrt(here_alone + there_alone + 1);
+}
+
 }  // namespace
 
 PosePair::PosePair(const LidarScan& first, const LidarScan& second)
@@ -206,16 +215,22 @@ std::optional<PosePair::Peaks> PosePair::peaks(const Motion& said, const Vector6
 std::optional<PosePair::Flank> PosePair::flank(const Motion& said, const Vector6d& found) const {
   const auto both = accounts(said, found);
   if (!both) return std::nullopt;
-  const std::vector<bool> here = on_surfaces(both->said);
-  const auto better = [&](const Poses& poses) {
-    const std::vector<bool> there = on_surfaces(poses);
-    double here_alone = 0, there_alone = 0;
-    for (std::size_t i = 0; i < here.size(); ++i) {
-      if (here[i] != there[i]) (here[i] ? here_alone : there_alone) += 1;
-    }
-    return (there_alone - here_alone) / std::sqrt(here_alone + there_alone + 1);
-  };
+  const std::vector<bool> said_on = on_surfaces(both->said);
+  const auto better = [&](const Poses& poses) { return preference(said_on, on_surfaces(poses)); };
   return Flank{both->apart_m, better(both->found), better(beside(both->said, 0.5 * both->towards_found))};
+}
+
+std::vector<double> PosePair::preferences(const Motion& said, const std::vector<Motion>& others) const {
+  std::vector<double> out(others.size(), 0);
+  const auto first = poses_of(first_scan_, said), second = poses_of(second_scan_, said);
+  if (!first || !second) return out;
+  const std::vector<bool> said_on = on_surfaces({*first, *second});
+  for (std::size_t i = 0; i < others.size(); ++i) {
+    const auto other_first = poses_of(first_scan_, others[i]),
+               other_second = poses_of(second_scan_, others[i]);
+    if (other_first && other_second) out[i] = preference(said_on, on_surfaces({*other_first, *other_second}));
+  }
+  return out;
 }
 
 bool PosePair::one_sided(const Motion& said, const Vector6d& found) const {

@@ -50,6 +50,9 @@ class PosePair {
   };
   /// None where `said` does not cover the scans.
   [[nodiscard]] std::optional<Flank> flank(const Motion& said, const Vector6d& found) const;
+  /// How much better each of `others` is than `said`, in standard deviations of chance, of points on
+  /// surfaces, as above; 0 where one of the two does not cover the scans.
+  [[nodiscard]] std::vector<double> preferences(const Motion& said, const std::vector<Motion>& others) const;
   /// Whether the points that are on surfaces under `found` alone lie within half a turn of the sensor. They
   /// may then be of one vehicle: a plane separates it from the sensor. A wrong motion shows all around.
   [[nodiscard]] bool one_sided(const Motion& said, const Vector6d& found) const;

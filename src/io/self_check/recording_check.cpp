@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "io/self_check/motion_check.hpp"
 #include "io/self_check/pose_check.hpp"
 #include "io/self_check/scan_checks.hpp"
 #include "io/self_check/time_check.hpp"
@@ -16,6 +17,8 @@ namespace {
 // Scans that are looked at: spread over the recording, one per 200 scans, so that they cost little beside a
 // run.
 constexpr std::size_t kFewestPlaces = 3, kMostPlaces = 12, kScansPerPlace = 200;
+// Small mistakes of poses show at several places together.
+constexpr std::size_t kMorePlaces = 2;
 
 std::vector<std::size_t> places(std::size_t first, std::size_t count) {
   const std::size_t n = std::min(count, std::clamp(count / kScansPerPlace, kFewestPlaces, kMostPlaces));
@@ -97,7 +100,13 @@ std::vector<CheckResult> check_recording(const Dataset& dataset,
   results.push_back(counts.result(dataset));
   scan_times.add(check_scan_times(dataset, first, count), first);
   results.push_back(scan_times.result(dataset));
-  results.push_back(check_poses(dataset, given, first, count, looked_at));
+  CheckResult poses = check_poses(dataset, given, first, count, looked_at);
+  // What is said of poses that are far off is said once.
+  const auto nearly_right = poses.trust == Trust::right ? given : nullptr;
+  for (CheckResult& result :
+       check_motion(dataset, nearly_right, first, count, looked_at.size() + kMorePlaces))
+    results.push_back(std::move(result));
+  results.push_back(std::move(poses));
   return results;
 }
 
