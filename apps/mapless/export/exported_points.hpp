@@ -2,8 +2,8 @@
 
 #include <cstddef>
 
-#include "export/cloud.hpp"
 #include "view/labelled_drive.hpp"
+#include <mapless/geometry/compensated_scan.hpp>
 
 namespace mapless::app {
 
@@ -11,7 +11,7 @@ enum class ExportedClass { is_static, moving, all };
 
 /// Points of one scan that are exported, and how many of it have which label.
 struct ExportedPoints {
-  Cloud cloud;
+  ExportCloud cloud;
   std::size_t is_static = 0, moving = 0, unknown = 0;
 };
 

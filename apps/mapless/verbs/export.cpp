@@ -5,13 +5,12 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <tbb/parallel_pipeline.h>
 
-#include "export/cloud_file.hpp"
 #include "export/exported_points.hpp"
 #include "export/new_folder.hpp"
 #include "export/semantic_kitti.hpp"
-#include "export/voxel_map.hpp"
 #include "options/option_checks.hpp"
 #include "options/output_file.hpp"
 #include "options/recording_options.hpp"
@@ -20,6 +19,7 @@
 #include "verbs/verbs.hpp"
 #include "view/labelled_drive.hpp"
 #include <mapless/core/errors.hpp>
+#include <mapless/geometry/compensated_scan.hpp>
 #include <mapless/io/files.hpp>
 
 namespace mapless::app {
@@ -99,9 +99,15 @@ ExportCounts for_each_scan(const ExportOptions& options, const LabelledDrive& dr
 void export_map(const ExportOptions& options, const LabelledDrive& drive,
                 const std::vector<std::size_t>& scans) {
   VoxelMap map(options.voxel_m);
-  const ExportCounts counts = for_each_scan(options, drive, scans, [&](std::size_t, const Cloud& cloud) {
-    for (const Eigen::Vector3d& point_0 : cloud.points) map.add(point_0);
-  });
+  const ExportCounts counts =
+      for_each_scan(options, drive, scans, [&](std::size_t, const ExportCloud& cloud) {
+        for (const Eigen::Vector3d& point_0 : cloud.points) {
+          if (map.add(point_0)) continue;
+          throw InputError({"trajectory", "", fmt::format("({:.0f}) m", fmt::join(point_0, ", ")),
+                            "is too far from the first point for a map of this voxel size",
+                            "give a larger --voxel-m, or a shorter range of --scans"});
+        }
+      });
   write_file_atomically(options.output, cloud_file(map.cloud(), format_of(options.format)));
   fmt::print(
       "{}: {} points, one for each voxel of {:g} m with static points\n"
@@ -117,10 +123,11 @@ void export_scans(const ExportOptions& options, const LabelledDrive& drive,
     throw OutputError({folder.string(), "", "", "is there and is not an empty folder", "give a new folder"});
   }
   NewFolder made(folder);
-  const ExportCounts counts = for_each_scan(options, drive, scans, [&](std::size_t k, const Cloud& cloud) {
-    write_file_atomically(folder / fmt::format("{:06}.{}", k, options.format),
-                          cloud_file(cloud, format_of(options.format)));
-  });
+  const ExportCounts counts =
+      for_each_scan(options, drive, scans, [&](std::size_t k, const ExportCloud& cloud) {
+        write_file_atomically(folder / fmt::format("{:06}.{}", k, options.format),
+                              cloud_file(cloud, format_of(options.format)));
+      });
   made.keep();
   fmt::print("{}: {} files; of the points {} are static, {} dynamic, {} without a label\n", folder.string(),
              counts.scans, counts.is_static, counts.moving, counts.unknown);

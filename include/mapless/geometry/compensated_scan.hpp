@@ -3,15 +3,18 @@
 /// @file
 /// Room geometry: points in space. In go a LidarScan and a Trajectory; out come points and rays in the world
 /// frame with the motion of the sensor during the scan accounted for, normals, and nearest neighbours. Every
-/// result is computed once per scan and not changed afterwards.
+/// result is computed once per scan and not changed afterwards. VoxelMap alone gathers points of many scans.
 
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <tuple>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -138,5 +141,46 @@ template <class Real>
   if (ray_m < range_m - tolerance_m) return FreespaceVerdict::outside;
   return ray_m <= range_m + tolerance_m ? FreespaceVerdict::border : FreespaceVerdict::inside;
 }
+
+/// One whole number per point, or one float32, whose bits the values are.
+struct CloudColumn {
+  std::string_view name;
+  std::vector<std::uint32_t> values;
+  bool is_float = false;
+};
+
+/// A cloud for other programs, which cloud_file() writes: points with further columns of the same length.
+struct ExportCloud {
+  std::vector<Eigen::Vector3d> points;  ///< [m]
+  std::vector<CloudColumn> columns;
+};
+
+/// A cloud of one point per voxel: the mean of the points in it.
+class VoxelMap {
+ public:
+  /// `edge_m`: of a voxel [m], above 0. `max_voxels`: where it is given, the index of all voxels (8 bytes
+  /// each) is allocated at once, so that add() never takes long; every voxel takes another 64 bytes.
+  explicit VoxelMap(double edge_m, std::optional<std::size_t> max_voxels = std::nullopt);
+
+  /// False where the point is left out: it is more than a million voxels from the first one along an axis, or
+  /// in a new voxel after max_voxels.
+  [[nodiscard]] bool add(const Eigen::Vector3d& point_0);
+
+  [[nodiscard]] std::size_t size() const { return voxels_.size(); }
+  /// In the order in which the voxels were first met, with the column `points`: how many each has.
+  [[nodiscard]] ExportCloud cloud() const;
+
+ private:
+  struct Voxel {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();  ///< of the points, relative to origin_0_
+    std::uint32_t points = 0;
+  };
+
+  double edge_m_;
+  std::size_t max_voxels_;
+  std::optional<Eigen::Vector3d> origin_0_;  ///< the first point
+  std::unordered_map<std::uint64_t, std::size_t> index_;
+  std::vector<Voxel> voxels_;
+};
 
 }  // namespace mapless

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include <mapless/core/parameters.hpp>
+#include <mapless/geometry/compensated_scan.hpp>
 #include <mapless/lidar/lidar_model.hpp>
 #include <mapless/trajectory/trajectory.hpp>
 
@@ -59,6 +60,14 @@ class GrowingFile {
 /// Content of a file of at most 1 GiB, or of a pipe or device of at most 64 MiB. Throws InputError with the
 /// reason: AccessError where the file is there and cannot be read.
 [[nodiscard]] std::string read_whole_file(const std::filesystem::path& file);
+
+enum class CloudFormat { pcd, ply, las };
+
+/// The bytes of a binary, little-endian file: PCD 0.7 (`DATA binary`), PLY 1.0 or LAS 1.4. Fields x, y, z,
+/// then the columns as uint32. Coordinates are float32, and float64 if one of them is 8192 m or more from 0:
+/// from there on the steps of float32 are 1 mm. LAS: point format 6, whole steps of 0.1 mm from the first
+/// point (coarser where they would not reach), columns as extra bytes; without points' intensity or colour.
+[[nodiscard]] std::string cloud_file(const ExportCloud& cloud, CloudFormat format);
 
 /// Sets parameters from a YAML file. A group of parameters is a map: "freespace.backward_threshold_m" is the
 /// key backward_threshold_m in the map freespace. A parameter whose key is missing keeps its value. Throws

@@ -1,15 +1,12 @@
-#include "export/cloud_file.hpp"
-
 #include <bit>
 #include <cstring>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "export/voxel_map.hpp"
-#include <mapless/core/errors.hpp>
+#include <mapless/io/files.hpp>
 
-namespace mapless::app {
+namespace mapless {
 namespace MAPLESS_FILE {
 
 using testing::ElementsAre;
@@ -27,7 +24,7 @@ std::size_t data_of(const std::string& bytes, const std::string& last_header_lin
 }
 
 TEST(CloudFile, PcdHasFloatsAndColumns) {
-  const Cloud cloud{{{1, 2, 3}, {-4, 5.5, 6}}, {{"label", {9, 251}}}};
+  const ExportCloud cloud{{{1, 2, 3}, {-4, 5.5, 6}}, {{"label", {9, 251}}}};
   const std::string bytes = cloud_file(cloud, CloudFormat::pcd);
   EXPECT_THAT(bytes, HasSubstr("FIELDS x y z label\nSIZE 4 4 4 4\nTYPE F F F U\nCOUNT 1 1 1 1\nWIDTH 2\n"));
   const std::size_t data = data_of(bytes, "DATA binary\n");
@@ -39,7 +36,7 @@ TEST(CloudFile, PcdHasFloatsAndColumns) {
 
 // Type 9 of extra bytes is float (LAS 1.4-R15, table 24).
 TEST(CloudFile, EveryFormatHasColumnsOfFloats) {
-  const Cloud cloud{{{1, 2, 3}}, {{"probability", {std::bit_cast<std::uint32_t>(0.25F)}, true}}};
+  const ExportCloud cloud{{{1, 2, 3}}, {{"probability", {std::bit_cast<std::uint32_t>(0.25F)}, true}}};
   const std::string pcd = cloud_file(cloud, CloudFormat::pcd), ply = cloud_file(cloud, CloudFormat::ply);
   const std::string las = cloud_file(cloud, CloudFormat::las);
   EXPECT_THAT(pcd, HasSubstr("FIELDS x y z probability\nSIZE 4 4 4 4\nTYPE F F F F\n"));
@@ -51,7 +48,7 @@ TEST(CloudFile, EveryFormatHasColumnsOfFloats) {
 
 TEST(CloudFile, FarCoordinatesAreDoublesInPlyAsInPcd) {
   const double east_m = 458000.1234;
-  const Cloud cloud{{{east_m, 0, 0}}, {{"points", {7}}}};
+  const ExportCloud cloud{{{east_m, 0, 0}}, {{"points", {7}}}};
   const std::string ply = cloud_file(cloud, CloudFormat::ply);
   EXPECT_THAT(ply, HasSubstr("element vertex 1\nproperty double x\n"));
   const std::size_t data = data_of(ply, "end_header\n");
@@ -63,7 +60,8 @@ TEST(CloudFile, FarCoordinatesAreDoublesInPlyAsInPcd) {
 
 // Offsets of LAS 1.4-R15, tables 3, 5 and 15.
 TEST(CloudFile, LasHasStepsFromTheFirstPointAndColumnsAsExtraBytes) {
-  const Cloud cloud{{{458000.2, 2, 3}, {458000.25, -5.5, 6}}, {{"label", {9, 251}}, {"object", {0, 7}}}};
+  const ExportCloud cloud{{{458000.2, 2, 3}, {458000.25, -5.5, 6}},
+                          {{"label", {9, 251}}, {"object", {0, 7}}}};
   const std::string bytes = cloud_file(cloud, CloudFormat::las);
   EXPECT_EQ(bytes.substr(0, 4), "LASF");
   EXPECT_EQ(bytes.substr(24, 2), std::string("\1\4"));
@@ -92,24 +90,5 @@ TEST(CloudFile, LasTakesCoarserStepsForAWideCloud) {
   EXPECT_EQ(number_at<std::int32_t>(bytes, 375 + 30), 300000000);
 }
 
-TEST(VoxelMap, HasTheMeanOfEachVoxel) {
-  VoxelMap map(1.0);  // voxels begin at the first point
-  map.add({10, 0, 0});
-  map.add({10.5, 0.5, 0});
-  map.add({9.5, 0, 0});
-  map.add({10.25, 0.25, 0.75});
-  const Cloud cloud = map.cloud();
-  ASSERT_EQ(cloud.points.size(), 2U);
-  EXPECT_TRUE(cloud.points[0].isApprox(Eigen::Vector3d(10.25, 0.25, 0.25)));
-  EXPECT_TRUE(cloud.points[1].isApprox(Eigen::Vector3d(9.5, 0, 0)));
-  EXPECT_THAT(cloud.columns.front().values, ElementsAre(3, 1));
-}
-
-TEST(VoxelMap, RefusesAPointBeyondItsKeys) {
-  VoxelMap map(0.001);
-  map.add({0, 0, 0});
-  EXPECT_THROW(map.add({2000, 0, 0}), InputError);
-}
-
 }  // namespace MAPLESS_FILE
-}  // namespace mapless::app
+}  // namespace mapless

@@ -1,4 +1,4 @@
-#include "export/las_file.hpp"
+#include "io/files/las_file.hpp"
 
 #include <algorithm>
 #include <array>
@@ -8,9 +8,9 @@
 #include <limits>
 #include <string_view>
 
-#include "export/little_endian.hpp"
+#include "io/files/little_endian.hpp"
 
-namespace mapless::app {
+namespace mapless::inline v1 {
 namespace {
 
 // Sizes of LAS 1.4-R15: the header, the header of a variable length record, a description of extra bytes, a
@@ -32,7 +32,7 @@ struct Steps {
   double step_m = kFinestStep_m;
 };
 
-Steps steps_of(const Cloud& cloud) {
+Steps steps_of(const ExportCloud& cloud) {
   Steps out;
   if (cloud.points.empty()) return out;
   out.low = out.high = cloud.points.front();
@@ -48,7 +48,7 @@ Steps steps_of(const Cloud& cloud) {
 }
 
 // The one variable length record: what the extra bytes of a point are.
-std::string extra_bytes_record(const Cloud& cloud) {
+std::string extra_bytes_record(const ExportCloud& cloud) {
   std::string out;
   append<std::uint16_t>(out, 0);
   append_text(out, "LASF_Spec", 16);
@@ -65,7 +65,7 @@ std::string extra_bytes_record(const Cloud& cloud) {
   return out;
 }
 
-std::string header_of(const Cloud& cloud, const Steps& steps, std::size_t records_size) {
+std::string header_of(const ExportCloud& cloud, const Steps& steps, std::size_t records_size) {
   std::string out = "LASF";
   append<std::uint16_t>(out, 0);
   append(out, kWellKnownText);
@@ -96,7 +96,7 @@ std::string header_of(const Cloud& cloud, const Steps& steps, std::size_t record
 
 }  // namespace
 
-std::string las_file(const Cloud& cloud) {
+std::string las_file(const ExportCloud& cloud) {
   const Steps steps = steps_of(cloud);
   const std::string records = cloud.columns.empty() ? "" : extra_bytes_record(cloud);
   std::string out = header_of(cloud, steps, records.size()) + records;
@@ -112,4 +112,4 @@ std::string las_file(const Cloud& cloud) {
   return out;
 }
 
-}  // namespace mapless::app
+}  // namespace mapless

@@ -3,7 +3,7 @@
 #include <bit>
 #include <string>
 
-namespace mapless::app {
+namespace mapless::inline v1 {
 
 static_assert(std::endian::native == std::endian::little);
 
@@ -13,4 +13,4 @@ void append(std::string& out, Number value) {
   out.append(reinterpret_cast<const char*>(&value), sizeof value);
 }
 
-}  // namespace mapless::app
+}  // namespace mapless

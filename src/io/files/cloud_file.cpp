@@ -1,24 +1,23 @@
-#include "export/cloud_file.hpp"
-
 #include <algorithm>
 #include <cstddef>
 
 #include <fmt/format.h>
 
-#include "export/las_file.hpp"
-#include "export/little_endian.hpp"
+#include "io/files/las_file.hpp"
+#include "io/files/little_endian.hpp"
+#include <mapless/io/files.hpp>
 
-namespace mapless::app {
+namespace mapless::inline v1 {
 namespace {
 
 constexpr double kFloatReach_m = 8192;
 
-bool needs_doubles(const Cloud& cloud) {
+bool needs_doubles(const ExportCloud& cloud) {
   return std::any_of(cloud.points.begin(), cloud.points.end(),
                      [](const Eigen::Vector3d& p) { return p.cwiseAbs().maxCoeff() >= kFloatReach_m; });
 }
 
-std::string pcd_header(const Cloud& cloud, bool doubles) {
+std::string pcd_header(const ExportCloud& cloud, bool doubles) {
   std::string fields = "x y z", sizes = doubles ? "8 8 8" : "4 4 4", types = "F F F", counts = "1 1 1";
   for (const CloudColumn& column : cloud.columns) {
     fields += fmt::format(" {}", column.name);
@@ -32,7 +31,7 @@ std::string pcd_header(const Cloud& cloud, bool doubles) {
       fields, sizes, types, counts, cloud.points.size(), cloud.points.size());
 }
 
-std::string ply_header(const Cloud& cloud, bool doubles) {
+std::string ply_header(const ExportCloud& cloud, bool doubles) {
   std::string out =
       fmt::format("ply\nformat binary_little_endian 1.0\nelement vertex {}\n", cloud.points.size());
   for (const char axis : {'x', 'y', 'z'})
@@ -44,7 +43,7 @@ std::string ply_header(const Cloud& cloud, bool doubles) {
 
 }  // namespace
 
-std::string cloud_file(const Cloud& cloud, CloudFormat format) {
+std::string cloud_file(const ExportCloud& cloud, CloudFormat format) {
   if (format == CloudFormat::las) return las_file(cloud);
   const bool doubles = needs_doubles(cloud);
   std::string out = format == CloudFormat::pcd ? pcd_header(cloud, doubles) : ply_header(cloud, doubles);
@@ -56,4 +55,4 @@ std::string cloud_file(const Cloud& cloud, CloudFormat format) {
   return out;
 }
 
-}  // namespace mapless::app
+}  // namespace mapless
