@@ -32,7 +32,7 @@ fi
 for header in builtin_interfaces/msg/time diagnostic_msgs/msg/diagnostic_array geometry_msgs/msg/transform_stamped \
   nav_msgs/msg/odometry rclcpp/rclcpp rclcpp/serialization rclcpp_components/register_node_macro rosbag2_cpp/reader \
   rosbag2_cpp/writer rosbag2_storage/storage_options sensor_msgs/msg/imu sensor_msgs/msg/point_cloud2 \
-  std_msgs/msg/float64 std_srvs/srv/empty tf2_msgs/msg/tf_message vision_msgs/msg/detection3_d_array \
+  std_msgs/msg/float64 std_srvs/srv/empty std_srvs/srv/trigger tf2_msgs/msg/tf_message vision_msgs/msg/detection3_d_array \
   visualization_msgs/msg/marker_array; do
   mkdir -p "$work/$(dirname "$header")"
   echo '#include "ros2.hpp"' >"$work/$header.hpp"

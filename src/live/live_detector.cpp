@@ -47,12 +47,16 @@ struct LiveDetector::State {
         scans(o.sensor, o.topic, Duration::from_seconds(o.live.clock_offset_s)),
         online(std::make_unique<OnlineDetector>(o.detector)) {}
 
-  // With the lock:
-  void report(LiveLevel level, const std::string& kind, const std::string& text);
-  void count_output(const LiveOutput& output);
-  [[nodiscard]] std::optional<Arrival> take();
+  void report(LiveLevel level, const std::string& kind, const std::string& text);  // with the lock held
+  void add_measured(MeasurementQueue::Measured measured) {
+    const std::lock_guard lock(mutex);
+    const Time time = now();
+    measurements.add(std::move(measured), queue.current_stamp(time), time, health);
+  }
 
   // On the thread of process():
+  void count_output(const LiveOutput& output);
+  [[nodiscard]] std::optional<Arrival> take();
   std::vector<LiveOutput> process_cloud(Arrival arrival);
   std::vector<LiveOutput> push(const MadeScan& made);
   std::vector<LiveOutput> push_with(const MadeScan& made, const std::shared_ptr<const Trajectory>& given);
@@ -90,7 +94,7 @@ struct LiveDetector::State {
   SE3 T_vb;               // sensor from base_frame
   bool base_known = false;
   SE3 T_w0, T_wv;  // world of the outputs from that of `online`; the last known pose
-  std::uint32_t first_id = 0, last_id = 0;
+  std::uint32_t first_id = 0, last_id = 0, world_number = 0;
 };
 
 void LiveDetector::State::report(LiveLevel level, const std::string& kind, const std::string& text) {
@@ -273,6 +277,7 @@ std::vector<LiveOutput> LiveDetector::State::begin_anew(bool forget_sensor) {
   start_began.reset();
   first_id = last_id;
   if (!options.poses_given()) T_w0 = T_wv;
+  if (!options.poses_given()) ++world_number;
   if (forget_sensor) scans.forget_sensor();
   const std::lock_guard lock(mutex);
   if (forget_sensor) sensor.clear();
@@ -291,10 +296,12 @@ std::vector<LiveOutput> LiveDetector::State::outputs(std::vector<LabelledScan> l
     }
     const Arrival arrival = std::move(pushed.front());
     pushed.pop_front();
+    if (one.odometry && one.odometry->outcome == ScanOutcome::restarted) ++world_number;
     if (one.odometry && !one.odometry->knots.empty()) T_wv = T_w0 * one.odometry->knots.back().T_v0.inverse();
     const std::string body = options.base_frame.empty() ? arrival.cloud.view.frame_id : options.base_frame;
     LiveOutput output{arrival.cloud, std::move(one), T_w0,       options.world_frame,
-                      T_vb,          body,           base_known, (now() - newest_arrival).seconds()};
+                      T_vb,          body,           base_known, (now() - newest_arrival).seconds(),
+                      world_number};
     count_output(output);
     done.push_back(std::move(output));
   }
@@ -340,18 +347,12 @@ void LiveDetector::add_transform(const std::string& parent, const std::string& c
 }
 
 void LiveDetector::add_angular_velocity(const std::string& frame, Time time, const Eigen::Vector3d& angular) {
-  const std::lock_guard lock(state_->mutex);
-  const Time now = state_->now();
-  state_->measurements.add({frame, time, std::nullopt, angular}, state_->queue.current_stamp(now), now,
-                           state_->health);
+  state_->add_measured({frame, time, std::nullopt, angular});
 }
 
 void LiveDetector::add_twist(const std::string& frame, Time time, const Eigen::Vector3d& linear,
                              const Eigen::Vector3d& angular) {
-  const std::lock_guard lock(state_->mutex);
-  const Time now = state_->now();
-  state_->measurements.add({frame, time, linear, angular}, state_->queue.current_stamp(now), now,
-                           state_->health);
+  state_->add_measured({frame, time, linear, angular});
 }
 
 void LiveDetector::wait(Duration at_most) {

@@ -11,7 +11,10 @@ std::vector<LiveSetting> live_settings(LiveOptions& options) {
            "frame of objects and odometry; with motion tf, the frame that poses are in"},
           {"base_frame", &options.base_frame,
            "own odometry is of this frame, which tf_static places on the lidar (base_link); empty: of the "
-           "clouds' frame"}};
+           "clouds' frame"},
+          {"static_map_file", &options.static_map_file,
+           "file that service save_static_map writes the still points of the run to (.pcd, .ply or .las), "
+           "one for each voxel; empty: none are kept"}};
 }
 
 std::vector<ParameterReference> live_parameters(LiveOptions& options) {

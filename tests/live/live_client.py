@@ -12,6 +12,7 @@ import signal
 import struct
 import subprocess
 import sys
+import tempfile
 
 # Participants announce themselves every second: by default it is every 30 s, so that where the first announcement meets
 # nobody, or is lost, nothing is found for as long.
@@ -32,6 +33,8 @@ from cyclonedds.util import duration  # noqa: E402
 from ros2_types import (  # noqa: E402
     Detection3DArray,
     DiagnosticArray,
+    EmptyReply,
+    EmptyRequest,
     Float64,
     Header,
     Imu,
@@ -46,6 +49,8 @@ from ros2_types import (  # noqa: E402
     Time,
     Transform,
     TransformStamped,
+    TriggerReply,
+    TriggerRequest,
     Twist,
     TwistWithCovariance,
     Vector3,
@@ -164,6 +169,20 @@ class Client:
     def writer(self, name, kind, qos):
         return DataWriter(self.participant, Topic(self.participant, f"rt/{name}", kind), qos=qos)
 
+    def call(self, service, request_kind, reply_kind):
+        """The reply, as a client of rmw_cyclonedds gets it; that to another client's request is not ours."""
+        requests = Topic(self.participant, f"rq/{service}Request", request_kind)
+        replies = Topic(self.participant, f"rr/{service}Reply", reply_kind)
+        writer = DataWriter(self.participant, requests, qos=DRIVER)
+        reader = DataReader(self.participant, replies, qos=USER)
+        self.wait_until(lambda: writer.get_matched_subscriptions() and reader.get_matched_publications())
+        request = request_kind(client=0x0123456789ABCDEF, number=7)
+        writer.write(request)
+        for reply in reader.take_iter(timeout=duration(seconds=10)):
+            assert (reply.client, reply.number) == (request.client, request.number), reply
+            return reply
+        sys.exit(f"service {service} does not reply")
+
     def collect(self, milliseconds):
         """What has come, at once where labels (of the first reader) have come, else after so long."""
         first = next(iter(self.readers))
@@ -215,6 +234,28 @@ def diagnostics_after(client, count):
     return status.message, values
 
 
+def check_services(client, static_map):
+    """The map is written; without its folder, and after a reset, the reply says why it is not."""
+
+    def save():
+        reply = client.call("labeller/save_static_map", TriggerRequest, TriggerReply)
+        print(reply.message)
+        assert "\n" not in reply.message
+        return reply
+
+    saved = save()
+    assert saved.success
+    header, _, _ = static_map.read_bytes().partition(b"DATA binary\n")
+    points = dict(line.split(" ", 1) for line in header.decode().splitlines())["POINTS"]
+    assert f"{static_map}: {points} points" in saved.message and int(points) > 1000
+    static_map.unlink()
+    static_map.parent.rmdir()  # fails where anything is left beside the map
+    saved = save()
+    assert not saved.success and "No such file" in saved.message
+    client.call("labeller/reset", EmptyRequest, EmptyReply)
+    client.wait_until(lambda: "no cloud with labels" in save().message)
+
+
 def run(client, drive, own_odometry):
     count = len(list((drive / "scans").iterdir()))
     truth = {}
@@ -257,12 +298,15 @@ def run(client, drive, own_odometry):
 
 def main():
     command, drive, motion = sys.argv[1], pathlib.Path(sys.argv[2]), sys.argv[3]
-    options = ["--use-imu", "--use-wheel-odometry"] if motion == "own" else []
+    static_map = pathlib.Path(tempfile.mkdtemp()) / "map.pcd"
+    options = ["--static-map-file", str(static_map)]
+    options += ["--use-imu", "--use-wheel-odometry"] if motion == "own" else []
     node = subprocess.Popen([command, "live", "--sensor", "VLP-16", "--motion", motion, *options])
     try:
         client = Client()
         client.wait_for_node()
         run(client, drive, own_odometry=motion == "own")
+        check_services(client, static_map)
         node.send_signal(signal.SIGINT)
         assert node.wait(timeout=30) == 0, "the exit code after SIGINT is not 0"
     finally:

@@ -14,6 +14,7 @@ using testing::HasSubstr;
 
 using test::at_ms;
 using test::cloud;
+using test::kScans;
 using test::kTurnMs;
 using test::Robot;
 using test::street;
@@ -92,6 +93,23 @@ TEST(LiveMeasurements, WrongOnesReachTheOdometry) {
   ASSERT_EQ(robot.value("motion"), "good");
   for (int k = 12; k < 16; ++k) turn_measured(robot, k, {1, 0, 0});
   EXPECT_EQ(robot.value("motion"), "lost");
+}
+
+// After five lost scans in a row (docs/odometry.md) a new map begins, at an unknown place in the world
+// before.
+TEST(LiveMeasurements, AfterALossTheWorldIsAnother) {
+  Robot robot(with_measurements());
+  place_sensors(robot);
+  for (int k = 0; k < 12; ++k) turn_measured(robot, k, Eigen::Vector3d::Zero());
+  for (int k = 12; k < 18; ++k) turn_measured(robot, k, {1, 0, 0});
+  for (int k = 18; k < kScans; ++k) turn_measured(robot, k, Eigen::Vector3d::Zero());
+  ASSERT_EQ(robot.value("motion"), "good");
+  std::uint32_t world = 0;
+  for (const LiveOutput& output : robot.outputs()) {
+    const bool restarted = output.labelled.odometry->outcome == ScanOutcome::restarted;
+    EXPECT_EQ(output.world_number, restarted ? ++world : world);
+  }
+  EXPECT_EQ(world, 1U);
 }
 
 TEST(LiveMeasurements, AnInputThatIsSilentIsReportedAndLabelsGoOn) {

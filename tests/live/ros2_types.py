@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from cyclonedds.idl import IdlStruct
-from cyclonedds.idl.types import array, float64, int32, sequence, uint8, uint32
+from cyclonedds.idl.types import array, float64, int32, int64, sequence, uint8, uint32, uint64
 
 
 @dataclass
@@ -21,6 +21,36 @@ class Header(IdlStruct, typename="std_msgs::msg::dds_::Header_"):
 @dataclass
 class Float64(IdlStruct, typename="std_msgs::msg::dds_::Float64_"):
     data: float64
+
+
+# rmw_cyclonedds puts client and number of a request before its members, and those of its reply.
+@dataclass
+class EmptyRequest(IdlStruct, typename="std_srvs::srv::dds_::Empty_Request_"):
+    client: uint64
+    number: int64
+    structure_needs_at_least_one_member: uint8 = 0
+
+
+@dataclass
+class EmptyReply(IdlStruct, typename="std_srvs::srv::dds_::Empty_Response_"):
+    client: uint64
+    number: int64
+    structure_needs_at_least_one_member: uint8
+
+
+@dataclass
+class TriggerRequest(IdlStruct, typename="std_srvs::srv::dds_::Trigger_Request_"):
+    client: uint64
+    number: int64
+    structure_needs_at_least_one_member: uint8 = 0
+
+
+@dataclass
+class TriggerReply(IdlStruct, typename="std_srvs::srv::dds_::Trigger_Response_"):
+    client: uint64
+    number: int64
+    success: bool
+    message: str
 
 
 @dataclass

@@ -177,6 +177,16 @@ struct Empty {
     STUB_MESSAGE(Response);
   };
 };
+struct Trigger {
+  struct Request {
+    STUB_MESSAGE(Request);
+  };
+  struct Response {
+    STUB_MESSAGE(Response);
+    bool success;
+    std::string message;
+  };
+};
 }
 namespace rcl_interfaces::msg {
 struct ParameterDescriptor {
@@ -185,6 +195,7 @@ struct ParameterDescriptor {
 };
 }
 struct rcl_serialized_message_t {};
+struct rmw_request_id_t {};
 struct rmw_gid_t {
   const char* implementation_identifier;
   std::uint8_t data[24];
@@ -263,7 +274,10 @@ struct ServiceBase {
   using SharedPtr = std::shared_ptr<ServiceBase>;
 };
 template <class S>
-struct Service : ServiceBase {};
+struct Service : ServiceBase {
+  using SharedPtr = std::shared_ptr<Service<S>>;
+  void send_response(rmw_request_id_t&, typename S::Response&);
+};
 struct TimerBase {
   using SharedPtr = std::shared_ptr<TimerBase>;
 };
@@ -319,6 +333,10 @@ class Node {
   std::shared_ptr<Service<S>> create_service(
       const std::string&,
       std::function<void(std::shared_ptr<typename S::Request>, std::shared_ptr<typename S::Response>)>);
+  template <class S>
+  std::shared_ptr<Service<S>> create_service(
+      const std::string&,
+      std::function<void(std::shared_ptr<rmw_request_id_t>, std::shared_ptr<typename S::Request>)>);
   template <class P>
   std::shared_ptr<WallTimer> create_wall_timer(P period, std::function<void()>);
 };

@@ -14,6 +14,9 @@ namespace {
 // As many turns as a process that is held up for half a second misses.
 constexpr std::int32_t kDepth = 5;
 constexpr std::int32_t kDepthOfStatic = 100;  // as tf2_ros has it: each broadcaster sends its own
+// As rmw_cyclonedds waits for the reader of replies.
+constexpr int kMostTries = 10;
+constexpr dds_duration_t kTryPeriod = DDS_MSECS(10);
 // A tenth of a turn: labels for the others are more urgent than a slow reader.
 constexpr dds_duration_t kLongestBlocking = DDS_MSECS(10);
 
@@ -36,8 +39,7 @@ Qos qos_of(DdsQuality quality, const std::string& hash) {
 
 dds_entity_t make_topic(const DdsParticipant& participant, const std::string& topic,
                         const dds_topic_descriptor_t* type) {
-  const std::string name = "rt/" + (topic.starts_with('/') ? topic.substr(1) : topic);
-  return require_dds(dds_create_topic(participant.entity(), type, name.c_str(), nullptr, nullptr),
+  return require_dds(dds_create_topic(participant.entity(), type, topic.c_str(), nullptr, nullptr),
                      "topic " + topic);
 }
 
@@ -66,6 +68,13 @@ DdsParticipant::DdsParticipant(std::uint32_t domain)
     : entity_(require_dds(dds_create_participant(domain, nullptr, nullptr), "participant")) {}
 DdsParticipant::~DdsParticipant() { dds_delete(entity_); }
 
+std::string dds_topic(const std::string& name, DdsChannel channel) {
+  const std::string relative = name.starts_with('/') ? name.substr(1) : name;
+  if (channel == DdsChannel::request) return "rq/" + relative + "Request";
+  if (channel == DdsChannel::reply) return "rr/" + relative + "Reply";
+  return "rt/" + relative;
+}
+
 dds_entity_t make_reader(const DdsParticipant& participant, const std::string& topic,
                          const dds_topic_descriptor_t* type, const std::string& hash, DdsQuality quality) {
   const dds_entity_t entity = make_topic(participant, topic, type);
@@ -84,6 +93,17 @@ bool has_readers(dds_entity_t writer) {
   dds_publication_matched_status_t status = {};
   require_dds(dds_get_publication_matched_status(writer, &status), "readers");
   return status.current_count > 0;
+}
+
+void wait_for_clients(dds_entity_t requests, dds_entity_t replies) {
+  for (int tries = 0; tries < kMostTries; ++tries) {
+    dds_subscription_matched_status_t writers = {};
+    dds_publication_matched_status_t readers = {};
+    require_dds(dds_get_subscription_matched_status(requests, &writers), "clients");
+    require_dds(dds_get_publication_matched_status(replies, &readers), "clients");
+    if (readers.current_count >= writers.current_count) return;
+    dds_sleepfor(kTryPeriod);
+  }
 }
 
 std::vector<PublishedTopic> published_topics(const DdsParticipant& participant) {

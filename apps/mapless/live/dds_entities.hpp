@@ -41,6 +41,10 @@ MAPLESS_DDS_TYPE(diagnostic_msgs_msg_dds__DiagnosticArray_,
 MAPLESS_DDS_TYPE(visualization_msgs_msg_dds__MarkerArray_,
                  "86cb8800b6fb05b5eff1abd7a56f62a5641d3ae9a1c29e78e67e704f1d067dcf");
 MAPLESS_DDS_TYPE(vision_msgs_msg_dds__Detection3DArray_, "");
+MAPLESS_DDS_TYPE(std_srvs_srv_dds__Empty_Request_, "");
+MAPLESS_DDS_TYPE(std_srvs_srv_dds__Empty_Response_, "");
+MAPLESS_DDS_TYPE(std_srvs_srv_dds__Trigger_Request_, "");
+MAPLESS_DDS_TYPE(std_srvs_srv_dds__Trigger_Response_, "");
 #undef MAPLESS_DDS_TYPE
 
 /// Profiles of quality of service, as ROS 2 names them.
@@ -63,7 +67,12 @@ class DdsParticipant {
   dds_entity_t entity_;
 };
 
-/// The ROS 2 topic `topic`, without type; the entities end with the participant.
+/// What carries a message of ROS 2. A service has one topic of DDS for its requests and one for its replies.
+enum class DdsChannel { topic, request, reply };
+/// The topic of DDS for the topic or service `name` of ROS 2.
+[[nodiscard]] std::string dds_topic(const std::string& name, DdsChannel channel);
+
+/// `topic` of DDS, without type; the entities end with the participant.
 [[nodiscard]] dds_entity_t make_reader(const DdsParticipant& participant, const std::string& topic,
                                        const dds_topic_descriptor_t* type, const std::string& hash,
                                        DdsQuality quality);
@@ -83,9 +92,11 @@ class DdsReader {
     std::uint64_t publisher;
   };
 
-  DdsReader(const DdsParticipant& participant, const std::string& topic, DdsQuality quality)
-      : reader_(make_reader(participant, topic, DdsType<Message>::descriptor(), DdsType<Message>::kHash,
-                            quality)) {}
+  /// `name`: of the topic or service of ROS 2.
+  DdsReader(const DdsParticipant& participant, const std::string& name, DdsQuality quality,
+            DdsChannel channel = DdsChannel::topic)
+      : reader_(make_reader(participant, dds_topic(name, channel), DdsType<Message>::descriptor(),
+                            DdsType<Message>::kHash, quality)) {}
   [[nodiscard]] dds_entity_t entity() const { return reader_; }
 
   /// The next message, read into memory of its own; none where none waits.
@@ -108,9 +119,12 @@ class DdsReader {
 template <class Message>
 class DdsWriter {
  public:
-  DdsWriter(const DdsParticipant& participant, const std::string& topic, DdsQuality quality)
-      : writer_(make_writer(participant, topic, DdsType<Message>::descriptor(), DdsType<Message>::kHash,
-                            quality)) {}
+  /// `name`: of the topic or service of ROS 2.
+  DdsWriter(const DdsParticipant& participant, const std::string& name, DdsQuality quality,
+            DdsChannel channel = DdsChannel::topic)
+      : writer_(make_writer(participant, dds_topic(name, channel), DdsType<Message>::descriptor(),
+                            DdsType<Message>::kHash, quality)) {}
+  [[nodiscard]] dds_entity_t entity() const { return writer_; }
   [[nodiscard]] bool has_readers() const { return app::has_readers(writer_); }
   /// A reader that is too slow loses messages; the writer does not wait for it.
   void write(const Message& message) const {
@@ -120,6 +134,33 @@ class DdsWriter {
 
  private:
   dds_entity_t writer_;
+};
+
+/// Waits until as many clients read `replies` as send `requests`, at most 100 ms, as rmw_cyclonedds does: a
+/// reply that is written before its client's reader is found is lost.
+void wait_for_clients(dds_entity_t requests, dds_entity_t replies);
+
+/// A service of ROS 2, for clients on Cyclone DDS: other middlewares send the number of a request outside its
+/// message.
+template <class Request, class Response>
+class DdsService {
+ public:
+  DdsService(const DdsParticipant& participant, const std::string& name)
+      : requests_(participant, name, DdsQuality::reliable, DdsChannel::request),
+        replies_(participant, name, DdsQuality::reliable, DdsChannel::reply) {}
+  [[nodiscard]] dds_entity_t entity() const { return requests_.entity(); }
+  /// The next request; none where none waits.
+  [[nodiscard]] auto take() const { return requests_.take(); }
+  void reply(const Request& request, Response response) const {
+    response.client = request.client;
+    response.number = request.number;
+    wait_for_clients(requests_.entity(), replies_.entity());
+    replies_.write(response);
+  }
+
+ private:
+  DdsReader<Request> requests_;
+  DdsWriter<Response> replies_;
 };
 
 }  // namespace mapless::app

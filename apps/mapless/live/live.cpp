@@ -110,6 +110,7 @@ int live(LiveVerbOptions options) {
     if (!text.empty()) assign_parameter(references, key, text, flag_of(key));
   }
   if (!node.live.sensor_name.empty()) node.live.sensor = model_from_name_or_file(node.live.sensor_name);
+  if (!node.live.static_map_file.empty()) (void)cloud_format_of(node.live.static_map_file);
   const InterruptGuard interrupt;
   if (node.live.topic.empty()) node.live.topic = find_topic(node.domain);
   LiveNode running(node);
@@ -126,7 +127,8 @@ void add_live(CLI::App& app, int& exit_code) {
   auto* verb = app.add_subcommand(
       "live",
       "Label the clouds of a running lidar, as a node of ROS 2 (over DDS, without ROS): topic points in; "
-      "points_labelled, points_static, points_moving, objects, object_markers, odometry, diagnostics out");
+      "points_labelled, points_static, points_moving, objects, object_markers, odometry, diagnostics out; "
+      "services labeller/reset and labeller/save_static_map");
   const auto options = std::make_shared<LiveVerbOptions>();
   LiveNodeOptions& node = options->node;
   node.live.topic.clear();
@@ -148,7 +150,8 @@ void add_live(CLI::App& app, int& exit_code) {
                    "topic of nav_msgs/Odometry whose twist is read, for --use-wheel-odometry")
       ->check(topic_name())
       ->capture_default_str();
-  verb->add_option("--prefix", node.prefix, "before the names of the topics written, such as mapless/")
+  verb->add_option("--prefix", node.prefix,
+                   "before the names of the topics written and of the services, such as mapless/")
       ->check(topic_prefix());
   add_live_parameters(*verb, *options);
   add_parameter_options(*verb, options->parameters);

@@ -6,6 +6,7 @@
 
 #include "live/messages.hpp"
 #include "terminal/stderr.hpp"
+#include <mapless/io/files.hpp>
 
 namespace mapless::app {
 namespace {
@@ -36,7 +37,10 @@ LiveNode::LiveNode(const LiveNodeOptions& options)
       markers_(participant_, options.prefix + "object_markers", DdsQuality::reliable),
       odometry_(participant_, options.prefix + "odometry", DdsQuality::reliable),
       processing_time_(participant_, options.prefix + "debug/processing_time_ms", DdsQuality::reliable),
-      diagnostics_(participant_, "diagnostics", DdsQuality::reliable) {
+      diagnostics_(participant_, "diagnostics", DdsQuality::reliable),
+      reset_(participant_, options.prefix + "labeller/reset"),
+      save_static_map_(participant_, options.prefix + "labeller/save_static_map"),
+      static_map_(options.live) {
   if (options.live.needs_frames()) tf_static_.emplace(participant_, "tf_static", DdsQuality::transient_local);
   if (options.live.live.motion == LiveMotion::tf) tf_.emplace(participant_, "tf", DdsQuality::sensor_data);
   if (options.live.live.motion == LiveMotion::odometry)
@@ -66,15 +70,19 @@ void LiveNode::run(const std::function<bool()>& stop) {
     }
   }
   reading.get();
-  for (const LiveOutput& output : live_.reset()) publish(output);
+  publish(live_.reset());
   publish_diagnostics();
 }
 
 void LiveNode::label() {
+  if (reset_wanted_.exchange(false)) {
+    publish(live_.reset());
+    static_map_.clear();
+  }
   const auto began = std::chrono::steady_clock::now();
   const std::vector<LiveOutput> outputs = live_.process();
   const std::chrono::duration<double, std::milli> processing = std::chrono::steady_clock::now() - began;
-  for (const LiveOutput& output : outputs) publish(output);
+  publish(outputs);
   if (!outputs.empty() && processing_time_.has_readers()) processing_time_.write({processing.count()});
 }
 
@@ -90,6 +98,8 @@ void LiveNode::read_all(const std::atomic<bool>& stop) {
   if (odometry_in_) attach(odometry_in_->entity());
   if (imu_) attach(imu_->entity());
   if (wheels_) attach(wheels_->entity());
+  attach(reset_.entity());
+  attach(save_static_map_.entity());
   while (!stop) {
     require_dds(dds_waitset_wait(waitset, nullptr, 0, kLongestWait), "waitset");
     read_once();
@@ -111,6 +121,7 @@ void LiveNode::read_once() {
     }
   }
   read_measurements();
+  read_requests();
   while (const auto sample = points_.take()) live_.add_cloud(cloud_of(sample->message), sample->publisher);
 }
 
@@ -132,6 +143,19 @@ void LiveNode::read_measurements() {
   }
 }
 
+void LiveNode::read_requests() {
+  while (const auto request = reset_.take()) {
+    reset_wanted_ = true;
+    reset_.reply(*request->message, {});
+  }
+  while (const auto request = save_static_map_.take()) {
+    static_map_.save_aside(write_cloud_file, [this, request](const StaticMap::Answer& answer) {
+      std::string message = answer.message;  // C has no const here
+      save_static_map_.reply(*request->message, {0, 0, answer.success, message.data()});
+    });
+  }
+}
+
 void LiveNode::add_transforms(const tf2_msgs_msg_dds__TFMessage_& message, bool is_static) {
   for (std::uint32_t i = 0; i < message.transforms._length; ++i) {
     const auto& one = message.transforms._buffer[i];
@@ -140,8 +164,14 @@ void LiveNode::add_transforms(const tf2_msgs_msg_dds__TFMessage_& message, bool 
   }
 }
 
+// The map comes last: nobody waits for it.
+void LiveNode::publish(const std::vector<LiveOutput>& outputs) {
+  for (const LiveOutput& output : outputs) publish_one(output);
+  for (const LiveOutput& output : outputs) static_map_.add(output);
+}
+
 // Nothing is made that nobody reads. The labels first, then what is small.
-void LiveNode::publish(const LiveOutput& output) {
+void LiveNode::publish_one(const LiveOutput& output) {
   if (labelled_.has_readers()) labelled_.write(cloud_message(labelled_cloud(output)).message);
   publish_odometry(output);
   if (objects_.has_readers()) objects_.write(objects_message(output).message);

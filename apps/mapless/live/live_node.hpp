@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "live/dds_entities.hpp"
 #include <mapless/live/live_detector.hpp>
@@ -17,7 +18,7 @@ struct LiveNodeOptions {
   std::string odometry_topic = "odometry_in";
   std::string imu_topic = "imu";
   std::string wheel_odometry_topic = "wheel_odometry";
-  std::string prefix;  ///< of the topics written: "mapless/"
+  std::string prefix;  ///< of the topics written and of the services: "mapless/"
   std::uint32_t domain = 0;
 };
 
@@ -34,8 +35,10 @@ class LiveNode {
   void read_all(const std::atomic<bool>& stop);
   void read_once();
   void read_measurements();
+  void read_requests();
   void add_transforms(const tf2_msgs_msg_dds__TFMessage_& message, bool is_static);
-  void publish(const LiveOutput& output);
+  void publish(const std::vector<LiveOutput>& outputs);
+  void publish_one(const LiveOutput& output);
   void label();
   void publish_odometry(const LiveOutput& output);
   void publish_diagnostics();
@@ -62,6 +65,10 @@ class LiveNode {
   Writer<std_msgs_msg_dds__Float64_> processing_time_;
   Writer<diagnostic_msgs_msg_dds__DiagnosticArray_> diagnostics_;
   std::optional<Writer<Transforms>> tf_out_;
+  DdsService<std_srvs_srv_dds__Empty_Request_, std_srvs_srv_dds__Empty_Response_> reset_;
+  DdsService<std_srvs_srv_dds__Trigger_Request_, std_srvs_srv_dds__Trigger_Response_> save_static_map_;
+  std::atomic<bool> reset_wanted_{false};
+  StaticMap static_map_;  // after the service that its thread replies by
 };
 
 }  // namespace mapless::app

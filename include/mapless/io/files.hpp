@@ -68,6 +68,10 @@ enum class CloudFormat { pcd, ply, las };
 /// from there on the steps of float32 are 1 mm. LAS: point format 6, whole steps of 0.1 mm from the first
 /// point (coarser where they would not reach), columns as extra bytes; without points' intensity or colour.
 [[nodiscard]] std::string cloud_file(const ExportCloud& cloud, CloudFormat format);
+/// The format by the ending of the name. Throws ParameterError for another than .pcd, .ply and .las.
+[[nodiscard]] CloudFormat cloud_format_of(const std::filesystem::path& file);
+/// Writes `cloud` in the format of the name (write_file_atomically). Throws ParameterError, OutputError.
+void write_cloud_file(const std::filesystem::path& file, const ExportCloud& cloud);
 
 /// Sets parameters from a YAML file. A group of parameters is a map: "freespace.backward_threshold_m" is the
 /// key backward_threshold_m in the map freespace. A parameter whose key is missing keeps its value. Throws

@@ -2,7 +2,10 @@
 
 #include <cstdint>
 #include <functional>
+#include <future>
 #include <memory>
+#include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,6 +13,7 @@
 
 #include <mapless/core/se3.hpp>
 #include <mapless/core/time.hpp>
+#include <mapless/geometry/compensated_scan.hpp>
 #include <mapless/live/live_options.hpp>
 #include <mapless/live/live_output.hpp>
 #include <mapless/live/point_cloud2.hpp>
@@ -73,6 +77,47 @@ class LiveDetector {
  private:
   struct State;
   std::unique_ptr<State> state_;
+};
+
+/// The still points of the labelled clouds in the world frame, one point per voxel, for a service that writes
+/// them to static_map_file; where that is empty, nothing is kept. The own odometry that begins anew does not
+/// know where it is in the world before (LiveOutput::world_number): the map then begins anew, too. At most
+/// static_map_max_voxels voxels are kept, of 72 bytes each; points of further voxels are left out.
+///
+/// add and clear are called from one thread, save_aside from one.
+class StaticMap {
+ public:
+  explicit StaticMap(const LiveOptions& options);
+
+  /// Adds the still points of a cloud. Clouds without a known motion, or whose body is not known, are not
+  /// added.
+  void add(const LiveOutput& output);
+  /// Forgets all points.
+  void clear();
+
+  /// As std_srvs/Trigger has it: `message` is one line, what was written or why nothing was.
+  struct Answer {
+    bool success = false;
+    std::string message;
+  };
+  /// Writes a cloud to a file or throws, as write_cloud_file does.
+  using Write = std::function<void(const std::string& file, const ExportCloud& cloud)>;
+  /// Writes the map; it is kept, and can be written again.
+  [[nodiscard]] Answer save(const Write& write) const;
+  /// Does so on a thread of its own, which then calls `reply`: clouds do not wait for the disk. Refuses where
+  /// that thread still writes. The destructor waits for it.
+  void save_aside(Write write, std::function<void(const Answer&)> reply);
+
+ private:
+  const std::string file_;
+  const double voxel_m_;
+  const std::size_t max_voxels_;
+  mutable std::mutex mutex_;  // of the members up to the empty line
+  std::optional<VoxelMap> map_;
+  std::uint32_t world_number_ = 0;
+  std::size_t clouds_ = 0, left_out_ = 0, restarts_ = 0;
+
+  std::future<void> saving_;
 };
 
 }  // namespace mapless

@@ -38,6 +38,8 @@ struct LiveParameters {
   double max_gap_s = 1.0;
   double pose_wait_s = 0.3;
   double clock_offset_s = 0;
+  double static_map_voxel_m = 0.2;
+  int static_map_max_voxels = 5'000'000;
 
   static constexpr auto declarations() {
     using P = LiveParameters;
@@ -78,6 +80,12 @@ struct LiveParameters {
             "added to the stamps of the clouds where the clock of the lidar is not that of the poses, the "
             "imu and the wheels; labelled clouds keep their stamps",
             "docs/rigs.md"),
+        declare(&P::static_map_voxel_m, "static_map_voxel_m", "m", 0.01, 10,
+                "with static_map_file: edge of a voxel, which becomes one point of the map",
+                "chosen: a map of 0.1 m has three times as many"),
+        declare(&P::static_map_max_voxels, "static_map_max_voxels", "voxels", 1000, 100'000'000,
+                "with static_map_file: points of further voxels are left out; memory: 72 bytes a voxel",
+                "chosen: 360 MB, 580 MB while the file is written"),
     };
   }
 };
@@ -92,6 +100,7 @@ struct LiveOptions {
   std::string world_frame = "odom";  ///< of objects and odometry; with given poses, the top of the transforms
   std::string topic = "points";      ///< of the clouds, for messages
   std::string sensor_name;           ///< for shells: the name or calibration file that `sensor` is read from
+  std::string static_map_file;       ///< that StaticMap writes: .pcd, .ply or .las; empty: no map is kept
 
   /// Whether LiveDetector::add_transform gives the poses.
   [[nodiscard]] bool poses_given() const { return live.motion != LiveMotion::own; }
@@ -108,7 +117,7 @@ struct LiveSetting {
   std::string_view help;
 };
 
-/// The texts of `options` that a user sets: sensor, world_frame, base_frame.
+/// The texts of `options` that a user sets: sensor, world_frame, base_frame, static_map_file.
 [[nodiscard]] std::vector<LiveSetting> live_settings(LiveOptions& options);
 /// The parameters of detection under their own keys, those of odometry under "odometry.", and those of
 /// LiveParameters.

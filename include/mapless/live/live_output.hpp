@@ -26,6 +26,9 @@ struct LiveOutput {
   bool body_known = true;  ///< false where base_frame is not placed on the sensor yet
   /// From the arrival of the newest cloud that the labels needed, this one or the next, to the labels.
   double latency_s = 0;
+  /// The poses of clouds with the same number are in one world; the own odometry that begins anew is in
+  /// another.
+  std::uint32_t world_number = 0;
 };
 
 /// Values of the field `moving`.

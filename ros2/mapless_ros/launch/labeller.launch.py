@@ -22,6 +22,7 @@ PARAMETERS = {
     "base_frame": (str, "the own odometry is of this frame, which tf_static places; none: of the clouds' frame"),
     "clock_offset_s": (float, "added to the stamps of the clouds, where their clock is not that of tf"),
     "pose_wait_s": (float, "how long a cloud waits for poses"),
+    "static_map_file": (str, "file that service save_static_map writes"),
 }
 ARGUMENTS = {
     "points": ("points", "topic of the clouds"),

@@ -10,6 +10,7 @@
 
 #include "parameters.hpp"
 #include <mapless/core/errors.hpp>
+#include <mapless/io/files.hpp>
 
 namespace mapless_ros {
 namespace {
@@ -36,6 +37,7 @@ rclcpp::QoS reliable() { return rclcpp::QoS(rclcpp::KeepLast(5)).reliable(); }
 Labeller::Labeller(const rclcpp::NodeOptions& options) : Node("labeller", options) {
   declare_parameters(*this, options_);
   live_ = std::make_unique<mapless::LiveDetector>(options_);
+  static_map_ = std::make_unique<mapless::StaticMap>(options_);
   rclcpp::PublisherOptions overridable;
   overridable.qos_overriding_options = rclcpp::QosOverridingOptions::with_default_policies();
   labelled_ = create_publisher<Cloud>("points_labelled", reliable(), overridable);
@@ -51,9 +53,7 @@ Labeller::Labeller(const rclcpp::NodeOptions& options) : Node("labeller", option
   if (options_.live.publish_tf)
     tf_out_ = create_publisher<Transforms>("/tf", rclcpp::QoS(rclcpp::KeepLast(100)));
   subscribe(options_.live.motion);
-  reset_ = create_service<std_srvs::srv::Empty>(
-      "~/reset", [this](const std_srvs::srv::Empty::Request::SharedPtr,
-                        std_srvs::srv::Empty::Response::SharedPtr) { reset_wanted_ = true; });
+  serve();
   timer_ = create_wall_timer(std::chrono::seconds(1), [this] { publish_diagnostics(); });
   thread_ = std::thread([this] { label(); });
 }
@@ -106,16 +106,36 @@ void Labeller::subscribe_measurements() {
   }
 }
 
+void Labeller::serve() {
+  using std_srvs::srv::Empty;
+  using std_srvs::srv::Trigger;
+  reset_ = create_service<Empty>("~/reset", [this](const Empty::Request::SharedPtr,
+                                                   Empty::Response::SharedPtr) { reset_wanted_ = true; });
+  // A callback without a response among its arguments sends the response itself, later.
+  save_static_map_ = create_service<Trigger>(
+      "~/save_static_map",
+      [this](const std::shared_ptr<rmw_request_id_t> request, const Trigger::Request::SharedPtr) {
+        static_map_->save_aside(mapless::write_cloud_file,
+                                [this, request](const mapless::StaticMap::Answer& answer) {
+                                  Trigger::Response response;
+                                  response.success = answer.success;
+                                  response.message = answer.message;
+                                  save_static_map_->send_response(*request, response);
+                                });
+      });
+}
+
 void Labeller::label() {
   while (!stop_ && rclcpp::ok()) {
     live_->wait(mapless::Duration::from_seconds(kLongestWait_s));
     if (reset_wanted_.exchange(false)) {
-      for (const mapless::LiveOutput& output : live_->reset()) publish(output);
+      publish(live_->reset());
+      static_map_->clear();
     }
     const auto began = std::chrono::steady_clock::now();
     const std::vector<mapless::LiveOutput> outputs = live_->process();
     const std::chrono::duration<double, std::milli> processing = std::chrono::steady_clock::now() - began;
-    for (const mapless::LiveOutput& output : outputs) publish(output);
+    publish(outputs);
     if (outputs.empty() || !is_read(*processing_time_)) continue;
     std_msgs::msg::Float64 message;
     message.data = processing.count();
@@ -123,8 +143,14 @@ void Labeller::label() {
   }
 }
 
+// The map comes last: nobody waits for it.
+void Labeller::publish(const std::vector<mapless::LiveOutput>& outputs) {
+  for (const mapless::LiveOutput& output : outputs) publish_one(output);
+  for (const mapless::LiveOutput& output : outputs) static_map_->add(output);
+}
+
 // Nothing is made that nobody reads. The labels first, then what is small.
-void Labeller::publish(const mapless::LiveOutput& output) {
+void Labeller::publish_one(const mapless::LiveOutput& output) {
   using mapless::PointMotion;
   if (is_read(*labelled_)) labelled_->publish(cloud_message(mapless::labelled_cloud(output)));
   publish_odometry(output);

@@ -8,6 +8,7 @@
 #include <rclcpp/rclcpp.hpp>
 #include <std_msgs/msg/float64.hpp>
 #include <std_srvs/srv/empty.hpp>
+#include <std_srvs/srv/trigger.hpp>
 
 #include "messages.hpp"
 #include <mapless/live/live_detector.hpp>
@@ -27,8 +28,10 @@ class Labeller : public rclcpp::Node {
 
   void subscribe(mapless::LiveMotion motion);
   void subscribe_measurements();
+  void serve();
   void label();
-  void publish(const mapless::LiveOutput& output);
+  void publish(const std::vector<mapless::LiveOutput>& outputs);
+  void publish_one(const mapless::LiveOutput& output);
   void publish_odometry(const mapless::LiveOutput& output);
   void publish_diagnostics();
   [[nodiscard]] std::vector<mapless::PublishedTopic> published_topics() const;
@@ -44,9 +47,11 @@ class Labeller : public rclcpp::Node {
   rclcpp::Publisher<Transforms>::SharedPtr tf_out_;
   rclcpp::Publisher<diagnostic_msgs::msg::DiagnosticArray>::SharedPtr diagnostics_;
   rclcpp::ServiceBase::SharedPtr reset_;
+  rclcpp::Service<std_srvs::srv::Trigger>::SharedPtr save_static_map_;
   rclcpp::TimerBase::SharedPtr timer_;
   int diagnostics_count_ = 0;
   std::atomic<bool> stop_{false}, reset_wanted_{false};
+  std::unique_ptr<mapless::StaticMap> static_map_;  // after the service that its thread replies by
   std::thread thread_;
 };
 

@@ -67,6 +67,7 @@ void declare_parameters(rclcpp::Node& node, mapless::LiveOptions& options) {
   }
   refuse_unknown(node);
   if (!options.sensor_name.empty()) options.sensor = mapless::model_from_name_or_file(options.sensor_name);
+  if (!options.static_map_file.empty()) (void)mapless::cloud_format_of(options.static_map_file);
 }
 
 }  // namespace mapless_ros

@@ -23,7 +23,7 @@ from geometry_msgs.msg import TransformStamped
 from nav_msgs.msg import Odometry
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy, qos_profile_sensor_data
 from sensor_msgs.msg import PointCloud2, PointField
-from std_srvs.srv import Empty
+from std_srvs.srv import Empty, Trigger
 from tf2_msgs.msg import TFMessage
 from vision_msgs.msg import Detection3DArray
 
@@ -178,6 +178,14 @@ class TestLabeller(unittest.TestCase):
         self.spin_until(client.service_is_ready, "no service reset")
         answer = client.call_async(Empty.Request())
         self.spin_until(answer.done, "reset does not answer")
+
+    def test_save_static_map_is_a_service(self):
+        client = self.node.create_client(Trigger, "/own/labeller/save_static_map")
+        self.spin_until(client.service_is_ready, "no service save_static_map")
+        answer = client.call_async(Trigger.Request())
+        self.spin_until(answer.done, "save_static_map does not answer")
+        self.assertFalse(answer.result().success)
+        self.assertIn("static_map_file", answer.result().message)
 
 
 @launch_testing.post_shutdown_test()

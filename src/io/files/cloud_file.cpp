@@ -5,6 +5,7 @@
 
 #include "io/files/las_file.hpp"
 #include "io/files/little_endian.hpp"
+#include <mapless/core/errors.hpp>
 #include <mapless/io/files.hpp>
 
 namespace mapless::inline v1 {
@@ -53,6 +54,19 @@ std::string cloud_file(const ExportCloud& cloud, CloudFormat format) {
     for (const CloudColumn& column : cloud.columns) append(out, column.values[i]);
   }
   return out;
+}
+
+CloudFormat cloud_format_of(const std::filesystem::path& file) {
+  const std::string ending = file.extension().string();
+  if (ending == ".pcd") return CloudFormat::pcd;
+  if (ending == ".ply") return CloudFormat::ply;
+  if (ending == ".las") return CloudFormat::las;
+  throw ParameterError(
+      {file.string(), "", "", "ends in none of .pcd, .ply and .las", "give the file such a name"});
+}
+
+void write_cloud_file(const std::filesystem::path& file, const ExportCloud& cloud) {
+  write_file_atomically(file, cloud_file(cloud, cloud_format_of(file)));
 }
 
 }  // namespace mapless

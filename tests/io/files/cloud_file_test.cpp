@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "support/temporary_folder.hpp"
+#include <mapless/core/errors.hpp>
 #include <mapless/io/files.hpp>
 
 namespace mapless {
@@ -88,6 +90,18 @@ TEST(CloudFile, LasTakesCoarserStepsForAWideCloud) {
   const std::string bytes = cloud_file({{{0, 0, 0}, {300000, 0, 0}}, {}}, CloudFormat::las);
   EXPECT_DOUBLE_EQ(number_at<double>(bytes, 131), 1e-3);
   EXPECT_EQ(number_at<std::int32_t>(bytes, 375 + 30), 300000000);
+}
+
+TEST(CloudFile, TheEndingOfTheNameIsTheFormat) {
+  const test::TemporaryFolder folder;
+  const ExportCloud cloud{{{1, 2, 3}}, {}};
+  for (const auto& [name, format] :
+       {std::pair("a.pcd", CloudFormat::pcd), {"a.ply", CloudFormat::ply}, {"a.las", CloudFormat::las}}) {
+    write_cloud_file(folder.path() / name, cloud);
+    EXPECT_EQ(read_whole_file(folder.path() / name), cloud_file(cloud, format));
+  }
+  for (const char* name : {"a.xyz", "a", "pcd", "a.PCD"})
+    EXPECT_THROW((void)cloud_format_of(name), ParameterError) << name;
 }
 
 }  // namespace MAPLESS_FILE
