@@ -18,7 +18,7 @@ struct OtherMessage {
   std::string_view part, remedy;
 };
 constexpr std::array<OtherMessage, 4> kOthers = {{
-    {"livox", "let the driver of the lidar publish PointCloud2 (xfer_format 0)"},
+    {"livox", "a Livox lidar is not supported, because its pattern does not repeat"},
     {"LaserScan", "a lidar of one plane is not supported"},
     {"Packet", "these are packets: start the part of the driver that makes clouds of them"},
     {"VelodyneScan", "these are packets: start the part of the driver that makes clouds of them"},
