@@ -13,7 +13,6 @@
 #include "reports/json_text.hpp"
 #include "run/input_output_report.hpp"
 #include "run/real_time_pace.hpp"
-#include "trust/moving_share.hpp"
 #include <mapless/detection/detector.hpp>
 #include <mapless/io/dataset.hpp>
 #include <mapless/io/trajectory_file.hpp>

@@ -4,10 +4,11 @@
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
+
+#include "core/half_turns.hpp"
 
 namespace mapless::inline v1 {
 namespace {
@@ -245,14 +246,8 @@ bool PosePair::one_sided(const Motion& said, const Vector6d& found) const {
     const double turn = std::atan2(p.y(), p.x()) / (2 * std::numbers::pi) + 0.5;
     alone[static_cast<std::size_t>(turn * kSectors) % kSectors] += 1;
   }
-  const double all = std::accumulate(alone.begin(), alone.end(), 0.0);
-  double least = all;
-  for (std::size_t first = 0; first < kSectors; ++first) {
-    double half = 0;
-    for (std::size_t i = first; i < first + kSectors / 2; ++i) half += alone[i % kSectors];
-    least = std::min(least, half);
-  }
-  return least < kOneSided * all;
+  const std::array<double, kSectors> halves = half_turns(alone);
+  return *std::min_element(halves.begin(), halves.end()) < kOneSided * (halves[0] + halves[kSectors / 2]);
 }
 
 double PosePair::equal_share() const {

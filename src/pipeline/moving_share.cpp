@@ -1,5 +1,3 @@
-#include "trust/moving_share.hpp"
-
 #include <algorithm>
 #include <cstdint>
 #include <numeric>
@@ -7,14 +5,17 @@
 
 #include <fmt/format.h>
 
-namespace mapless::app {
+#include "core/half_turns.hpp"
+#include <mapless/pipeline/online_detector.hpp>
+
+namespace mapless::inline v1 {
 namespace {
 
 // Rise of the share within one scan over that of the three scans before it: of the whole turn, and of every
-// half turn. A vehicle beside the sensor fills half of the view at most, since a plane separates it from the
-// sensor; a step of the world shows all around. Measured: right recordings of 60 scans rise by .32 and .003
-// (a lorry that passes), or by .06 and .12 (a motorway), or by .11 and .02; two scans exchanged give .18 and
-// .16, a jump of 1 m .3 to .6 and .2 to .5.
+// half turn. A vehicle beside the sensor fills half of the view at most; a step of the world shows all
+// around. Measured: right recordings of 60 scans rise by .32 and .003 (a lorry that passes), or by .06 and
+// .12 (a motorway), or by .11 and .02; two scans exchanged give .18 and .16, a jump of 1 m .3 to .6 and .2
+// to .5.
 constexpr double kRise = 0.12, kRiseEverywhere = 0.08;
 // The first scans of a run: their movers are found within a second.
 constexpr std::size_t kStart = 8;
@@ -40,17 +41,14 @@ void MovingShare::add(std::size_t k, const Detection& detection) {
 }
 
 MovingShare::Shares MovingShare::shares_of(const Sectors& moving, const Sectors& points) {
-  const auto share = [&](std::size_t first, std::size_t count) {
-    std::size_t m = 0, n = 0;
-    for (std::size_t i = first; i < first + count; ++i) {
-      m += moving[i % kSectors];
-      n += points[i % kSectors];
-    }
+  const auto share = [](std::size_t m, std::size_t n) {
     return n > 0 ? static_cast<double>(m) / static_cast<double>(n) : 0;
   };
-  Shares out{share(0, kSectors), 1};
+  const Sectors moving_halves = half_turns(moving), halves = half_turns(points);
+  // Any two opposite half turns are the whole.
+  Shares out{share(moving_halves[0] + moving_halves[kSectors / 2], halves[0] + halves[kSectors / 2]), 1};
   for (std::size_t i = 0; i < kSectors; ++i)
-    out.least_half = std::min(out.least_half, share(i, kSectors / 2));
+    out.least_half = std::min(out.least_half, share(moving_halves[i], halves[i]));
   return out;
 }
 
@@ -88,4 +86,4 @@ std::string MovingShare::trouble() const {
   return "";
 }
 
-}  // namespace mapless::app
+}  // namespace mapless

@@ -1,12 +1,12 @@
-#include "trust/moving_share.hpp"
-
 #include <algorithm>
 #include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace mapless::app {
+#include <mapless/pipeline/online_detector.hpp>
+
+namespace mapless {
 namespace MAPLESS_FILE {
 
 using testing::HasSubstr;
@@ -56,4 +56,4 @@ TEST(MovingShare, DoesNotJudgeScansOfFewPoints) {
 }
 
 }  // namespace MAPLESS_FILE
-}  // namespace mapless::app
+}  // namespace mapless
