@@ -2,6 +2,7 @@
 
 import json
 import pathlib
+import zlib
 
 import numpy as np
 import pytest
@@ -95,6 +96,35 @@ def test_a_capture_gives_the_labels_of_the_native_recording(write, info, ouster_
     assert native.any()
     # Ranges are whole millimetres.
     assert iou(np.concatenate([found.moving(k)[pixel] for k, (_, pixel, _) in enumerate(frames)]), native) > 0.99
+
+
+@pytest.mark.parametrize("at", [40, 2000, -8], ids=["header", "scan", "end"])
+def test_a_damaged_osf_is_refused_by_the_bytes(at, info, frames, tmp_path):
+    path = tmp_path / "drive.osf"
+    write_osf(path, info, frames[:2])
+    data = bytearray(path.read_bytes())
+    data[at] ^= 1
+    path.write_bytes(data)
+    with pytest.raises(mapless.InputError, match=r"drive.osf: damaged between bytes \d+ and \d+; copy"):
+        mapless.open(path)
+
+
+def test_an_osf_that_is_cut_is_refused_and_one_that_was_not_closed_is_read(info, frames, tmp_path):
+    path = tmp_path / "drive.osf"
+    write_osf(path, info, frames[:2])
+    whole = path.read_bytes()
+    path.write_bytes(whole[:63] + b"\xff" + whole[64:])  # the size of the second block
+    with pytest.raises(mapless.InputError, match="damaged after byte 60; copy"):
+        mapless.open(path)
+    path.write_bytes(whole[:-100])
+    with pytest.raises(mapless.InputError, match=f"cut short: {len(whole) - 100} of {len(whole)} bytes; copy"):
+        mapless.open(path)
+    # The header as the writer begins with it: status 1, and no place of the metadata, no length.
+    header = bytearray(whole[:56])
+    header[0x1F] = 1
+    header[0x28:0x38] = bytes(16)
+    path.write_bytes(header + zlib.crc32(header).to_bytes(4, "little") + whole[60:-100])
+    assert len(mapless.open(path)) == 2
 
 
 def test_the_metadata_may_be_given_as_the_sensor(info, frames, tmp_path):

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 import pathlib
+import struct
 import tempfile
+import zlib
 from collections.abc import Iterator
 from typing import Any
 
@@ -75,6 +77,39 @@ def require_altitudes(file: pathlib.Path, angles: Any) -> None:
         raise InputError(f"{name} = {degrees[0]:g} to {degrees[-1]:g}: expected degrees: are they radians?")
 
 
+def closed_length(header: bytes) -> int:
+    """Length of the file by the header of an OSF (a flatbuffer of one table); 0 where its writer has not closed it."""
+    root = 4 + struct.unpack_from("<I", header, 4)[0]
+    fields = root - struct.unpack_from("<i", header, root)[0]  # size of this, of the table; version, status, metadata, length
+    size, place = struct.unpack_from("<H8xH", header, fields)
+    length: int = struct.unpack_from("<Q", header, root + place)[0] if size >= 12 and place else 0
+    return length
+
+
+def require_whole_osf(path: pathlib.Path) -> None:
+    """Blocks of an OSF (size, content, CRC-32) against their checksums: ouster-sdk ends by a signal where the last one is
+    damaged, and leaves out the scans of others. A last block that its writer could not finish is left to the SDK."""
+    at, length, size = 0, 0, path.stat().st_size
+    with path.open("rb") as file:
+        while at + 4 <= size:
+            prefix = file.read(4)
+            end = at + 8 + int.from_bytes(prefix, "little")
+            if end > size:
+                break
+            block, checksum = prefix + file.read(end - at - 8), file.read(4)
+            if at == 0 and block[8:12] != b"OSF$":
+                return  # no OSF: the SDK says so
+            if zlib.crc32(block) != int.from_bytes(checksum, "little"):
+                raise InputError(f"{path}: damaged between bytes {at} and {end}; copy or record it again")
+            if at == 0:
+                length = closed_length(block)
+            at = end
+    if length and length != size:
+        raise InputError(f"{path}: cut short: {size} of {length} bytes; copy it again")
+    if length and at != size:
+        raise InputError(f"{path}: damaged after byte {at}; copy or record it again")
+
+
 def column_times_ns(timestamps: Array, valid: Array) -> Array:
     """Instant of each column; of a column whose packet was lost, between its neighbours."""
     columns = np.arange(len(timestamps))
@@ -97,6 +132,8 @@ class OusterCapture(CloudSource):
             raise InputError(f"{metadata}: no such file")
         if metadata is not None:
             require_metadata(metadata)
+        else:
+            require_whole_osf(path)
         self._scans = SequentialScans(self._decoded)
         self.starts_ns = [fields.stamp_ns for fields in self._decoded()]
         if not self.starts_ns:
