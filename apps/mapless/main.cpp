@@ -1,3 +1,4 @@
+#include <csignal>
 #include <cstdlib>
 
 #include <fcntl.h>
@@ -23,6 +24,7 @@ void hold_standard_descriptors() {
 
 int main(int argc, char** argv) {
   hold_standard_descriptors();
+  std::signal(SIGXFSZ, SIG_IGN);  // a file beyond the limit of the shell is an error of writing, not the end
 #ifdef MAPLESS_DDS
   return mapless::app::run_command(argc, argv, mapless::app::add_live);
 #else

@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include "support/command.hpp"
 #include "support/temporary_folder.hpp"
@@ -60,6 +61,21 @@ TEST_F(OutputFile, IsNoFileOfTheInput) {
 TEST_F(OutputFile, OfAnEarlierRunIsReplaced) {
   for (int round = 0; round < 2; ++round)
     EXPECT_EQ(run_command(commands(out + "/page.html")[0]).exit_code, 0);
+}
+
+// ulimit -f. The system ends who ignores the limit by SIGXFSZ.
+TEST_F(OutputFile, BeyondTheLimitOfTheShellIsAnError) {
+  rlimit before{};
+  getrlimit(RLIMIT_FSIZE, &before);
+  for (const auto& command : commands(folder / "file")) {
+    const rlimit none = {0, before.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &none);
+    const auto r = run_command(command);
+    setrlimit(RLIMIT_FSIZE, &before);
+    EXPECT_EQ(r.exit_code, 1) << command[0];
+    EXPECT_THAT(r.err, HasSubstr("file: cannot be written: File too large")) << command[0];
+    EXPECT_FALSE(fs::exists(folder / "file")) << command[0];
+  }
 }
 
 }  // namespace MAPLESS_FILE
