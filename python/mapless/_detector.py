@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -46,6 +47,7 @@ class OnlineDetector:
     ) -> None:
         name = "" if sensor is None else os.fspath(sensor)
         self._core = _core.Detector(name, rotation_rate_hz, profile, _settings(parameters))
+        self._warned_of: set[str] = set()
 
     def push(
         self,
@@ -73,11 +75,12 @@ class OnlineDetector:
         rows: rows of an organised cloud that is given flat.
         compensated_to_ns: the instant to which another system has already moved the points; needs `trajectory`.
 
-        Raises InputError naming the argument and what was expected. The scan is then not taken.
+        Raises InputError naming the argument and what was expected. The scan is then not taken. Warns, once for each
+        mistake, where scans contradict the sensor or each other (docs/reliability.md, "The self-check").
         """
         if isinstance(points, Scan):
             if points.measured is not None:
-                return self._core.push_scan(points.measured, trajectory)
+                return self._warned(self._core.push_scan(points.measured, trajectory))
             time, ring, stamp_ns, points = points.time_s, points.ring, points.stamp_ns, points.points
         fields = fields_of(
             points,
@@ -90,7 +93,7 @@ class OnlineDetector:
         )
         if self._core.keeps_clouds:
             fields = fields.copied()
-        return self._core.push_cloud(fields.as_tuple(), trajectory)
+        return self._warned(self._core.push_cloud(fields.as_tuple(), trajectory))
 
     def add_measurements(self, measurements: Iterable[Measurement]) -> None:
         """What other sensors measure of the motion of the lidar, for the own odometry: before the scan is pushed during
@@ -100,7 +103,15 @@ class OnlineDetector:
 
     def flush(self) -> list[_core.LabelledScan]:
         """Labels the scans that are still held back, with what is known now. The detector can go on."""
-        return self._core.flush()
+        return self._warned(self._core.flush())
+
+    def _warned(self, found: list[_core.LabelledScan]) -> list[_core.LabelledScan]:
+        for line in self._core.take_doubts():
+            mistake = line.partition(":")[0]  # "doubtful beams"
+            if mistake not in self._warned_of:
+                self._warned_of.add(mistake)
+                warnings.warn(f"mapless: {line}", RuntimeWarning, stacklevel=3)
+        return found
 
     @property
     def latency(self) -> int:

@@ -160,6 +160,8 @@ void bind_detector(nb::module_& m) {
           },
           nb::arg("measurement"),
           nb::sig("def add_measurement(self, measurement: tuple[object, ...]) -> None"))
+      .def("take_doubts",
+           [](DetectorHandle& d) { return d.call([](LiveDetector& live) { return live.take_doubts(); }); })
       .def("flush",
            [](DetectorHandle& d) { return d.call([](LiveDetector& live) { return live.flush(); }); });
 }

@@ -75,7 +75,9 @@ std::vector<FoundScan> LiveDetector::push(Cloud cloud, std::shared_ptr<const Tra
 
 std::vector<FoundScan> LiveDetector::push(const std::shared_ptr<const LidarScan>& scan,
                                           const std::shared_ptr<const Trajectory>& given) {
-  return found_of(detector_.push(scan, given));
+  std::vector<FoundScan> found = found_of(detector_.push(scan, given));
+  watch_.add(*scan, watched_++);
+  return found;
 }
 
 std::vector<FoundScan> LiveDetector::flush() {
@@ -93,7 +95,7 @@ std::vector<FoundScan> LiveDetector::push_built(const Cloud& cloud,
                                                 const std::shared_ptr<const Trajectory>& given) {
   LidarScan scan = builder_->build(cloud.fields, cloud.stamp, kScan);
   scan.compensated_to = cloud.compensated_to;
-  return found_of(detector_.push(std::move(scan), given));
+  return push(std::make_shared<const LidarScan>(std::move(scan)), given);
 }
 
 // Where the sensor cannot be recovered, the scans that were kept are dropped.

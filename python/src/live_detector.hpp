@@ -10,6 +10,7 @@
 
 #include <mapless/io/dataset.hpp>
 #include <mapless/lidar/scan_builder.hpp>
+#include <mapless/lidar/self_check.hpp>
 #include <mapless/pipeline/online_detector.hpp>
 
 namespace mapless::python {
@@ -51,6 +52,8 @@ class LiveDetector {
   [[nodiscard]] std::string sensor() const { return builder_ ? builder_->model()->name : ""; }
   [[nodiscard]] std::vector<std::string> notes() const;
   [[nodiscard]] std::string odometry_trouble() const { return detector_.odometry_report().trouble(); }
+  /// What contradicts in the scans pushed since the last call: ScanWatch::take_lines.
+  [[nodiscard]] std::vector<std::string> take_doubts() { return watch_.take_lines(); }
 
  private:
   [[nodiscard]] std::vector<FoundScan> push_built(const Cloud& cloud,
@@ -58,6 +61,8 @@ class LiveDetector {
   [[nodiscard]] std::vector<FoundScan> recover();
 
   OnlineDetector detector_;
+  ScanWatch watch_;
+  std::size_t watched_ = 0;
   std::optional<double> rotation_rate_hz_;
   std::optional<ScanBuilder> builder_;
   std::vector<std::pair<Cloud, std::shared_ptr<const Trajectory>>> waiting_;  // for the sensor

@@ -51,6 +51,17 @@ def test_the_state_of_the_motion_is_that_of_the_command(scans, native_result):
     assert [f.motion_state for f in found] == expected
 
 
+def test_scans_that_contradict_each_other_are_warned_of_once(scans):
+    detector = mapless.OnlineDetector("VLP-16")
+    with pytest.warns(RuntimeWarning) as warned:
+        for k, scan in enumerate(scans):
+            given = scans[{5: 4, 10: 9}.get(k, k)]  # the driver gives scans 4 and 9 once more
+            detector.push(given.points, time=given.time_s, ring=given.ring, stamp_ns=scan.stamp_ns)
+    assert [str(w.message) for w in warned] == [
+        "mapless: doubtful scans: scan 5: the same points as the scan before it, to the bit"
+    ]
+
+
 def test_points_of_a_scan_without_motion_have_no_labels(scans):
     def few_points(scan):
         return np.where(np.arange(len(scan))[:, None] % 400 == 0, scan.points, np.float32("nan"))

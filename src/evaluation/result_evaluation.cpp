@@ -8,7 +8,7 @@
 #include "core/argument_checks.hpp"
 #include "evaluation/label_alignment.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/evaluation/result_evaluation.hpp>
+#include <mapless/evaluation/evaluator.hpp>
 #include <mapless/io/labels.hpp>
 #include <mapless/io/trajectory_file.hpp>
 

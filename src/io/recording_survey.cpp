@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "core/median.hpp"
-#include "io/self_check/scan_checks.hpp"
+#include "lidar/self_check/scan_checks.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/io/dataset.hpp>
 #include <mapless/io/files.hpp>

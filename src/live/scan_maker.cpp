@@ -80,7 +80,9 @@ std::optional<MadeScan> ScanMaker::make(Arrival arrival, const Refuse& refuse) {
     LidarScan scan = builder_->build(fields.fields, arrival.cloud.view.stamp, topic_);
     scan.start = scan.start + clock_offset_;
     require_time("topic " + topic_, "header.stamp + clock_offset_s", scan.start);
-    return MadeScan{std::move(arrival), std::make_shared<const LidarScan>(std::move(scan))};
+    watch_.add(scan, watched_++);
+    return MadeScan{std::move(arrival), std::make_shared<const LidarScan>(std::move(scan)),
+                    watch_.take_lines()};
   } catch (const Error& error) {
     refuse(error.what());
     return std::nullopt;

@@ -10,6 +10,7 @@
 
 #include "live/cloud_queue.hpp"
 #include <mapless/lidar/scan_builder.hpp>
+#include <mapless/lidar/self_check.hpp>
 
 namespace mapless::inline v1 {
 
@@ -17,6 +18,7 @@ namespace mapless::inline v1 {
 struct MadeScan {
   Arrival arrival;
   std::shared_ptr<const LidarScan> scan;
+  std::vector<std::string> doubts;  // ScanWatch::take_lines
 };
 
 /// Makes scans of clouds. The first clouds are kept until the sensor is known: eight where it is recovered,
@@ -51,6 +53,8 @@ class ScanMaker {
   Duration clock_offset_;
   std::optional<ScanBuilder> builder_;
   std::optional<Duration> turn_;
+  ScanWatch watch_;
+  std::size_t watched_ = 0;
   std::deque<Arrival> kept_;                // until the sensor is known
   std::optional<PointCloud2View> pattern_;  // layout of the clouds; its data are not used
   std::vector<std::string> notes_;

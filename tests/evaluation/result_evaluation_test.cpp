@@ -8,7 +8,7 @@
 #include "support/memory_dataset.hpp"
 #include "support/temporary_folder.hpp"
 #include <mapless/core/errors.hpp>
-#include <mapless/evaluation/result_evaluation.hpp>
+#include <mapless/evaluation/evaluator.hpp>
 #include <mapless/io/files.hpp>
 #include <mapless/io/labels.hpp>
 #include <mapless/io/trajectory_file.hpp>

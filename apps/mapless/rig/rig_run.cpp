@@ -22,6 +22,7 @@
 #include <mapless/io/dataset.hpp>
 #include <mapless/io/files.hpp>
 #include <mapless/io/result_folder.hpp>
+#include <mapless/lidar/self_check.hpp>
 
 namespace mapless::app {
 namespace {
@@ -48,6 +49,7 @@ struct Member {
   FolderLock lock;
   std::unique_ptr<Dataset> dataset;
   RunSummary summary;
+  ScanWatch watch;
   std::size_t next = 0;                               // scan to be read
   std::optional<ResultTables> tables;                 // once the folder is made
   std::shared_ptr<const Trajectory> last_trajectory;  // of the last scan with one
@@ -134,7 +136,7 @@ class RigRun {
   void push(Member& member) {
     const auto scan = std::make_shared<const LidarScan>(member.dataset->read(member.next));
     if (member.next == 0) member.summary.set_input(*scan, scan->compensated_to.has_value());
-    ++member.next;
+    member.watch.add(*scan, member.next++);
     write(detector_.push(number_of(member), scan, motion_.trajectory));
   }
 
@@ -183,6 +185,7 @@ class RigRun {
     for (const auto& member : members_) {
       if (!member->tables) continue;
       if (!motion_.trajectory) member->summary.set_odometry(detector_.odometry_report());
+      member->summary.set_scan_doubts(member->watch.lines());
       write_file_atomically(member->result.summary(), member->summary.text());
     }
   }

@@ -21,7 +21,7 @@
 #include "verbs/verbs.hpp"
 #include <mapless/core/errors.hpp>
 #include <mapless/detection/detection.hpp>
-#include <mapless/evaluation/result_evaluation.hpp>
+#include <mapless/evaluation/evaluator.hpp>
 #include <mapless/io/files.hpp>
 
 namespace mapless::app {

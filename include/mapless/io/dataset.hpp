@@ -19,6 +19,7 @@
 
 #include <mapless/lidar/lidar_model.hpp>
 #include <mapless/lidar/lidar_scan.hpp>
+#include <mapless/lidar/self_check.hpp>
 #include <mapless/trajectory/trajectory.hpp>
 
 namespace mapless::inline v1 {
@@ -168,27 +169,6 @@ struct RecordingSurvey {
 [[nodiscard]] RecordingSurvey survey_recording(
     const Dataset& dataset, const std::function<void(std::size_t, std::size_t)>& progress = {});
 
-/// How far a recording contradicts what is said about it.
-enum class Trust : std::uint8_t {
-  unknown,   ///< nothing to check, or too few points
-  right,     ///< no contradiction
-  doubtful,  ///< in a part of the scans, or by little: the result may be wrong
-  wrong,     ///< the result would be worthless
-};
-
-/// "unknown", "right", "doubtful" or "wrong".
-[[nodiscard]] std::string_view name_of(Trust trust);
-
-/// One part of the self-check.
-struct CheckResult {
-  std::string name;  ///< "beams", "times", "ranges", "pose scale", "pose times", "poses", ...
-  Trust trust = Trust::unknown;
-  std::string measured;  ///< what was found, one line, for every trust
-  std::string where;     ///< file of the first scan that contradicts; empty where none does
-  std::string problem;  ///< what contradicts, with the likely mistake where one of the usual ones explains it
-  std::string remedy;
-};
-
 /// Holds a recording against what is said about it, on a few scans: points against the beams and columns of
 /// the sensor, their ranges against its limits, times against the angle turned, and, where `given` is not
 /// null, poses against the scans (docs/reliability.md, "The self-check"). Looks at scans spread over
@@ -199,25 +179,5 @@ struct CheckResult {
 
 /// Throws InputError for the first result that is wrong.
 void require_trusted(const std::vector<CheckResult>& results);
-
-/// Holds the scans of a run against what is said about them, one after the other, where check_recording looks
-/// at a few: points against their beams, ranges and times in every third scan; whether a scan is the one
-/// before it once more, or exchanged with it, in each. Says only what is clearly wrong.
-class ScanWatch {
- public:
-  ScanWatch();
-  ~ScanWatch();
-  ScanWatch(const ScanWatch&) = delete;
-  ScanWatch& operator=(const ScanWatch&) = delete;
-
-  /// Scan k as it was read, after the one before it.
-  void add(const LidarScan& scan, std::size_t k);
-  /// "doubtful beams: scan 4 (and 2 others): ..."; empty where nothing contradicts.
-  [[nodiscard]] std::vector<std::string> lines() const;
-
- private:
-  struct State;
-  std::unique_ptr<State> state_;
-};
 
 }  // namespace mapless

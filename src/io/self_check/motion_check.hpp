@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "io/self_check/scan_finding.hpp"
+#include "lidar/self_check/scan_finding.hpp"
 #include <mapless/io/dataset.hpp>
 #include <mapless/trajectory/trajectory.hpp>
 

@@ -92,6 +92,18 @@ TEST_F(RigTest, APlaceThatTheScansContradictIsNotTrusted) {
   EXPECT_FALSE(fs::exists(folder / "out"));
 }
 
+// The driver of the bumper has stalled.
+TEST_F(RigTest, EveryScanOfEverySensorIsWatched) {
+  const fs::path rig = fs::path(folder / "rig");
+  fs::copy(*shared / "rig", rig, fs::copy_options::recursive);
+  fs::copy_file(rig / "bumper" / "scans" / "000006.pcd", rig / "bumper" / "scans" / "000007.pcd",
+                fs::copy_options::overwrite_existing);
+  const auto run = run_command({"detect", rig.string(), "-o", folder / "out", "--odometry"});
+  EXPECT_EQ(run.exit_code, 4) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("bumper: doubtful scans: scan 7: the same points as the scan before"));
+  EXPECT_THAT(run.err, testing::Not(HasSubstr("roof: doubtful")));
+}
+
 TEST_F(RigTest, OptionsOfOneRecordingAreRefused) {
   const auto run = run_command({"detect", *shared / "rig", "-o", folder / "out", "--first", "3"});
   EXPECT_EQ(run.exit_code, 2);

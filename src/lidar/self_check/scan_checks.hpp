@@ -1,15 +1,19 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <string>
 #include <vector>
 
-#include "io/self_check/scan_finding.hpp"
-#include <mapless/io/dataset.hpp>
+#include "lidar/self_check/beam_check.hpp"
+#include "lidar/self_check/scan_finding.hpp"
 #include <mapless/lidar/lidar_scan.hpp>
-#include <mapless/trajectory/trajectory.hpp>
+#include <mapless/lidar/self_check.hpp>
 
 namespace mapless::inline v1 {
+
+/// The file of scan k of a recording.
+using FileOf = std::function<std::string(std::size_t k)>;
 
 /// What one check found in all scans: the worst finding. Wrong only where half of the scans are.
 class Findings {
@@ -17,7 +21,7 @@ class Findings {
   explicit Findings(std::string name) : name_(std::move(name)) {}
 
   void add(const ScanFinding& found, std::size_t k);
-  [[nodiscard]] CheckResult result(const Dataset& dataset) const;
+  [[nodiscard]] CheckResult result(const FileOf& file_of) const;
   /// "scan 4 (and 1 others): ...", empty where nothing contradicts.
   [[nodiscard]] std::string line() const;
 
@@ -31,9 +35,9 @@ class Findings {
 /// The checks of single scans: ranges, beams, times of the points, noise.
 class ScanChecks {
  public:
-  /// `given`: the poses, to tell points in the world frame; may be null.
-  void add(const LidarScan& scan, std::size_t k, const Trajectory* given);
-  [[nodiscard]] std::vector<CheckResult> results(const Dataset& dataset) const;
+  /// `given`: to tell points in the world frame; may be empty.
+  void add(const LidarScan& scan, std::size_t k, const GivenPoses& given);
+  [[nodiscard]] std::vector<CheckResult> results(const FileOf& file_of) const;
   /// Findings::line of each check that found something.
   [[nodiscard]] std::vector<std::string> lines() const;
 

@@ -3,7 +3,7 @@
 #include <numbers>
 #include <string>
 
-#include <mapless/io/dataset.hpp>
+#include <mapless/lidar/self_check.hpp>
 
 namespace mapless::inline v1 {
 

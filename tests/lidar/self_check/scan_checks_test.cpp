@@ -1,4 +1,4 @@
-#include "io/self_check/scan_checks.hpp"
+#include "lidar/self_check/scan_checks.hpp"
 
 #include <functional>
 #include <memory>
@@ -9,7 +9,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "io/self_check/time_check.hpp"
+#include "lidar/self_check/time_check.hpp"
 
 namespace mapless {
 namespace MAPLESS_FILE {
@@ -41,7 +41,7 @@ LidarScan turn(const std::function<void(LidarRecord&)>& spoil) {
 
 std::vector<std::string> lines_of(const LidarScan& scan) {
   ScanChecks checks;
-  for (const std::size_t k : {std::size_t{4}, std::size_t{5}}) checks.add(scan, k, nullptr);
+  for (const std::size_t k : {std::size_t{4}, std::size_t{5}}) checks.add(scan, k, {});
   return checks.lines();
 }
 

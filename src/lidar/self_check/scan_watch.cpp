@@ -8,11 +8,11 @@
 
 #include <fmt/format.h>
 
-#include "io/self_check/beam_check.hpp"
-#include "io/self_check/range_check.hpp"
-#include "io/self_check/scan_checks.hpp"
-#include "io/self_check/time_check.hpp"
-#include <mapless/io/dataset.hpp>
+#include "lidar/self_check/beam_check.hpp"
+#include "lidar/self_check/range_check.hpp"
+#include "lidar/self_check/scan_checks.hpp"
+#include "lidar/self_check/time_check.hpp"
+#include <mapless/lidar/self_check.hpp>
 
 namespace mapless::inline v1 {
 namespace {
@@ -131,20 +131,26 @@ void ScanWatch::add(const LidarScan& scan, std::size_t k) {
   if (s.scans > 0 && scan.returns.size() >= kFewestSamples && hash == s.last_hash) s.repeated.push_back(k);
   s.last_hash = hash;
   s.order.add(scan, k);
-  if (s.scans++ % kEvery != 0) return;
   const auto keep_wrong = [k](Findings& findings, const ScanFinding& found) {
     if (found.trust == Trust::wrong) findings.add(found, k);
   };
-  keep_wrong(s.beams, check_beams(scan, nullptr));
+  if (s.scans++ % kEvery != 0) return;
+  keep_wrong(s.beams, check_beams(scan, {}));
   keep_wrong(s.ranges, check_ranges(scan));
   keep_wrong(s.times, check_point_times(scan));
+}
+
+std::vector<std::string> ScanWatch::take_lines() {
+  std::vector<std::string> out = lines();
+  if (!out.empty()) *state_ = State();
+  return out;
 }
 
 std::vector<std::string> ScanWatch::lines() const {
   const State& s = *state_;
   std::vector<std::string> out;
-  for (const auto& [name, findings] :
-       {std::pair("beams", &s.beams), std::pair("ranges", &s.ranges), std::pair("times", &s.times)}) {
+  for (const auto& [name, findings] : {std::pair("beams", &s.beams), std::pair("ranges", &s.ranges),
+                                       std::pair("times", &s.times), std::pair("columns", &s.lost)}) {
     if (const std::string line = findings->line(); !line.empty())
       out.push_back(fmt::format("doubtful {}: {}", name, line));
   }

@@ -67,6 +67,16 @@ TEST_F(ScanWatchTest, NamesAScanThatIsTheOneBeforeItOnceMore) {
   EXPECT_THAT(lines_of([&](LidarScan& scan, std::size_t) { scan.returns = first.returns; }), IsEmpty());
 }
 
+TEST_F(ScanWatchTest, LinesThatAreTakenAreForgotten) {
+  ScanWatch watch;
+  const auto add = [&](std::size_t k) { watch.add(street->read(k), k); };
+  for (const std::size_t k : {std::size_t{0}, std::size_t{1}, std::size_t{1}, std::size_t{2}}) add(k);
+  EXPECT_THAT(watch.take_lines(), ElementsAre(HasSubstr("doubtful scans: scan 1")));
+  EXPECT_THAT(watch.take_lines(), IsEmpty());
+  for (std::size_t k = 3; k < 6; ++k) add(k);
+  EXPECT_THAT(watch.lines(), IsEmpty());
+}
+
 // Walls ahead and behind come .3 m nearer in a scan: the scan before the two is like the second, the one
 // after them like the first.
 TEST(ScanWatch, NamesTwoScansThatAreExchanged) {

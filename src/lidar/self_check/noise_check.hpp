@@ -1,6 +1,6 @@
 #pragma once
 
-#include "io/self_check/scan_finding.hpp"
+#include "lidar/self_check/scan_finding.hpp"
 #include <mapless/lidar/lidar_scan.hpp>
 
 namespace mapless::inline v1 {

@@ -1,4 +1,4 @@
-#include "io/self_check/noise_check.hpp"
+#include "lidar/self_check/noise_check.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,13 +1,19 @@
-#include "io/self_check/scan_checks.hpp"
+#include "lidar/self_check/scan_checks.hpp"
+
+#include <array>
 
 #include <fmt/format.h>
 
-#include "io/self_check/beam_check.hpp"
-#include "io/self_check/noise_check.hpp"
-#include "io/self_check/range_check.hpp"
-#include "io/self_check/time_check.hpp"
+#include "lidar/self_check/noise_check.hpp"
+#include "lidar/self_check/range_check.hpp"
+#include "lidar/self_check/time_check.hpp"
 
 namespace mapless::inline v1 {
+
+std::string_view name_of(Trust trust) {
+  constexpr std::array<std::string_view, 4> kNames = {"not checked", "right", "doubtful", "wrong"};
+  return kNames.at(static_cast<std::size_t>(trust));
+}
 
 void Findings::add(const ScanFinding& found, std::size_t k) {
   if (found.trust == Trust::unknown) {
@@ -22,11 +28,11 @@ void Findings::add(const ScanFinding& found, std::size_t k) {
   worst_scan_ = k;
 }
 
-CheckResult Findings::result(const Dataset& dataset) const {
+CheckResult Findings::result(const FileOf& file_of) const {
   CheckResult out{name_, worst_.trust, worst_.measured, "", "", worst_.remedy};
   if (bad_.empty()) return out;
   if (out.trust == Trust::wrong && 2 * wrong_ < checked_) out.trust = Trust::doubtful;
-  out.where = dataset.scan_file(worst_scan_).string();
+  out.where = file_of(worst_scan_);
   out.problem = worst_.problem;
   if (bad_.size() < checked_) {
     out.problem +=
@@ -41,15 +47,15 @@ std::string Findings::line() const {
   return fmt::format("scan {}{}: {}", bad_.front(), others, worst_.problem);
 }
 
-void ScanChecks::add(const LidarScan& scan, std::size_t k, const Trajectory* given) {
+void ScanChecks::add(const LidarScan& scan, std::size_t k, const GivenPoses& given) {
   ranges_.add(check_ranges(scan), k);
   beams_.add(check_beams(scan, given), k);
   times_.add(check_point_times(scan), k);
   noise_.add(check_noise(scan), k);
 }
 
-std::vector<CheckResult> ScanChecks::results(const Dataset& dataset) const {
-  return {beams_.result(dataset), ranges_.result(dataset), times_.result(dataset), noise_.result(dataset)};
+std::vector<CheckResult> ScanChecks::results(const FileOf& file_of) const {
+  return {beams_.result(file_of), ranges_.result(file_of), times_.result(file_of), noise_.result(file_of)};
 }
 
 std::vector<std::string> ScanChecks::lines() const {

@@ -1,4 +1,4 @@
-#include "io/self_check/beam_check.hpp"
+#include "lidar/self_check/beam_check.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -97,7 +97,7 @@ BeamErrors beam_errors(const std::vector<BeamSample>& samples, const LidarModel&
   return errors;
 }
 
-ScanFinding check_beams(const LidarScan& scan, const Trajectory* given) {
+ScanFinding check_beams(const LidarScan& scan, const GivenPoses& given) {
   ScanFinding found;
   if (scan.compensated_to) {
     found.measured = "not checked: motion compensation has moved the points off their beams";

@@ -10,7 +10,7 @@
 #include <fmt/ranges.h>
 
 #include "core/median.hpp"
-#include "io/self_check/beam_check.hpp"
+#include "lidar/self_check/beam_check.hpp"
 #include <mapless/core/errors.hpp>
 
 namespace mapless::inline v1 {
@@ -227,9 +227,9 @@ std::string wrong_azimuths(const Attempt& attempt) {
   return attempt.explains(attempt.samples(), other) ? first : "";
 }
 
-std::string in_the_world(const Attempt& attempt, const Trajectory& given) try {
+std::string in_the_world(const Attempt& attempt, const GivenPoses& given) try {
   std::vector<BeamSample> samples = attempt.samples();
-  for (BeamSample& s : samples) s.position_v = given.at(s.time).T_v0 * s.position_v;
+  for (BeamSample& s : samples) s.position_v = given(s.time) * s.position_v;
   return beam_errors(samples, attempt.model()).misfit(attempt.tolerance()) < kWorldMisfit
              ? "the points look like positions in the world frame of the poses, not in that of the sensor"
              : "";
@@ -240,7 +240,7 @@ std::string in_the_world(const Attempt& attempt, const Trajectory& given) try {
 }  // namespace
 
 std::string beam_mistakes(const std::vector<BeamSample>& samples, const LidarModel& model,
-                          const Trajectory* given) {
+                          const GivenPoses& given) {
   const Attempt attempt(samples, model);
   std::vector<std::string> found;
   const auto add = [&](const std::string& text) {
@@ -249,7 +249,7 @@ std::string beam_mistakes(const std::vector<BeamSample>& samples, const LidarMod
   add(constant_turn(attempt));
   add(wrong_direction(attempt));
   add(wrong_axes(attempt));
-  if (found.empty() && given != nullptr) add(in_the_world(attempt, *given));
+  if (found.empty() && given) add(in_the_world(attempt, given));
   if (found.empty()) add(wrong_azimuths(attempt));
   if (found.empty()) add(scaled_elevations(attempt));
   if (found.size() < kMostMistakes) add(wrong_rows(attempt));

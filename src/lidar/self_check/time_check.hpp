@@ -1,10 +1,6 @@
 #pragma once
 
-#include <vector>
-
-#include "io/self_check/scan_finding.hpp"
-#include <mapless/core/time.hpp>
-#include <mapless/io/dataset.hpp>
+#include "lidar/self_check/scan_finding.hpp"
 #include <mapless/lidar/lidar_model.hpp>
 #include <mapless/lidar/lidar_scan.hpp>
 
@@ -16,9 +12,5 @@ namespace mapless::inline v1 {
 
 /// How fast the sensor turns, as its model says.
 [[nodiscard]] ScanFinding check_rate(const LidarModel& model);
-
-/// Distance between the starts of scans against the duration of a turn, over the scans [first, first +
-/// count).
-[[nodiscard]] ScanFinding check_scan_times(const Dataset& dataset, std::size_t first, std::size_t count);
 
 }  // namespace mapless

@@ -1,4 +1,4 @@
-#include "io/self_check/time_check.hpp"
+#include "lidar/self_check/time_check.hpp"
 
 #include <algorithm>
 #include <array>
@@ -23,8 +23,6 @@ constexpr double kOneTime = 0.01;
 // Spinning lidars turn at 5 to 20 Hz by their data sheets. A slower one than this, or a faster one, has times
 // that are ten times too long or too short.
 constexpr double kSlowest_hz = 2.5, kFastest_hz = 45;
-// Two scans overlap where the later begins this share of a turn before the end of the earlier.
-constexpr double kOverlap = 0.2;
 
 struct TimeLine {
   double span_turns = 0;   // of the columns
@@ -138,35 +136,6 @@ ScanFinding check_rate(const LidarModel& model) {
       "{} turns at {:.3g} Hz, where spinning lidars turn at 5 to 20 Hz: times look about ten times too {}",
       model.name, rate_hz, rate_hz < kSlowest_hz ? "long" : "short");
   found.remedy = "correct the times, or the rate of the sensor";
-  return found;
-}
-
-ScanFinding check_scan_times(const Dataset& dataset, std::size_t first, std::size_t count) {
-  ScanFinding found = check_rate(*dataset.model());
-  if (found.trust != Trust::right) return found;
-  if (count < 2) {
-    found.measured = "not checked: one scan";
-    return found;
-  }
-  std::vector<double> periods;
-  std::size_t overlapping = 0, first_overlapping = 0;
-  const double turn_s = (dataset.scan_end(first) - dataset.scan_start(first)).seconds();
-  for (std::size_t k = first + 1; k < first + count; ++k) {
-    periods.push_back((dataset.scan_start(k) - dataset.scan_start(k - 1)).seconds());
-    if (periods.back() > (1 - kOverlap) * turn_s) continue;
-    if (overlapping++ == 0) first_overlapping = k;
-  }
-  const double period_s = median(std::move(periods));
-  found.size = turn_s > 0 ? std::max(0.0, 1 - period_s / turn_s) : 0;
-  found.measured = fmt::format("the scans begin {:.4f} s apart, a turn takes {:.4f} s", period_s, turn_s);
-  found.trust = Trust::right;
-  if (overlapping == 0) return found;
-  found.trust = period_s < (1 - kOverlap) * turn_s ? Trust::wrong : Trust::doubtful;
-  found.problem = fmt::format(
-      "{} of {} scans begin before the scan before them ends, scan {} the first: scans begin "
-      "{:.4f} s apart, a turn takes {:.4f} s",
-      overlapping, count, first_overlapping, period_s, turn_s);
-  found.remedy = "correct the times of the scans, or the rate of the sensor";
   return found;
 }
 

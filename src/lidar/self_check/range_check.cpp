@@ -1,4 +1,4 @@
-#include "io/self_check/range_check.hpp"
+#include "lidar/self_check/range_check.hpp"
 
 #include <algorithm>
 #include <array>

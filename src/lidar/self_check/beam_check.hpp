@@ -1,15 +1,20 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
 #include <Eigen/Core>
 
-#include "io/self_check/scan_finding.hpp"
+#include "lidar/self_check/scan_finding.hpp"
+#include <mapless/core/se3.hpp>
+#include <mapless/core/time.hpp>
 #include <mapless/lidar/lidar_scan.hpp>
-#include <mapless/trajectory/trajectory.hpp>
 
 namespace mapless::inline v1 {
+
+/// T_v0(t). Throws TrajectoryDomainError where it is not known.
+using GivenPoses = std::function<SE3(Time)>;
 
 /// A laser is examined by itself from this many samples on: their median is then within the spread of one
 /// point.
@@ -44,11 +49,11 @@ struct BeamErrors {
 [[nodiscard]] BeamErrors beam_errors(const std::vector<BeamSample>& samples, const LidarModel& model);
 
 /// The usual mistakes that bring the points onto the beams, in words, joined by "or"; empty where none does.
-/// `given`: may be null.
+/// `given`: may be empty.
 [[nodiscard]] std::string beam_mistakes(const std::vector<BeamSample>& samples, const LidarModel& model,
-                                        const Trajectory* given);
+                                        const GivenPoses& given);
 
 /// Points against beams and columns. Compensated scans are not checked: their points have left the beams.
-[[nodiscard]] ScanFinding check_beams(const LidarScan& scan, const Trajectory* given);
+[[nodiscard]] ScanFinding check_beams(const LidarScan& scan, const GivenPoses& given);
 
 }  // namespace mapless
