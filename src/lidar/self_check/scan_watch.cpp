@@ -112,11 +112,50 @@ class OrderWatch {
   double mean_ = 0, squares_ = 0;
 };
 
+// A column is filled where this share of the lasers has a return: the ground, or a wall.
+constexpr int kFilledShare = 4;
+// Share of the columns filled in the scans before and after a scan that have no return in it. Of those, at
+// least kFewestColumns.
+constexpr double kLostShare = 0.05;
+constexpr std::size_t kFewestColumns = 100;
+
+// Finds columns without a return in one scan between two scans that have some there.
+class ColumnWatch {
+ public:
+  // What it finds of the scan before.
+  [[nodiscard]] ScanFinding add(const LidarScan& scan) {
+    std::vector<int> filling(static_cast<std::size_t>(scan.columns), 0);
+    for (const LidarReturn& r : scan.returns) ++filling[static_cast<std::size_t>(r.column)];
+    std::size_t filled = 0, lost = 0;
+    if (before_.size() == filling.size() && last_.size() == filling.size()) {
+      for (std::size_t c = 0; c < filling.size(); ++c) {
+        if (kFilledShare * std::min(before_[c], filling[c]) < scan.rows()) continue;
+        ++filled;
+        if (last_[c] == 0) ++lost;
+      }
+    }
+    before_ = std::exchange(last_, std::move(filling));
+    ScanFinding found;
+    found.size = static_cast<double>(lost) / static_cast<double>(std::max(filled, kFewestColumns));
+    if (found.size < kLostShare) return found;
+    found.trust = Trust::wrong;
+    found.problem = fmt::format(
+        "{} columns have no return, of {} that have in the scan before it and in the one after it: lost "
+        "packets?",
+        lost, filled);
+    return found;
+  }
+
+ private:
+  std::vector<int> before_, last_;  // returns of each column
+};
+
 }  // namespace
 
 struct ScanWatch::State {
   OrderWatch order;
-  Findings beams{"beams"}, ranges{"ranges"}, times{"times"};
+  ColumnWatch columns;
+  Findings beams{"beams"}, ranges{"ranges"}, times{"times"}, lost{"columns"};
   std::vector<std::size_t> repeated;  // scans that are the one before them
   std::size_t scans = 0;
   std::uint64_t last_hash = 0;
@@ -134,6 +173,7 @@ void ScanWatch::add(const LidarScan& scan, std::size_t k) {
   const auto keep_wrong = [k](Findings& findings, const ScanFinding& found) {
     if (found.trust == Trust::wrong) findings.add(found, k);
   };
+  if (const ScanFinding found = s.columns.add(scan); found.trust == Trust::wrong) s.lost.add(found, k - 1);
   if (s.scans++ % kEvery != 0) return;
   keep_wrong(s.beams, check_beams(scan, {}));
   keep_wrong(s.ranges, check_ranges(scan));

@@ -1,3 +1,6 @@
+#include <algorithm>
+#include <vector>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -65,6 +68,23 @@ TEST_F(ScanWatchTest, NamesAScanThatIsTheOneBeforeItOnceMore) {
               }),
               ElementsAre(AllOf(HasSubstr("doubtful scans: scan 5"), HasSubstr("before it"))));
   EXPECT_THAT(lines_of([&](LidarScan& scan, std::size_t) { scan.returns = first.returns; }), IsEmpty());
+}
+
+// Captures begin and end within a turn.
+TEST_F(ScanWatchTest, NamesScansWithoutTheReturnsOfManyColumns) {
+  const auto lines_without_half = [this](const std::vector<std::size_t>& scans) {
+    return lines_of([&](LidarScan& scan, std::size_t k) {
+      if (std::find(scans.begin(), scans.end(), k) == scans.end()) return;
+      const int half = scan.columns / 2;
+      const bool first = k % 2 == 0;
+      std::erase_if(scan.returns, [&](const LidarReturn& r) { return (r.column < half) == first; });
+      std::fill(scan.cells.begin(), scan.cells.end(), empty_cell(ReturnCode::absent));
+    });
+  };
+  EXPECT_THAT(lines_without_half({5}), ElementsAre(AllOf(HasSubstr("doubtful columns: scan 5: 904 columns"),
+                                                         HasSubstr("of 1808 that have"))));
+  EXPECT_THAT(lines_without_half({4, 5}), ElementsAre(HasSubstr("doubtful columns: scan 4 (and 1 others)")));
+  EXPECT_THAT(lines_without_half({0, kScans - 1}), IsEmpty());
 }
 
 TEST_F(ScanWatchTest, LinesThatAreTakenAreForgotten) {
