@@ -7,7 +7,9 @@
 #include <Eigen/LU>
 
 #include "odometry/keypoints/edges.hpp"
+#include "odometry/registration/degeneracy.hpp"
 #include "odometry/registration/motion_support.hpp"
+#include "odometry/registration/recent_edges.hpp"
 #include "odometry/solver/growing_trajectory.hpp"
 #include "odometry/solver/motion_density.hpp"
 #include "odometry/start_up/start_up.hpp"
@@ -88,6 +90,7 @@ struct LidarOdometry::State {
   std::vector<std::size_t> start_up_intervals;  // the knot at the start of each scan of the start-up
   MappedTrajectory mapped;                      // without start_up
   MotionSupport support;
+  RecentEdges recent_edges;       // while they are needed: up to the last registered scan
   std::optional<Time> kept_from;  // nobody asks for earlier motion
   std::shared_ptr<const LidarScan> last_scan;
   std::size_t last_interval = 0;  // the knot at its start
@@ -110,7 +113,7 @@ struct LidarOdometry::State {
   void forget_old_measurements();
   void forget_old_knots();
   void begin_start_up_again();
-  [[nodiscard]] bool last_scan_is_supported() const;
+  [[nodiscard]] bool last_scan_is_supported(const Degeneracy& degeneracy) const;
   [[nodiscard]] MotionState state_of(const OdometryUpdate& update) const;
   [[nodiscard]] std::size_t first_open_knot() const {
     return start_up ? start_up->first_open_knot() : mapped.window_begin;
@@ -180,10 +183,11 @@ ScanOutcome LidarOdometry::State::register_in_start_up(UsableScan scan, Odometry
   support = {};
   support.add(update.mean_robust_weight, update.degeneracy);
   if (const auto agreement = start_up->mean_edge_agreement()) support.add_edges(*agreement);
+  recent_edges = start_up->recent_edges();
   mapped = start_up->best();
   start_was_undecided = start_up->was_undecided();
   start_up.reset();
-  return last_scan_is_supported() ? ScanOutcome::registered : ScanOutcome::unsupported;
+  return last_scan_is_supported(update.degeneracy) ? ScanOutcome::registered : ScanOutcome::unsupported;
 }
 
 // Point-to-plane registration to the map with the motion prior; with a wide gate if the result is doubtful.
@@ -199,13 +203,15 @@ std::optional<Registration> LidarOdometry::State::register_to_map(const UsableSc
 void LidarOdometry::State::add_support(const UsableScan& points, const LidarScan& scan,
                                        const OdometryUpdate& update) {
   support.add(update.mean_robust_weight, update.degeneracy);
-  if (!support.needs_edges()) return;
-  const auto edges_of = [&](const LidarScan& one, std::size_t interval) {
-    return edges_in_world(select_edges(one, parameters), one.start, mapped.knots[interval],
-                          mapped.knots[interval + 1]);
+  if (!support.needs_edges() && !is_weak(update.degeneracy)) return recent_edges.clear();
+  const auto add_edges = [&](const LidarScan& one, std::size_t interval) {
+    recent_edges.add(edges_in_world(select_edges(one, parameters), one.start, mapped.knots[interval],
+                                    mapped.knots[interval + 1]));
   };
-  const auto agreement = edge_agreement(edges_of(*last_scan, last_interval), edges_of(scan, points.interval));
-  if (agreement) support.add_edges(*agreement);
+  if (recent_edges.empty()) add_edges(*last_scan, last_interval);
+  add_edges(scan, points.interval);
+  if (!support.needs_edges()) return;
+  if (const auto agreement = recent_edges.agreement()) support.add_edges(*agreement);
 }
 
 // If the registration is rejected, `update` still has its figures.
@@ -226,12 +232,14 @@ ScanOutcome LidarOdometry::State::register_and_insert(const UsableScan& points, 
   mapped.accept(*found);
   add_support(points, scan, update);
   mapped.insert(points, parameters.map_radius_m);
-  return last_scan_is_supported() ? ScanOutcome::registered : ScanOutcome::unsupported;
+  return last_scan_is_supported(update.degeneracy) ? ScanOutcome::registered : ScanOutcome::unsupported;
 }
 
-bool LidarOdometry::State::last_scan_is_supported() const {
+bool LidarOdometry::State::last_scan_is_supported(const Degeneracy& degeneracy) const {
   const std::vector<TrajectoryKnot> last = {mapped.knots.end() - 2, mapped.knots.end()};
-  return support.state() != MotionState::lost && !is_contradicted(last, settings);
+  if (support.state() == MotionState::lost || is_contradicted(last, settings)) return false;
+  const Eigen::Vector3d weakest_0 = last.back().T_v0.rotation().transpose() * degeneracy.directions_v.col(0);
+  return !is_weak(degeneracy) || !recent_edges.contradict(weakest_0);
 }
 
 void LidarOdometry::State::add_measurement(MotionMeasurement measured) {

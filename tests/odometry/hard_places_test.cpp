@@ -1,5 +1,7 @@
+#include <algorithm>
 #include <cmath>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -78,6 +80,55 @@ TEST(HardPlaces, AnOpenFieldIsReportedAndExtrapolatedWithThePrior) {
     EXPECT_NEAR(knot.varpi.head<3>().norm(), 10, 1.5) << "the speed of the prior";
     EXPECT_NEAR(knot.T_v0.inverse().translation().z(), 0, 0.05) << "the ground constrains the height";
   }
+}
+
+// Straight ahead at 6 m/s; at rest from scan `scans` on.
+class Halt final : public Trajectory {
+ public:
+  explicit Halt(int scans) : halt_(Time::from_nanoseconds(scans * std::int64_t{100'000'000})) {}
+  [[nodiscard]] Time begin() const override { return drive_->begin(); }
+  [[nodiscard]] Time end() const override { return drive_->end(); }
+  [[nodiscard]] TrajectoryState at(Time t) const override {
+    TrajectoryState out = drive_->at(std::min(t, halt_));
+    if (t > halt_) out.varpi.setZero();
+    return out;
+  }
+
+ private:
+  Time halt_;
+  std::shared_ptr<const Trajectory> drive_ = test::drive(6, 0);
+};
+
+// The states of 12 scans. The ground is the only surface, and thin poles show nothing but edges: after a halt
+// the registration goes on as the prior expects.
+std::vector<MotionState> states_among_poles(std::shared_ptr<const Trajectory> trajectory) {
+  ToyScene field = test::toy_room("VLP-16", std::move(trajectory));
+  field.world = {test::toy_ground(-1.8)};
+  for (int i = -8; i <= 20; ++i)
+    field.world.push_back(test::toy_cylinder({1.3 * i, 9 * std::sin(i * i), 0}, 0.05, 4));
+  LidarOdometry odometry;
+  std::vector<MotionState> out;
+  for (int k = 0; k < 12; ++k) {
+    const OdometryUpdate update = odometry.process(cast_scan(field, k).scan);
+    out.push_back(update.state);
+    std::fill(out.end() - static_cast<std::ptrdiff_t>(update.decided_scans), out.end(), update.state);
+  }
+  return out;
+}
+
+TEST(HardPlaces, AMotionThatEdgesContradictIsLost) {
+  const auto moving = states_among_poles(test::drive(6, 0));
+  EXPECT_EQ(std::count(moving.begin(), moving.end(), MotionState::lost), 0);
+  // From scan 10 on the estimate is .6 m a scan ahead.
+  const auto stopped = states_among_poles(std::make_shared<Halt>(10));
+  EXPECT_EQ(std::count(stopped.begin(), stopped.begin() + 10, MotionState::lost), 0);
+  EXPECT_EQ(stopped.back(), MotionState::lost);
+}
+
+// The start has the motion of its first two scans.
+TEST(HardPlaces, AStartThatEdgesContradictIsLost) {
+  const auto stopped = states_among_poles(std::make_shared<Halt>(2));
+  EXPECT_EQ(std::count(stopped.begin(), stopped.begin() + 10, MotionState::lost), 10);
 }
 
 // Pillars in two rows, 2 m apart on average. From scan to scan the sensor passes half of that.

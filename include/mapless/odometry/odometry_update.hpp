@@ -19,7 +19,7 @@ enum class MotionState : std::uint8_t {
   good,        ///< the points determine every direction of the motion
   degenerate,  ///< a direction of the motion is open (OdometryUpdate::motion_covariance_v), few points
                ///< support its start, or its start is not decided yet
-  lost,        ///< no motion: the pose is extrapolated, or too few points support it
+  lost,        ///< no motion: the pose is extrapolated, or the points do not support it
 };
 /// "good", "degenerate" or "lost".
 [[nodiscard]] std::string_view name_of(MotionState state);
@@ -31,7 +31,8 @@ enum class ScanOutcome {
   few_points,   ///< too few usable returns: extrapolated with the motion prior
   repeated,     ///< the same returns as the scan before, delivered again: extrapolated with the motion prior
   unmatched,    ///< too few inliers, or no solution: extrapolated with the motion prior
-  unsupported,  ///< registered, but too few points agree, or the measurements of another sensor do not
+  unsupported,  ///< registered, but too few points agree, or edges or another sensor's measurements
+                ///< contradict
   restarted,    ///< after a loss: its pose is extrapolated, and a new map begins with this scan
 };
 

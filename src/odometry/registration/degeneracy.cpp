@@ -14,6 +14,7 @@ constexpr double kTypicalRange_m = 10.0;
 // 802 and 805): with 3, a weakly constrained direction was left to the prior scan after scan and its speed
 // diverged; with 1.5 none errs by 0.02 m per scan (docs/notebook/odometry.md, "What is left to the prior").
 constexpr double kNormalNoiseFactor = 1.5;
+constexpr double kWeakConstraintRatio = 0.003;
 
 // Maps a perturbation of the scan's end, the whole scan moving rigidly with it, to that of a bin's pose.
 Matrix6d bin_from_end(const BinSums& bin, const SE3& T_v0) { return adjoint(bin.T_v0 * T_v0.inverse()); }
@@ -79,5 +80,7 @@ void project_out_unconstrained(const Degeneracy& degeneracy, const SE3& T_v0, st
     bin.gradient = (P.transpose() * bin.gradient).eval();
   }
 }
+
+bool is_weak(const Degeneracy& degeneracy) { return degeneracy.constraint_ratio[0] < kWeakConstraintRatio; }
 
 }  // namespace mapless

@@ -15,4 +15,9 @@ namespace mapless::inline v1 {
 /// (solution remapping: Zhang, Kaess and Singh, ICRA 2016).
 void project_out_unconstrained(const Degeneracy& degeneracy, const SE3& T_v0, std::vector<BinSums>& sums);
 
+/// Whether planes hardly fix the weakest direction: the smallest constraint ratio is below .003. Measured in
+/// the fifth scan: VLP-16 motorways and flights have .0003 to .0025, HDL-64E .0015 to .004; wrong motions of
+/// VLP-16 .0002 to .0008.
+[[nodiscard]] bool is_weak(const Degeneracy& degeneracy);
+
 }  // namespace mapless

@@ -7,6 +7,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include "odometry/registration/degeneracy.hpp"
 #include "odometry/solver/motion_density.hpp"
 #include "odometry/start_up/joint_registration.hpp"
 
@@ -34,11 +35,9 @@ constexpr double kMinPairInlierRatio = 0.1;
 // sensor in fact moves at 29 m/s.
 constexpr double kMinFromRestScoreRatio = 0.5;
 
-// Five scans do not settle the speed where the smallest constraint ratio is below the first number and fewer
-// keypoints than the second part lie on planes of the map. Measured in the fifth scan: VLP-16 motorways and
-// flights have .0003 to .0025 and .4 to .88; HDL-64E .0015 to .004 and .91 to .94, and gain nothing by more
-// scans.
-constexpr double kWeakConstraintRatio = 0.003;
+// Five scans do not settle the speed where planes hardly fix a direction (is_weak()) and fewer keypoints than
+// this part lie on planes of the map. Measured in the fifth scan: VLP-16 motorways and flights have .4 to
+// .88; HDL-64E .91 to .94, and gain nothing by more scans.
 constexpr double kSettledInlierRatio = 0.9;
 
 // The negative log-likelihood of the motion between the scan's two knots under the motion prior.
@@ -151,6 +150,12 @@ std::optional<double> StartUp::mean_edge_agreement() const {
   }
   if (count == 0) return std::nullopt;
   return sum / count;
+}
+
+RecentEdges StartUp::recent_edges() const {
+  RecentEdges out;
+  for (const UsableScan& scan : scans_) out.add(edges_along(best(), scan));
+  return out;
 }
 
 // Soft inliers of all scans, each against the map of the others.
@@ -320,8 +325,7 @@ bool StartUp::is_undecided() const {
 bool StartUp::is_weakly_constrained() const {
   const Registration& newest = hypotheses_.front().registration;
   const auto keypoints = static_cast<double>(scans_.back().bins.points().size());
-  return newest.degeneracy.constraint_ratio[0] < kWeakConstraintRatio &&
-         newest.inliers < kSettledInlierRatio * keypoints;
+  return is_weak(newest.degeneracy) && newest.inliers < kSettledInlierRatio * keypoints;
 }
 
 // The settings with the density of the rotation of these scans: a walking person rolls the sensor at 4

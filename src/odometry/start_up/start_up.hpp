@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "odometry/map/edge_grid.hpp"
+#include "odometry/registration/recent_edges.hpp"
 #include "odometry/start_up/pair_registration.hpp"
 #include <mapless/odometry/parameters.hpp>
 
@@ -64,6 +65,8 @@ class StartUp {
   /// edge_agreement() of the scans with their predecessors along the best motion; the mean. None without
   /// edges.
   [[nodiscard]] std::optional<double> mean_edge_agreement() const;
+  /// The edges of the last scans along the best motion.
+  [[nodiscard]] RecentEdges recent_edges() const;
 
  private:
   struct Hypothesis {
