@@ -190,8 +190,7 @@ std::vector<LiveOutput> LiveDetector::State::push(const MadeScan& made) {
       health.add_event(LiveLevel::ok, fmt::format("sensor {}", sensor));
       for (const std::string& note : scans.notes()) health.add_event(LiveLevel::ok, note);
     }
-    for (const std::string& line : made.doubts)
-      report(LiveLevel::warning, line.substr(0, line.find(':')), line);
+    for (const std::string& one : made.doubts) report(LiveLevel::warning, one.substr(0, one.find(':')), one);
   }
   if (!options.poses_given()) {
     if (!base_known) find_base(made);

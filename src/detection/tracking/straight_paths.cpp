@@ -21,6 +21,9 @@ using Eigen::Vector3d;
 constexpr std::size_t kScans = 12;  // that a path is followed. Measured: 8 to 15 give the same within .002
 constexpr std::size_t kNewest = 2, kOldest = 5;  // scans since the spot that a velocity comes from
 constexpr int kFewest = 5;                       // scans that a path meets
+// Half the velocity of a walker stays within the reach of its path for most of the scans. It tells nothing
+// of a path that meets this share of them. Measured: docs/notebook/detection.md, "Straight paths".
+constexpr double kMetThroughout = 0.8;
 constexpr double kMaxSpeed_mps = 40;
 // What is seen of a thing differs from scan to scan, and so does its centre.
 constexpr double kReach_m = 0.25, kReachSpacings = 0.4;
@@ -187,15 +190,17 @@ StraightPaths::Met StraightPaths::meet(const Spot& spot, const Vector3d& velocit
   return met;
 }
 
-int StraightPaths::most_met_by_others(const Spot& spot, const Vector3d& velocity_0) const {
+int StraightPaths::most_met_by_others(const Spot& spot, const Vector3d& velocity_0, int met) const {
   Vector3d::Index smallest = 0;
   velocity_0.cwiseAbs().minCoeff(&smallest);
   const Vector3d& v = velocity_0;
   const Vector3d a = v.cross(Vector3d::Unit(smallest)).normalized() * v.norm();
   const Vector3d b = v.cross(a) / v.norm();
-  const std::array<Vector3d, 6> others = {-v, a, -a, b, -b, v / 2};
+  const std::array<Vector3d, 5> others = {-v, a, -a, b, -b};
   int most = 0;
   for (const Vector3d& other : others) most = std::max(most, meet(spot, other, 0).scans);
+  if (met < kMetThroughout * static_cast<double>(earlier_.size()))
+    most = std::max(most, meet(spot, v / 2, 0).scans);
   // In the opposite order: from one scan beyond the oldest back towards the spot.
   const double oldest_s = seconds_since(earlier_.back());
   Spot beyond = spot;
@@ -248,7 +253,7 @@ bool StraightPaths::on_straight_path(const Spot& spot) const {
   }
   if (best.scans < fewest) return false;
   if (keeps_pace(velocity_0) && spot.log_odds + best.log_odds < std::log(kOddsOfMover)) return false;
-  most = std::max(most, most_met_by_others(spot, velocity_0));
+  most = std::max(most, most_met_by_others(spot, velocity_0, best.scans));
   return best.scans >= fewest_to_meet(most, velocities.size());
 }
 

@@ -25,9 +25,9 @@ namespace mapless::inline v1 {
 /// A spot is the centre of an object or of a faint cluster of one scan. For every small spot of the newest
 /// scan each velocity is tried that leads to it from a spot two to five scans before. The best path meets
 /// spots in n of N scans. p is the largest share of the scans that another path meets: in the opposite order,
-/// in five other directions, with half the velocity, or none. The path is no chance if the number of
-/// velocities tried x P(n - 1 or more of N - 1, by p) is below kChance: the expected number of such paths
-/// where nothing moves. (One of the n is the spot that the velocity comes from.)
+/// in five other directions, with no velocity, or with half of it unless n is most of N. The path is no
+/// chance if the number of velocities tried x P(n - 1 or more of N - 1, by p) is below kChance: the expected
+/// number of such paths where nothing moves. (One of the n is the spot that the velocity comes from.)
 ///
 /// Rails and kerbs beside a moving sensor keep pace with it: for a path of the sensor's own velocity the rays
 /// along it have to tell that they pass through (ObjectEvidence::log_odds).
@@ -72,7 +72,7 @@ class StraightPaths {
                                       const std::vector<TrackedObject>& movers) const;
   [[nodiscard]] std::vector<Eigen::Vector3d> velocities_to(const Spot& spot) const;
   [[nodiscard]] Met meet(const Spot& spot, const Eigen::Vector3d& velocity_0, int least) const;
-  [[nodiscard]] int most_met_by_others(const Spot& spot, const Eigen::Vector3d& velocity_0) const;
+  [[nodiscard]] int most_met_by_others(const Spot& spot, const Eigen::Vector3d& velocity_0, int met) const;
   /// P(met - 1 or more of all earlier scans but one, each by the share that `most` is of them).
   [[nodiscard]] double chance(int met, int most) const {
     return chances_[static_cast<std::size_t>(most) * (earlier_.size() + 1) + static_cast<std::size_t>(met)];

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <random>
+#include <set>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -142,6 +143,33 @@ TEST(StraightPaths, FollowNoPathWhosePlacesAreMetInTheOppositeOrderToo) {
   EXPECT_FALSE(first_found([](int k) {
     return std::vector<Vector3d>{{20, -0.3 * (kScans - 1 - k), 0}, {20, -0.3 * k, 0}};
   }));
+}
+
+// Clusters 20 m away reach 0.25 m + 0.4 x 2 degrees x 20 m = 0.53 m. At half his velocity a walker of 1.2 m/s
+// is met in 8 of 11 scans: it tells nothing, as he is on his own path in all of them.
+TEST(StraightPaths, FollowASlowWalkerSeenThroughout) {
+  EXPECT_TRUE(first_found([](int k) { return std::vector<Vector3d>{{20, 0.12 * k, 0}}; }));
+}
+
+// Seven scans meet the path, four of them half its velocity. No velocity, and the opposite order, are met in
+// two at most, which this path would stand out from.
+TEST(StraightPaths, FollowNoPathMetNowAndThenWhereHalfItsVelocityIsMetToo) {
+  EXPECT_FALSE(first_found([](int k) {
+    const std::set<int> seen = {11, 10, 7, 6, 5, 3, 2, 1};
+    return seen.contains(k) ? std::vector<Vector3d>{{20, 0.16 * k, 0}} : std::vector<Vector3d>{};
+  }));
+}
+
+// Two of three scans see the walker `aside_m` above or below his path.
+TEST(StraightPaths, MeetWhatIsWithinTheReachOfAPath) {
+  const auto swaying = [](double aside_m) {
+    return [=](int k) {
+      const double up_m = k % 3 == 2 ? 0 : k % 3 == 0 ? aside_m : -aside_m;
+      return std::vector<Vector3d>{{20, 0.3 * k, up_m}};
+    };
+  };
+  EXPECT_TRUE(first_found(swaying(0.5)));
+  EXPECT_FALSE(first_found(swaying(0.56)));
 }
 
 TEST(StraightPaths, FollowUpToFortyMetresPerSecond) {
