@@ -25,7 +25,7 @@ std::optional<std::uint64_t> key_of(const Eigen::Vector3d& from_origin, double e
 
 VoxelMap::VoxelMap(double edge_m, std::optional<std::size_t> max_voxels)
     : edge_m_(edge_m), max_voxels_(max_voxels.value_or(std::numeric_limits<std::size_t>::max())) {
-  // A map that grows while clouds arrive must not stop to sort millions of voxels anew.
+  // A map that grows while clouds arrive must not stop to rehash millions of voxels.
   if (max_voxels) index_.reserve(*max_voxels);
   if (max_voxels) voxels_.reserve(*max_voxels);
 }

@@ -182,7 +182,6 @@ ScanOutcome LidarOdometry::State::register_in_start_up(UsableScan scan, Odometry
   last_ratio = update.inlier_ratio;
   support = {};
   support.add(update.mean_robust_weight, update.degeneracy);
-  if (const auto agreement = start_up->mean_edge_agreement()) support.add_edges(*agreement);
   recent_edges = start_up->recent_edges();
   mapped = start_up->best();
   start_was_undecided = start_up->was_undecided();

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <future>
 #include <memory>
@@ -21,12 +22,9 @@ using testing::HasSubstr;
 using testing::Not;
 
 using test::add_poses;
-using test::at_ms;
-using test::cloud;
 using test::kScans;
 using test::kTurnMs;
 using test::Robot;
-using test::street;
 using test::with_own_odometry;
 using test::with_poses;
 
@@ -219,7 +217,7 @@ TEST(StaticMapThreads, CloudsAreAddedWhileTheFileIsWritten) {
   std::size_t points = 0;
   map.save_aside(
       [&](const std::string&, const ExportCloud& cloud) {
-        disk.get_future().wait();
+        disk.get_future().wait_for(std::chrono::seconds(10));  // in vain only where both are written
         points = cloud.points.size();
       },
       [&](const StaticMap::Answer& one) { answer.set_value(one); });

@@ -72,6 +72,7 @@ class StraightPaths {
                                       const std::vector<TrackedObject>& movers) const;
   [[nodiscard]] std::vector<Eigen::Vector3d> velocities_to(const Spot& spot) const;
   [[nodiscard]] Met meet(const Spot& spot, const Eigen::Vector3d& velocity_0, int least) const;
+  // `met`: scans that the path of the velocity itself meets.
   [[nodiscard]] int most_met_by_others(const Spot& spot, const Eigen::Vector3d& velocity_0, int met) const;
   /// P(met - 1 or more of all earlier scans but one, each by the share that `most` is of them).
   [[nodiscard]] double chance(int met, int most) const {

@@ -136,22 +136,6 @@ std::vector<UsableScan> StartUp::start_up_scans() const {
   return out;
 }
 
-std::optional<double> StartUp::mean_edge_agreement() const {
-  double sum = 0;
-  int count = 0;
-  std::vector<Eigen::Vector3d> last;
-  for (const UsableScan& scan : scans_) {
-    std::vector<Eigen::Vector3d> edges = edges_along(best(), scan);
-    if (const auto agreement = edge_agreement(last, edges)) {
-      sum += *agreement;
-      ++count;
-    }
-    last = std::move(edges);
-  }
-  if (count == 0) return std::nullopt;
-  return sum / count;
-}
-
 RecentEdges StartUp::recent_edges() const {
   RecentEdges out;
   for (const UsableScan& scan : scans_) out.add(edges_along(best(), scan));

@@ -62,9 +62,6 @@ class StartUp {
   [[nodiscard]] std::size_t first_open_knot() const { return first_open_knot_; }
   /// The trajectory and map of the best hypothesis; once decided, of the only one.
   [[nodiscard]] const MappedTrajectory& best() const { return hypotheses_.front().mapped; }
-  /// edge_agreement() of the scans with their predecessors along the best motion; the mean. None without
-  /// edges.
-  [[nodiscard]] std::optional<double> mean_edge_agreement() const;
   /// The edges of the last scans along the best motion.
   [[nodiscard]] RecentEdges recent_edges() const;
 

@@ -1,12 +1,13 @@
 #include <algorithm>
+#include <string>
 #include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "support/temporary_folder.hpp"
-#include "support/toy_sequence.hpp"
-#include <mapless/io/dataset.hpp>
+#include "support/toy_scene.hpp"
+#include <mapless/lidar/self_check.hpp>
+
 namespace mapless {
 namespace MAPLESS_FILE {
 
@@ -15,37 +16,36 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-constexpr int kScans = 12;
+constexpr std::size_t kScans = 12;
 
-class ScanWatchTest : public testing::Test {
- protected:
-  static void SetUpTestSuite() {
-    shared = new test::TemporaryFolder;  // NOLINT: lives as long as the suite
-    test::write_toy_sequence(test::toy_street("VLP-16"), kScans, *shared / "street");
+// Scans of a VLP-16 that drives along a street.
+const std::vector<LidarScan>& street() {
+  static const std::vector<LidarScan> scans = [] {
+    const test::ToyScene scene = test::toy_street("VLP-16");
+    std::vector<LidarScan> out;
+    for (std::size_t k = 0; k < kScans; ++k) out.push_back(*cast_scan(scene, static_cast<int>(k)).scan);
+    return out;
+  }();
+  return scans;
+}
+
+// Of the scans of the street, each changed by `spoil`.
+template <class Spoil>
+std::vector<std::string> lines_of(Spoil spoil) {
+  ScanWatch watch;
+  for (std::size_t k = 0; k < kScans; ++k) {
+    LidarScan scan = street()[k];
+    spoil(scan, k);
+    watch.add(scan, k);
   }
-  static void TearDownTestSuite() { delete shared; }  // NOLINT
+  return watch.lines();
+}
 
-  // Of the scans, each changed by `spoil`.
-  template <class Spoil>
-  [[nodiscard]] std::vector<std::string> lines_of(Spoil spoil) const {
-    ScanWatch watch;
-    for (std::size_t k = 0; k < street->size(); ++k) {
-      LidarScan scan = street->read(k);
-      spoil(scan, k);
-      watch.add(scan, k);
-    }
-    return watch.lines();
-  }
-
-  static inline const test::TemporaryFolder* shared = nullptr;
-  std::unique_ptr<Dataset> street = open_dataset(*shared / "street");
-};
-
-TEST_F(ScanWatchTest, SaysNothingOfARightRecording) {
+TEST(ScanWatch, SaysNothingOfARightRecording) {
   EXPECT_THAT(lines_of([](LidarScan&, std::size_t) {}), IsEmpty());
 }
 
-TEST_F(ScanWatchTest, NamesTheScansThatAreSpoiltInTheMiddle) {
+TEST(ScanWatch, NamesTheScansThatAreSpoiltInTheMiddle) {
   const auto in_the_middle = [](auto change) {
     return [change](LidarScan& scan, std::size_t k) {
       if (k < 4 || k > 6) return;
@@ -61,8 +61,8 @@ TEST_F(ScanWatchTest, NamesTheScansThatAreSpoiltInTheMiddle) {
 }
 
 // A driver that stalls. A sensor without noise that stands still sees the same in every scan.
-TEST_F(ScanWatchTest, NamesAScanThatIsTheOneBeforeItOnceMore) {
-  const LidarScan before = street->read(4), first = street->read(0);
+TEST(ScanWatch, NamesAScanThatIsTheOneBeforeItOnceMore) {
+  const LidarScan &before = street()[4], &first = street()[0];
   EXPECT_THAT(lines_of([&](LidarScan& scan, std::size_t k) {
                 if (k == 5) scan.returns = before.returns;
               }),
@@ -71,8 +71,8 @@ TEST_F(ScanWatchTest, NamesAScanThatIsTheOneBeforeItOnceMore) {
 }
 
 // Captures begin and end within a turn.
-TEST_F(ScanWatchTest, NamesScansWithoutTheReturnsOfManyColumns) {
-  const auto lines_without_half = [this](const std::vector<std::size_t>& scans) {
+TEST(ScanWatch, NamesScansWithoutTheReturnsOfManyColumns) {
+  const auto lines_without_half = [](const std::vector<std::size_t>& scans) {
     return lines_of([&](LidarScan& scan, std::size_t k) {
       if (std::find(scans.begin(), scans.end(), k) == scans.end()) return;
       const int half = scan.columns / 2;
@@ -87,9 +87,9 @@ TEST_F(ScanWatchTest, NamesScansWithoutTheReturnsOfManyColumns) {
   EXPECT_THAT(lines_without_half({0, kScans - 1}), IsEmpty());
 }
 
-TEST_F(ScanWatchTest, LinesThatAreTakenAreForgotten) {
+TEST(ScanWatch, LinesThatAreTakenAreForgotten) {
   ScanWatch watch;
-  const auto add = [&](std::size_t k) { watch.add(street->read(k), k); };
+  const auto add = [&](std::size_t k) { watch.add(street()[k], k); };
   for (const std::size_t k : {std::size_t{0}, std::size_t{1}, std::size_t{1}, std::size_t{2}}) add(k);
   EXPECT_THAT(watch.take_lines(), ElementsAre(HasSubstr("doubtful scans: scan 1")));
   EXPECT_THAT(watch.take_lines(), IsEmpty());
