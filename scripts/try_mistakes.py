@@ -208,30 +208,6 @@ def two_swapped(folder):
     b.write_bytes(content[0])
 
 
-def take_scans(order, place_in_time):
-    """Scans in `order`, at the period of all; `place_in_time`(times of the poses, starts of scans): the poses with them."""
-
-    def apply(folder):
-        files = sorted((folder / "scans").glob("*.pcd"))
-        content = [file.read_bytes() for file in files][order]
-        starts = np.loadtxt(folder / "times.txt")
-        for file in files:
-            file.unlink()
-        for file, data in zip(files, content):
-            file.write_bytes(data)
-        (folder / "times.txt").write_text("".join(f"{t:.9f}\n" for t in starts[: len(content)]))
-        shutil.rmtree(folder / "labels")
-
-        def change(rows):
-            rows = rows.copy()
-            rows[:, 0] = place_in_time(rows[:, 0], starts)
-            return rows[np.argsort(rows[:, 0])]
-
-        poses(change)(folder)
-
-    return apply
-
-
 def lose_columns(folder):
     columns = columns_of(folder)
 
@@ -323,9 +299,6 @@ def cases(other):
     yield "t random", times(random)
     yield "code 2 everywhere", lambda folder: change_points(folder, code_two)
     yield "two scans exchanged", two_swapped
-    reverse, halve = slice(None, None, -1), slice(None, None, 2)
-    yield "scans and poses in reversed order", take_scans(reverse, lambda t, starts: starts[0] + starts[-1] - t)
-    yield "every second scan missing along poses", take_scans(halve, lambda t, starts: (t + starts[0]) / 2)
     yield "half of the columns lost, the other half in the next scan", lose_columns
     yield "no points at all", lambda folder: change_points(folder, no_points)
     yield "20 points a scan", lambda folder: change_points(folder, few_points)

@@ -3,8 +3,6 @@
 #include <cmath>
 #include <functional>
 #include <memory>
-#include <utility>
-#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -18,7 +16,6 @@ namespace MAPLESS_FILE {
 using testing::HasSubstr;
 
 constexpr int kScans = 40;
-constexpr double kPeriod_s = 0.1;
 
 // World from sensor as a function of the time in seconds.
 using Path = std::function<SE3(double)>;
@@ -49,14 +46,6 @@ Path straight(double speed) {
   return [speed](double t) { return SE3(Eigen::Matrix3d::Identity(), Eigen::Vector3d(speed * t, 0, 0)); };
 }
 
-// Moves between the scans, `factor` times as far within them.
-Path within(const Path& path, double factor) {
-  return [=](double t) {
-    const double start = kPeriod_s * std::floor(t / kPeriod_s + 1e-9);
-    return path(start + factor * (t - start));
-  };
-}
-
 Path scaled(const Path& path, double factor) {
   return [=](double t) { return SE3(path(t).rotation(), factor * path(t).translation()); };
 }
@@ -72,7 +61,7 @@ class Recording {
     test::write_toy_sequence(scene, kScans, folder_ / "street");
     dataset_ = open_dataset(folder_ / "street");
   }
-  // "pose scale", "pose times" and "motion within scans" of poses along `path`.
+  // "pose scale" and "pose times" of poses along `path`.
   [[nodiscard]] std::vector<CheckResult> check(const Path& path) const {
     return check_motion(*dataset_, along(path), 0, dataset_->size(), 3);
   }
@@ -113,20 +102,6 @@ TEST_F(MotionCheckTest, FindsPosesThatAreLateOrEarly) {
   const CheckResult early = walked->check([](double t) { return walk(1.2)(t + 0.05); })[1];
   EXPECT_EQ(early.trust, Trust::doubtful) << early.measured;
   EXPECT_THAT(early.problem, HasSubstr("times of the poses are 0.05 s too early"));
-}
-
-// Scans in reversed order, as their poses, move the other way within each; points that are
-// motion-compensated, not at all; of every second scan, at the period of all, half as far as the poses say.
-TEST(MotionCheck, FindsAnotherMotionWithinTheScans) {
-  const std::vector<std::pair<double, const char*>> mistakes = {{-1, "scans in reversed order?"},
-                                                                {0, "motion-compensated already?"},
-                                                                {0.5, "every second scan is missing?"}};
-  for (const auto& [factor, text] : mistakes) {
-    const CheckResult result = Recording(within(walk(1.2), factor)).check(walk(1.2))[2];
-    EXPECT_EQ(result.name, "motion within scans");
-    EXPECT_EQ(result.trust, Trust::doubtful) << result.measured;
-    EXPECT_THAT(result.problem, HasSubstr(text));
-  }
 }
 
 // Along a straight line at one speed late poses are poses of the same motion.

@@ -1,5 +1,6 @@
 #include "io/self_check/pose_pair.hpp"
 
+#include <algorithm>
 #include <optional>
 
 #include <gtest/gtest.h>
@@ -101,6 +102,18 @@ TEST(PosePair, PrefersTheRightMotion) {
   EXPECT_EQ(of_wrong[1], 0);
   EXPECT_EQ(of_wrong[2], 0) << "does not cover the scans";
   EXPECT_LT(pair.preferences(right, {wrong})[0], -5);
+}
+
+// ScanPoses are evenly spaced from the start of a scan to its end.
+TEST(PosePair, AsksForTheMotionUpToTheEndOfTheScans) {
+  const test::ToyScene room = test::toy_room("VLP-16", test::drive(2, 0));
+  const test::ToyScan first = cast_scan(room, 0), second = cast_scan(room, 5);
+  std::optional<Time> last;
+  (void)PosePair(*first.scan, *second.scan).blur_m([&](Time t) {
+    last = last ? std::max(*last, t) : t;
+    return std::optional(SE3());
+  });
+  EXPECT_EQ(last, second.scan->end());
 }
 
 }  // namespace MAPLESS_FILE

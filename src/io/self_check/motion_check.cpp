@@ -28,9 +28,6 @@ constexpr double kFar_m = 4, kLeastFar_m = 0.8;
 constexpr double kLongest_s = 4;
 // Time between two scans that tells poses that are late, by the change of the velocity.
 constexpr double kChanging_s = 1;
-// Distance between two scans that tells the motion within them: a point beside the sensor is then seen from
-// another direction, which is at another instant of the turn.
-constexpr double kNear_m = 1, kLeastNear_m = 0.3;
 // Least displacement of points at kArm_m by poses that are 0.1 s late.
 constexpr double kArm_m = 10, kLeastShift_m = 0.04, kShift_s = 0.1;
 
@@ -41,7 +38,6 @@ using Pairs = std::vector<std::pair<std::size_t, std::size_t>>;  // numbers of s
 struct Question {
   std::string name;
   std::string what;  // that is varied
-  std::string remedy;
   Pairs pairs;
   std::vector<Motion> motions;
   std::vector<std::string> texts;
@@ -58,15 +54,6 @@ Motion later(const Motion& said, double seconds) {
   return [said, seconds](Time t) { return said(t + Duration::from_seconds(seconds)); };
 }
 
-// The motion between the starts of the scans is as said, that within them is `factor` times as long.
-Motion within(const Motion& said, const std::vector<Time>& starts, double factor) {
-  return [said, starts, factor](Time t) {
-    const auto next = std::upper_bound(starts.begin(), starts.end(), t);
-    const Time start = next == starts.begin() ? t : *std::prev(next);
-    return said(start + Duration::from_seconds(factor * (t - start).seconds()));
-  };
-}
-
 double distance_m(const Motion& said, Time a, Time b) {
   const auto from = said(a), to = said(b);
   return from && to ? (from->inverse() * *to).translation().norm() : 0;
@@ -81,18 +68,18 @@ double displacement_m(const Motion& said, Time a, Time b) {
   return change.head<3>().norm() + kArm_m * change.tail<3>().norm();
 }
 
-// Pairs spread over the recording, each `apart_m` apart, or `least_m` where the sensor is slow.
-Pairs spread_pairs(const Dataset& dataset, const Motion& said, std::size_t first, std::size_t last,
-                   std::size_t places, double apart_m, double least_m) {
+// Pairs spread over the recording, each so far apart that the scale shows.
+Pairs far_pairs(const Dataset& dataset, const Motion& said, std::size_t first, std::size_t last,
+                std::size_t places) {
   Pairs out;
   for (std::size_t i = 0; i < places; ++i) {
     const std::size_t k = first + i * (last - first) / places;
     const Time start = dataset.scan_start(k);
     std::size_t m = k + 1;
     while (m < last && (dataset.scan_start(m) - start).seconds() < kLongest_s &&
-           distance_m(said, start, dataset.scan_start(m)) < apart_m)
+           distance_m(said, start, dataset.scan_start(m)) < kFar_m)
       ++m;
-    if (m <= last && distance_m(said, start, dataset.scan_start(m)) > least_m) out.emplace_back(k, m);
+    if (m <= last && distance_m(said, start, dataset.scan_start(m)) > kLeastFar_m) out.emplace_back(k, m);
   }
   return out;
 }
@@ -176,15 +163,12 @@ CheckResult result_of(const Dataset& dataset, const Motion& said, const Question
                              places, of.texts[answer.best], answer.size);
   out.where = dataset.scan_file(of.pairs.front().first).string();
   out.problem = out.measured;
-  out.remedy = of.remedy;
+  out.remedy = "correct the poses, or leave them out (--odometry)";
   return out;
 }
 
-constexpr const char* kCorrectPoses = "correct the poses, or leave them out (--odometry)";
-
 Question scale_question(const Motion& said, Pairs pairs) {
-  Question out{"pose scale",     "scale of the poses",      kCorrectPoses,
-               std::move(pairs), {scaled(said, kMuchLess)}, {""}};
+  Question out{"pose scale", "scale of the poses", std::move(pairs), {scaled(said, kMuchLess)}, {""}};
   for (const double factor : {0.91, 1.1}) {
     out.motions.push_back(scaled(said, factor));
     out.texts.push_back(
@@ -194,7 +178,7 @@ Question scale_question(const Motion& said, Pairs pairs) {
 }
 
 Question times_question(const Motion& said, Pairs pairs) {
-  Question out{"pose times", "time of the poses", kCorrectPoses, std::move(pairs), {}, {}};
+  Question out{"pose times", "time of the poses", std::move(pairs), {}, {}};
   for (const double seconds : {-0.2, -0.1, -0.05, 0.05, 0.1, 0.2}) {
     out.motions.push_back(later(said, seconds));
     out.texts.push_back(fmt::format("the times of the poses are {:.2f} s too {}", std::abs(seconds),
@@ -203,34 +187,19 @@ Question times_question(const Motion& said, Pairs pairs) {
   return out;
 }
 
-Question within_question(const Motion& said, const std::vector<Time>& starts, Pairs pairs) {
-  return {"motion within scans",
-          "motion within the scans",
-          "give the scans as the sensor measured them, with their own times and poses",
-          std::move(pairs),
-          {within(said, starts, -1), within(said, starts, 0), within(said, starts, 0.5)},
-          {"the sensor moves the other way within each scan (scans in reversed order?)",
-           "the sensor rests within each scan (points that are motion-compensated already?)",
-           "the sensor moves half as far within each scan (every second scan is missing?)"}};
-}
-
 }  // namespace
 
 std::vector<CheckResult> check_motion(const Dataset& dataset, const std::shared_ptr<const Trajectory>& given,
                                       std::size_t first, std::size_t count, std::size_t places) {
   const Motion said = given ? motion_of(given) : Motion();
-  Pairs far, near, changing;
-  std::vector<Time> starts;
+  Pairs far, changing;
   if (given && count > 1) {
     const std::size_t last = first + count - 1;
-    for (std::size_t k = first; k <= last; ++k) starts.push_back(dataset.scan_start(k));
-    far = spread_pairs(dataset, said, first, last, places, kFar_m, kLeastFar_m);
-    near = spread_pairs(dataset, said, first, last, places, kNear_m, kLeastNear_m);
+    far = far_pairs(dataset, said, first, last, places);
     changing = changing_pairs(dataset, said, first, last, places);
   }
   return {result_of(dataset, said, scale_question(said, std::move(far))),
-          result_of(dataset, said, times_question(said, std::move(changing))),
-          result_of(dataset, said, within_question(said, starts, std::move(near)))};
+          result_of(dataset, said, times_question(said, std::move(changing)))};
 }
 
 }  // namespace mapless

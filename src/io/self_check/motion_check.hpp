@@ -11,10 +11,9 @@
 namespace mapless::inline v1 {
 
 /// Poses that are nearly right, against motions a little beside them: whether the static world is sharper
-/// with positions a tenth longer or shorter ("pose scale"), with poses up to 0.2 s later or earlier ("pose
-/// times"), or with another motion within the scans than between them ("motion within scans"). Looks at
-/// `places` pairs of scans for each: some metres apart, a second apart where the velocity changes most, and a
-/// metre apart. Not checked where the poses hardly tell the motions apart.
+/// with positions a tenth longer or shorter ("pose scale"), or with poses up to 0.2 s later or earlier ("pose
+/// times"). Looks at `places` pairs of scans for each: some metres apart, and a second apart where the
+/// velocity changes most. Not checked where the poses hardly tell the motions apart.
 [[nodiscard]] std::vector<CheckResult> check_motion(const Dataset& dataset,
                                                     const std::shared_ptr<const Trajectory>& given,
                                                     std::size_t first, std::size_t count, std::size_t places);

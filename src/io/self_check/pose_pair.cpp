@@ -51,7 +51,7 @@ std::vector<Time> instants(const LidarScan& scan) {
   std::vector<Time> out;
   const std::int64_t length = (scan.end() - scan.start).nanoseconds();
   for (int i = 0; i < ScanPoses::kInstants; ++i) {
-    const Time t = scan.start + Duration::from_nanoseconds(length * i / ScanPoses::kInstants);
+    const Time t = scan.start + Duration::from_nanoseconds(length * i / (ScanPoses::kInstants - 1));
     out.push_back(scan.compensated_to.value_or(t));
   }
   return out;
