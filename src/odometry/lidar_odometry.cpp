@@ -183,6 +183,7 @@ ScanOutcome LidarOdometry::State::register_in_start_up(UsableScan scan, Odometry
   support = {};
   support.add(update.mean_robust_weight, update.degeneracy);
   recent_edges = start_up->recent_edges();
+  if (const auto agreement = recent_edges.agreement()) support.add_edges(*agreement);
   mapped = start_up->best();
   start_was_undecided = start_up->was_undecided();
   start_up.reset();
