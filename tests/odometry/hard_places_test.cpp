@@ -99,13 +99,18 @@ class Halt final : public Trajectory {
   std::shared_ptr<const Trajectory> drive_ = test::drive(6, 0);
 };
 
-// The states of 12 scans. The ground is the only surface, and thin poles show nothing but edges: after a halt
-// the registration goes on as the prior expects.
-std::vector<MotionState> states_among_poles(std::shared_ptr<const Trajectory> trajectory) {
+// The ground is the only surface; poles show little but edges.
+ToyScene poles(double radius_m, std::shared_ptr<const Trajectory> trajectory) {
   ToyScene field = test::toy_room("VLP-16", std::move(trajectory));
   field.world = {test::toy_ground(-1.8)};
   for (int i = -8; i <= 20; ++i)
-    field.world.push_back(test::toy_cylinder({1.3 * i, 9 * std::sin(i * i), 0}, 0.05, 4));
+    field.world.push_back(test::toy_cylinder({1.3 * i, 9 * std::sin(i * i), 0}, radius_m, 4));
+  return field;
+}
+
+// The states of 12 scans among thin poles: after a halt the registration goes on as the prior expects.
+std::vector<MotionState> states_among_poles(std::shared_ptr<const Trajectory> trajectory) {
+  const ToyScene field = poles(0.05, std::move(trajectory));
   LidarOdometry odometry;
   std::vector<MotionState> out;
   for (int k = 0; k < 12; ++k) {
@@ -159,6 +164,13 @@ MotionState state_of_start(const ToyScene& scene) {
 TEST(HardPlaces, AStartWithTwoEqualMotionsIsDegenerate) {
   EXPECT_EQ(state_of_start(pillars(0)), MotionState::degenerate);
   EXPECT_EQ(state_of_start(pillars(0.7)), MotionState::good);
+}
+
+// The planes leave open whether the motion is right, and the edges say that it is.
+TEST(HardPlaces, AStartThatEdgesSupportIsGood) {
+  ToyScene field = poles(0.1, test::drive(6, 0));
+  field.range_noise_m = 0.02;
+  EXPECT_EQ(state_of_start(field), MotionState::good);
 }
 
 TEST(HardPlaces, AScanOfFewReturnsIsExtrapolatedWithThePrior) {
