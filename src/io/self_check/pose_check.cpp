@@ -128,6 +128,12 @@ bool across(const Vector6d& found, const Vector6d& said) {
          std::abs(difference.dot(way)) < kAcross * difference.norm() * way.norm();
 }
 
+// Whether the poses are better than motions a little slower or faster.
+bool stand_out(const PosePair& apart, const Motion& said) {
+  const auto peaks = apart.peaks(said, Vector6d::Zero());
+  return peaks && peaks->said > kStandsOutNot;
+}
+
 bool on_flank(const PosePair& apart, const Motion& said, const Vector6d& found) {
   const auto flank = apart.flank(said, found);
   const auto velocity = apart.mean_velocity(said);
@@ -162,7 +168,6 @@ void compare_with_registration(const Place& place, const PosePair& apart, const 
   // A vehicle that stays beside the sensor for half a second moves along with it.
   const bool slower = best->head<3>().norm() * apart_s < said_m;
   out.one_vehicle = contradicts && slower && apart.one_sided(said, *best);
-  if (peaks && peaks->said > kStandsOutNot) out.supports = true;
   if (contradicts && out.trust != Trust::wrong) out.trust = out.traffic ? Trust::doubtful : Trust::wrong;
   if (out.trust == Trust::right && on_flank(apart, said, *best)) out.trust = Trust::doubtful;
 }
@@ -178,7 +183,7 @@ PlaceFinding look_at(std::shared_ptr<const Place> place, std::size_t k, const Mo
   found.own_m = *blur;
   if (const auto velocity = apart.mean_velocity(said)) found.speed_mps = velocity->head<3>().norm();
   found.trust = found.speed_mps > kFastest_mps ? Trust::wrong : Trust::right;
-  found.supports = *blur <= kSharp_m;
+  found.supports = *blur <= kSharp_m || stand_out(apart, said);
   if (*blur > kSharp_m) compare_with_registration(*place, apart, said, found);
   found.place = std::move(place);
   return found;
