@@ -1,3 +1,4 @@
+#include <cmath>
 #include <functional>
 #include <memory>
 
@@ -133,6 +134,23 @@ TEST(SelfCheck, PosesThatStandOutElsewhereOutvoteOneVehicle) {
   const auto lorry = open_dataset(folder / "lorry");
   const CheckResult poses = check_recording(*lorry, lorry->trajectory(), 0, lorry->size()).back();
   EXPECT_EQ(poses.trust, Trust::right) << poses.measured << poses.problem;
+}
+
+// A registration that finds hardly any motion is not believed beside fast poses, because a motorway looks the
+// same from metre to metre; but poses under which the scans share nothing are not those of a motorway.
+TEST(SelfCheck, DoubtsFastPosesOfASlowSensor) {
+  const test::TemporaryFolder folder;
+  test::write_toy_sequence(test::toy_room("VLP-16", test::drive(1, 0)), kScans, folder / "room");
+  const auto room = open_dataset(folder / "room");
+  const auto circling = [](Time t, const SE3&) {
+    const double turned = 0.3 * t.seconds();
+    return SE3(rotation_z(turned), {60 * std::sin(turned), -60 * std::cos(turned), 0});
+  };
+  const CheckResult poses =
+      check_recording(*room, std::make_shared<SpoiltTrajectory>(room->trajectory(), circling), 0,
+                      room->size())
+          .back();
+  EXPECT_EQ(poses.trust, Trust::doubtful) << poses.measured;
 }
 
 TEST_F(SelfCheckTest, FindsAJump) {

@@ -38,7 +38,7 @@ constexpr double kFlank_m = 0.6, kFlankBetter = 6, kValley = -2;
 constexpr double kAcross = 0.7;  // cosine of 45 degrees
 // A registration that leaves this blur fits nothing: unrelated scans have 0.3 (PosePair::blur_m). A lorry
 // that hides nearly all from a tilted sensor had 0.22.
-constexpr double kFits_m = 0.2;
+constexpr double kFits_m = 0.2, kUnrelated_m = 0.3;
 // A mistake explains where it takes away this share of the difference.
 constexpr double kExplained = 0.7;
 constexpr std::size_t kFewestPoints = 150;
@@ -53,6 +53,7 @@ constexpr std::size_t kNear = 7;  // scans: a pair of scans half a second apart 
 // A registration that finds the sensor at rest, where the poses say otherwise, is believed where this share
 // of the beams end at the same range: a motorway looks the same from metre to metre, and vehicles beside the
 // sensor move with it.
+// Elsewhere it is taken for traffic where the scans are unrelated under the poses, and left out otherwise.
 constexpr double kAtRest = 0.85;
 // Poses that are faster are wrong in any case; high-speed trains are not.
 constexpr double kFastest_mps = 150;
@@ -156,9 +157,10 @@ void compare_with_registration(const Place& place, const PosePair& apart, const 
     const bool at_rest =
         found.head<3>().norm() * apart_s < std::max(kRest_m, std::min(kMostRest_m, kRestShare * said_m));
     const double blur_m = apart.blur_m(found);
-    if ((at_rest && !may_rest) || blur_m >= out.own_m) continue;
+    const bool apparent_rest = at_rest && !may_rest;
+    if ((apparent_rest && out.said_m < kUnrelated_m) || blur_m >= out.own_m) continue;
     out.own_m = blur_m;
-    out.traffic = may_be_traffic(found, said_velocity);
+    out.traffic = apparent_rest || may_be_traffic(found, said_velocity);
     best = found;
   }
   if (!best || out.own_m >= std::min(out.said_m, kFits_m)) return;
