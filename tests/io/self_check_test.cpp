@@ -136,21 +136,30 @@ TEST(SelfCheck, PosesThatStandOutElsewhereOutvoteOneVehicle) {
   EXPECT_EQ(poses.trust, Trust::right) << poses.measured << poses.problem;
 }
 
+// Of a sensor that moves between four walls, along its x, under poses T_0v changed by `spoil`.
+CheckResult check_poses_in_a_room(double speed_mps, const std::function<SE3(Time, const SE3&)>& spoil) {
+  const test::TemporaryFolder folder;
+  test::write_toy_sequence(test::toy_room("VLP-16", test::drive(speed_mps, 0)), kScans, folder / "room");
+  const auto room = open_dataset(folder / "room");
+  const auto spoilt = std::make_shared<SpoiltTrajectory>(room->trajectory(), spoil);
+  return check_recording(*room, spoilt, 0, room->size()).back();
+}
+
 // A registration that finds hardly any motion is not believed beside fast poses, because a motorway looks the
 // same from metre to metre; but poses under which the scans share nothing are not those of a motorway.
 TEST(SelfCheck, DoubtsFastPosesOfASlowSensor) {
-  const test::TemporaryFolder folder;
-  test::write_toy_sequence(test::toy_room("VLP-16", test::drive(1, 0)), kScans, folder / "room");
-  const auto room = open_dataset(folder / "room");
-  const auto circling = [](Time t, const SE3&) {
+  const CheckResult circling = check_poses_in_a_room(1, [](Time t, const SE3&) {
     const double turned = 0.3 * t.seconds();
     return SE3(rotation_z(turned), {60 * std::sin(turned), -60 * std::cos(turned), 0});
-  };
-  const CheckResult poses =
-      check_recording(*room, std::make_shared<SpoiltTrajectory>(room->trajectory(), circling), 0,
-                      room->size())
-          .back();
-  EXPECT_EQ(poses.trust, Trust::doubtful) << poses.measured;
+  });
+  EXPECT_EQ(circling.trust, Trust::doubtful) << circling.measured;
+}
+
+// 0.8 m beside the right motion after half a second; motions 0.6 m farther off are worse still.
+TEST(SelfCheck, DoubtsSlowPosesInReverse) {
+  const CheckResult reverse =
+      check_poses_in_a_room(0.8, [](Time, const SE3& T) { return SE3(T.rotation(), -T.translation()); });
+  EXPECT_GE(reverse.trust, Trust::doubtful) << reverse.measured;
 }
 
 TEST_F(SelfCheckTest, FindsAJump) {
