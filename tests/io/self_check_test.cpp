@@ -162,6 +162,26 @@ TEST(SelfCheck, DoubtsSlowPosesInReverse) {
   EXPECT_GE(reverse.trust, Trust::doubtful) << reverse.measured;
 }
 
+// The ground looks the same from metre to metre, and what stands beside it is too rough to be compared.
+TEST(SelfCheck, DoubtsPosesAtRestInAField) {
+  test::ToyScene scene = test::toy_street("VLP-16");
+  scene.trajectory = test::drive(25, 0);
+  scene.world = {test::toy_ground(-1.8)};
+  for (int i = 0; i < 60; ++i) {  // golden ratio, sqrt(2): spread evenly, without a period
+    const double x = 80 * std::fmod(0.618034 * i, 1) - 25, y = 5 * std::fmod(1.414214 * i, 1) + 2.5;
+    scene.world.push_back(test::toy_box({x, i % 2 == 0 ? y : -y, 0}, {0.3, 0.3, 3}, 1.2 * i));
+  }
+  const test::TemporaryFolder folder;
+  test::write_toy_sequence(scene, kScans, folder / "field");
+  const auto field = open_dataset(folder / "field");
+  const auto at_rest =
+      std::make_shared<SpoiltTrajectory>(field->trajectory(), [](Time, const SE3&) { return SE3(); });
+  const CheckResult poses = check_recording(*field, at_rest, 0, field->size()).back();
+  EXPECT_EQ(poses.trust, Trust::doubtful) << poses.measured;
+  EXPECT_THAT(poses.problem, HasSubstr("at rest"));
+  EXPECT_EQ(check_recording(*field, field->trajectory(), 0, field->size()).back().trust, Trust::right);
+}
+
 TEST_F(SelfCheckTest, FindsAJump) {
   const CheckResult poses = check_poses_of([](Time t, const SE3& T) {
     return t.seconds() < 0.55 ? T : SE3(T.rotation(), T.translation() + Eigen::Vector3d(0, 3, 0));

@@ -60,6 +60,9 @@ constexpr std::size_t kNear = 7;  // scans: a pair of scans half a second apart 
 // sensor move with it.
 // Elsewhere it is taken for traffic where the scans are unrelated under the poses, and left out otherwise.
 constexpr double kAtRest = 0.85;
+// Poses under which points at kLever_m move by less than this are at rest. They are doubtful where this share
+// of the beams or less end at the same range. Measured at rest: .85 and more, the least beside trams.
+constexpr double kStill_m = 0.1, kLeastAtRest = 0.7;
 // Poses that are faster are wrong in any case; high-speed trains are not.
 constexpr double kFastest_mps = 150;
 // Vehicles fill the view and move along: a registration finds the motion relative to them, which is slower
@@ -85,6 +88,7 @@ struct PlaceFinding {
   bool at_jump = false;
   bool traffic = false;      // the registration may have found vehicles that move along
   bool one_vehicle = false;  // or one vehicle beside the sensor
+  bool stirred = false;      // the poses are at rest, what is seen is not: a crowd, or a sensor that moves
   bool supports = false;     // the poses stand out, or are sharp
   Trust trust = Trust::unknown;
   std::shared_ptr<const Place> place;
@@ -153,7 +157,8 @@ void compare_with_registration(const Place& place, const PosePair& apart, const 
   const double apart_s = (place.last.start - place.first.start).seconds();
   const double said_m = out.speed_mps * apart_s;
   std::optional<Vector6d> best;
-  const bool may_rest = said_m < kRest_m || said_m > kFastest_mps * apart_s || apart.equal_share() > kAtRest;
+  const bool may_rest =
+      said_m < kRest_m || said_m > kFastest_mps * apart_s || apart.equal_share().value_or(0) > kAtRest;
   out.own_m = PosePair::kCap_m;
   for (const Vector6d& start : starts(neighbours, neighbours.mean_velocity(said))) {
     const Vector6d found = apart.registered(neighbours.registered(start));
@@ -181,6 +186,13 @@ void compare_with_registration(const Place& place, const PosePair& apart, const 
   if (far_better || (fits && flank && on_flank(*flank, *best, said_velocity))) out.trust = Trust::doubtful;
 }
 
+// Whether the poses are at rest and most of what is seen is not. Rings on a bare ground look the same.
+bool is_stirred(const PosePair& apart, const Vector6d& said, double apart_s) {
+  const auto share = apart.equal_share();
+  const double moved_m = (said.head<3>().norm() + kLever_m * said.tail<3>().norm()) * apart_s;
+  return share && moved_m < kStill_m && *share < kLeastAtRest;
+}
+
 PlaceFinding look_at(std::shared_ptr<const Place> place, std::size_t k, const Motion& said, bool at_jump) {
   PlaceFinding found;
   found.k = k;
@@ -190,10 +202,14 @@ PlaceFinding look_at(std::shared_ptr<const Place> place, std::size_t k, const Mo
   if (!blur || apart.size() < kFewestPoints) return found;
   found.said_m = *blur;
   found.own_m = *blur;
-  if (const auto velocity = apart.mean_velocity(said)) found.speed_mps = velocity->head<3>().norm();
+  if (const auto velocity = apart.mean_velocity(said)) {
+    found.speed_mps = velocity->head<3>().norm();
+    found.stirred = is_stirred(apart, *velocity, (place->last.start - place->first.start).seconds());
+  }
   found.trust = found.speed_mps > kFastest_mps ? Trust::wrong : Trust::right;
   found.supports = *blur <= kSharp_m || stand_out(apart, said);
   if (*blur > kSharp_m) compare_with_registration(*place, apart, said, found);
+  if (found.stirred && found.trust == Trust::right) found.trust = Trust::doubtful;
   found.place = std::move(place);
   return found;
 }
@@ -289,14 +305,16 @@ std::vector<std::size_t> numbers_of(const Dataset& dataset, std::size_t first, s
 
 CheckResult result_of(const std::vector<PlaceFinding>& findings, const Dataset& dataset,
                       const std::shared_ptr<const Trajectory>& given) {
-  std::size_t checked = 0, wrong = 0, bad = 0, at_jumps = 0, traffic = 0, vehicles = 0, support = 0;
+  std::size_t checked = 0, wrong = 0, bad = 0, at_jumps = 0, traffic = 0, vehicles = 0, support = 0,
+              stirred = 0;
   const PlaceFinding* worst = &findings.front();
   for (const PlaceFinding& found : findings) {
     if (!found.at_jump) ++checked;
     if (!found.at_jump && found.trust == Trust::wrong) ++wrong;
     if (found.trust > Trust::right) ++bad;
     if (found.trust > Trust::right && found.traffic) ++traffic;
-    if (found.trust > Trust::right && found.one_vehicle && !found.traffic) ++vehicles;
+    if (found.trust > Trust::right && (found.one_vehicle || found.stirred) && !found.traffic) ++vehicles;
+    if (found.trust > Trust::right && found.stirred) ++stirred;
     if (found.trust == Trust::right && found.supports) ++support;
     if (found.trust > Trust::right && found.at_jump) ++at_jumps;
     const bool more = found.said_m - found.own_m > worst->said_m - worst->own_m;
@@ -324,6 +342,8 @@ CheckResult result_of(const std::vector<PlaceFinding>& findings, const Dataset& 
   }
   if (bad == at_jumps) {
     out.problem += "the poses jump there";
+  } else if (stirred == bad) {
+    out.problem += "the poses are at rest, but most beams end at another range half a second later";
   } else if (traffic == bad) {
     out.problem += "vehicles fill the view and move along, or the poses are too fast";
   } else {

@@ -250,8 +250,8 @@ bool PosePair::one_sided(const Motion& said, const Vector6d& found) const {
   return *std::min_element(halves.begin(), halves.end()) < kOneSided * (halves[0] + halves[kSectors / 2]);
 }
 
-double PosePair::equal_share() const {
-  if (first_scan_.cells.size() != second_scan_.cells.size()) return 0;
+std::optional<double> PosePair::equal_share() const {
+  if (first_scan_.cells.size() != second_scan_.cells.size()) return std::nullopt;
   double equal = 0, both = 0;
   for (std::size_t i = 0; i < first_scan_.cells.size(); ++i) {
     const std::int32_t a = first_scan_.cells[i], b = second_scan_.cells[i];
@@ -261,7 +261,8 @@ double PosePair::equal_share() const {
     ++both;
     if (std::abs(difference_m) < kEqual_m) ++equal;
   }
-  return both > 0 ? equal / both : 0;
+  if (both == 0) return std::nullopt;
+  return equal / both;
 }
 
 std::optional<Vector6d> PosePair::mean_velocity(const Motion& motion) const {

@@ -61,8 +61,9 @@ class PosePair {
   /// The constant velocity between the starts of the two scans.
   [[nodiscard]] std::optional<Vector6d> mean_velocity(const Motion& motion) const;
   /// Share of the beams that end at the same range in both scans, to 0.15 m. A sensor that stands still sees
-  /// 0.9 and more; one that drives on a motorway, or beside vehicles as fast as itself, less than 0.75.
-  [[nodiscard]] double equal_share() const;
+  /// 0.9 and more, 0.85 where trams pass; one that drives on a motorway, or beside vehicles as fast as
+  /// itself, less than 0.75. None where the scans have other beams.
+  [[nodiscard]] std::optional<double> equal_share() const;
   /// Points of the second scan that are compared.
   [[nodiscard]] std::size_t size() const { return sample_.size(); }
 
