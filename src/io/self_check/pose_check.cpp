@@ -36,9 +36,9 @@ constexpr double kStandsOut = 5, kStandsOutNot = 3;
 // a valley.
 constexpr double kFlank_m = 0.6, kFlankBetter = 6, kValley = -2;
 // At any distance: slow poses that are wrong have a peak where motions farther off are still worse. Measured,
-// 800 places of 274 right recordings of two simulators, but for traffic: 9.1 at most, and 14.9 once beside
-// one vehicle (PosePair::one_sided); poses in reverse or twice as fast, in towns, forests and tunnels, 10
-// to 16.
+// 800 places of 274 right recordings of two simulators: 8.5 at most, but for traffic and what one vehicle
+// explains (PosePair::one_sided; up to 14.9); 304 fresh ones: less than 10. Poses in reverse or twice as
+// fast, in towns, forests and tunnels: 10 to 16.
 constexpr double kFarBetter = 10;
 constexpr double kAcross = 0.7;  // cosine of 45 degrees
 // A registration that leaves this blur fits nothing: unrelated scans have 0.3 (PosePair::blur_m). A lorry
@@ -177,10 +177,11 @@ void compare_with_registration(const Place& place, const PosePair& apart, const 
   const auto flank = apart.flank(said, *best);
   const bool contradicts = fits && peaks && peaks->said < kStandsOutNot &&
                            peaks->found > (out.at_jump ? kStandsOutNot : kStandsOut);
-  const bool far_better = flank && flank->found > kFarBetter && !out.traffic;
+  const bool one_sided = apart.one_sided(said, *best);
+  const bool far_better = flank && flank->found > kFarBetter && !out.traffic && !one_sided;
   // A vehicle that stays beside the sensor for half a second moves along with it.
   const bool slower = best->head<3>().norm() * apart_s < said_m;
-  out.one_vehicle = (contradicts || far_better) && slower && apart.one_sided(said, *best);
+  out.one_vehicle = contradicts && slower && one_sided;
   if (contradicts && out.trust != Trust::wrong) out.trust = out.traffic ? Trust::doubtful : Trust::wrong;
   if (out.trust != Trust::right) return;
   if (far_better || (fits && flank && on_flank(*flank, *best, said_velocity))) out.trust = Trust::doubtful;
