@@ -48,6 +48,35 @@ void clip_to_radius(Span& span, const Vector& o, const Vector& d, double radius)
   span.intersect((-b - root) / a, (-b + root) / a);
 }
 
+/// Of a sphere around the body, with a margin for rounding.
+double radius_around(const ToyBody& body) {
+  constexpr double kMargin = 1.001;
+  switch (body.shape) {
+    case ToyShape::plane:
+      break;
+    case ToyShape::box:
+      return kMargin * body.size_m.norm();
+    case ToyShape::sphere:
+      return kMargin * body.size_m.x();
+    case ToyShape::cylinder:
+      return kMargin * std::hypot(body.size_m.x(), body.size_m.z());
+  }
+  return kInfinity;
+}
+
+/// Whether the ray passes the sphere around a body, or has hit another one before it: most rays pass most
+/// bodies, and this costs far less than to intersect them. In plain numbers, because the sanitizers make
+/// vectors slow.
+bool passes(const PlacedBody& place, const Vector3d& origin_0, const Vector3d& direction_0,
+            double nearest_m) {
+  const double x = place.centre_0.x() - origin_0.x();
+  const double y = place.centre_0.y() - origin_0.y();
+  const double z = place.centre_0.z() - origin_0.z();
+  const double along = x * direction_0.x() + y * direction_0.y() + z * direction_0.z();
+  const double r = place.radius_m;
+  return along < -r || along - r > nearest_m || x * x + y * y + z * z - along * along > r * r;
+}
+
 }  // namespace
 
 SE3 ToyBody::pose_at(Time t) const {
@@ -109,11 +138,19 @@ std::optional<double> intersect(const ToyBody& body, const Vector3d& o, const Ve
   return std::nullopt;
 }
 
-std::optional<ToyHit> first_hit(const ToyWorld& world, const std::vector<SE3>& T_b0, const Vector3d& origin_0,
-                                const Vector3d& direction_0) {
+PlacedBody placed(const ToyBody& body, Time t) {
+  const SE3 T_0b = body.pose_at(t);
+  return {T_0b.inverse(), T_0b.translation(), radius_around(body)};
+}
+
+std::optional<ToyHit> first_hit(const ToyWorld& world, const std::vector<PlacedBody>& places,
+                                const Vector3d& origin_0, const Vector3d& direction_0) {
   std::optional<ToyHit> first;
   for (std::size_t i = 0; i < world.size(); ++i) {
-    const auto range = intersect(world[i], T_b0[i] * origin_0, T_b0[i].rotation() * direction_0);
+    const PlacedBody& place = places[i];
+    if (passes(place, origin_0, direction_0, first ? first->range_m : kInfinity)) continue;
+    const auto range =
+        intersect(world[i], moved(place.T_b0, origin_0), turned(place.T_b0.rotation(), direction_0));
     if (range && (!first || *range < first->range_m)) first = ToyHit{*range, i};
   }
   return first;

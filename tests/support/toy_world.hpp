@@ -27,6 +27,7 @@ struct ToyBody {
   double yaw_rate = 0;                                   ///< [rad/s], counter-clockwise
   std::uint16_t object = 0;                              ///< written to the labels of its moving points
 
+  [[nodiscard]] bool stands() const { return velocity_0.isZero(0) && yaw_rate == 0; }
   [[nodiscard]] SE3 pose_at(Time t) const;
   /// Speed of the body's material at a point of the world [m/s].
   [[nodiscard]] double speed_at(const Eigen::Vector3d& p_0, Time t) const;
@@ -46,13 +47,31 @@ using ToyWorld = std::vector<ToyBody>;
 [[nodiscard]] std::optional<double> intersect(const ToyBody& body, const Eigen::Vector3d& origin_b,
                                               const Eigen::Vector3d& direction_b);
 
+/// C v, element by element: every ray needs it several times, and the sanitizers make Eigen's product slow.
+[[nodiscard]] inline Eigen::Vector3d turned(const Eigen::Matrix3d& C, const Eigen::Vector3d& v) {
+  const double* c = C.data();  // column by column
+  const double x = v.x(), y = v.y(), z = v.z();
+  return {c[0] * x + c[3] * y + c[6] * z, c[1] * x + c[4] * y + c[7] * z, c[2] * x + c[5] * y + c[8] * z};
+}
+[[nodiscard]] inline Eigen::Vector3d moved(const SE3& T, const Eigen::Vector3d& p) {
+  return turned(T.rotation(), p) + T.translation();
+}
+
+/// A body where it is at one instant.
+struct PlacedBody {
+  SE3 T_b0;
+  Eigen::Vector3d centre_0;  ///< [m]
+  double radius_m;           ///< of a sphere around it; infinite for a plane
+};
+[[nodiscard]] PlacedBody placed(const ToyBody& body, Time t);
+
 struct ToyHit {
   double range_m;
   std::size_t body;
 };
-/// The first body the ray enters, with every body where it is at its pose in `T_b0` (one per body, world to
-/// body).
-[[nodiscard]] std::optional<ToyHit> first_hit(const ToyWorld& world, const std::vector<SE3>& T_b0,
+/// The first body that the ray towards the unit vector `direction_0` enters, with each body where `places`
+/// says.
+[[nodiscard]] std::optional<ToyHit> first_hit(const ToyWorld& world, const std::vector<PlacedBody>& places,
                                               const Eigen::Vector3d& origin_0,
                                               const Eigen::Vector3d& direction_0);
 

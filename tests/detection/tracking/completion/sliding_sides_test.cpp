@@ -101,9 +101,10 @@ TEST(SlidingSides, TheSideBelongsToTheFrontWhereTheRearMovedToo) {
 // What starts in front of a thing that stands in the same line does not take it along, nor does what passes
 // it.
 TEST(SlidingSides, TheRearOfWhatStandsNeverMoved) {
+  Scan scan(room_with_bus(0), kScan, 0);
   for (const double claimed_mps : {1.0, 2.0, 8.0}) {
     SlidingSides sides;
-    EXPECT_TRUE(Scan(room_with_bus(0), kScan, 0).take(sides, claimed_mps).empty()) << claimed_mps;
+    EXPECT_TRUE(scan.take(sides, claimed_mps).empty()) << claimed_mps;
   }
 }
 
@@ -154,8 +155,9 @@ TEST(SlidingSides, WhatTheFrontItselfHidIsNotItsSide) {
 TEST(SlidingSides, ARearThatWasSeenToMoveMovesOn) {
   const auto room = room_with_bus(2);
   SlidingSides sides;
-  EXPECT_TRUE(Scan(room, kScan, 2).take(sides, 2, 1).empty());
-  EXPECT_FALSE(Scan(room, kScan, 2).take(sides, 2).empty());
+  Scan scan(room, kScan, 2);
+  EXPECT_TRUE(scan.take(sides, 2, 1).empty());
+  EXPECT_FALSE(scan.take(sides, 2).empty());
   Scan next(room, kScan + 3, 2);
   const auto taken = next.take(sides, 2, 1);
   EXPECT_GT(taken.size(), 0.9 * static_cast<double>(next.side()));
