@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """Checks that headers compile by themselves: the unity builds, which read many into one unit, hide a missing include.
 
-The public headers each by itself alone; the private ones after the headers of other libraries that take longest to
-read, precompiled once, which takes a quarter of the time and hides no missing include of ours. A private header with
+The public headers each by itself alone, but for Eigen's, which where a header includes it is precompiled; the private
+ones after the headers of other libraries that take longest to read, precompiled once, which takes a quarter of the time
+and hides no missing include of ours. A private header with
 a source of its own is checked only with --all: the source reads it first, so a build without unity tells as well.
 
 usage: check_headers.py [--all] [--compiler COMPILER] [--generated FOLDER] [--jobs N]
@@ -12,6 +13,7 @@ import argparse
 import concurrent.futures
 import os
 import pathlib
+import re
 import subprocess
 import sys
 import tempfile
@@ -23,6 +25,7 @@ PRIVATE = [ROOT / "src", ROOT / "apps" / "mapless"]
 LIVE = ROOT / "apps" / "mapless" / "live"
 # System headers: their warnings are not ours.
 EIGEN = "/usr/include/eigen3"
+CORE = "#include <Eigen/Core>\n"
 SLOW = """#include <Eigen/Dense>
 #include <fmt/format.h>
 #include <oneapi/tbb/parallel_for.h>
@@ -35,11 +38,18 @@ def compile_unit(command, unit):
     return done.stderr if done.returncode != 0 else ""
 
 
-def precompile(command, folder):
-    """Options that read the slow headers from a file made in `folder`."""
-    (folder / "slow.hpp").write_text(SLOW, encoding="utf-8")
+def precompile(command, text, folder):
+    """Options that read the headers that `text` includes from a file made in `folder`."""
+    folder.mkdir()
+    (folder / "slow.hpp").write_text(text, encoding="utf-8")
     subprocess.run([*command, "-x", "c++-header", folder / "slow.hpp", "-o", folder / "slow.hpp.gch"], check=True)
     return ["-include", folder / "slow.hpp"] if "clang" not in command[0] else ["-include-pch", folder / "slow.hpp.gch"]
+
+
+def reads_eigen(header):
+    """Whether a public header includes Eigen/Core, itself or by another: then that is there without us, too."""
+    included = re.findall(r"^#include <(Eigen/Core|mapless/.+)>", header.read_text(encoding="utf-8"), re.MULTILINE)
+    return "Eigen/Core" in included or any(reads_eigen(PUBLIC / name) for name in included)
 
 
 def main():
@@ -61,9 +71,10 @@ def main():
     within = [f"-I{folder}" for folder in PRIVATE]
     within += [f"-isystem{folder}" for folder in options.generated]
     with tempfile.TemporaryDirectory() as folder, concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
-        slow = precompile(command, pathlib.Path(folder))
+        eigen = precompile(command, CORE, pathlib.Path(folder) / "core")
+        slow = precompile(command, SLOW, pathlib.Path(folder) / "all")
         check = ["-fsyntax-only", "-x", "c++", "-"]
-        units = [([*command, *check], header) for header in public]
+        units = [([*command, *(eigen if reads_eigen(header) else []), *check], header) for header in public]
         units += [([*command, *slow, *within, *check], header) for header in private]
         # Twice: the guard is there.
         said = pool.map(lambda unit: compile_unit(unit[0], f'#include "{unit[1]}"\n' * 2), units)
