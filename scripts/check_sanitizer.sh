@@ -5,7 +5,6 @@
 set -eu
 cd "$(dirname "$0")/.."
 jobs=${JOBS:-$(nproc)}
-targets=all
 case $1 in
 asan) # All but whole scenes, most drives, statistics of many trials and comparisons with a slow oracle ray by ray: they take
   # minutes here, and repeat what the others go through. Nor is speed measured.
@@ -24,8 +23,9 @@ asan) # All but whole scenes, most drives, statistics of many trials and compari
   GTEST_FILTER="$GTEST_FILTER:OnlineDetectorThreads.IsOdometry*:OnlineDetectorThreads.AnyNumber*:OnlineDetectorThreads.CatchingUp*"
   GTEST_FILTER="$GTEST_FILTER:OnlineDetectorThreads.SideBySideTheLabels*:OnlineDetectorThreads.AScanThat*"
   GTEST_FILTER="$GTEST_FILTER:OnlineDetector.ARecordingThat*:OnlineDetector.GoesOn*"
-  # The same code as StartUp.JointRegistration* and LidarOdometry.ATrajectorySnapshot*.
-  GTEST_FILTER="$GTEST_FILTER:StartUp.DropsA*:StartUp.APair*:StartUp.FiveScans*:StartUp.EdgesTell*:StartUp.AHill*"
+  # The same code as StartUp.Unregistered*, StartUp.WherePlanes* and LidarOdometry.ATrajectorySnapshot*.
+  GTEST_FILTER="$GTEST_FILTER:StartUp.Joint*:StartUp.TheSteps*:StartUp.MotionsThat*:StartUp.DropsA*"
+  GTEST_FILTER="$GTEST_FILTER:StartUp.APair*:StartUp.FiveScans*:StartUp.EdgesTell*:StartUp.AHill*"
   GTEST_FILTER="$GTEST_FILTER:MotionMeasurements.DecidesThe*:WeakConstraint.*:HardPlaces.AnOpenField*:LidarOdometry.AnEmptyScan*"
   GTEST_FILTER="$GTEST_FILTER:RangeNoise.IsThat*:Detector.ForgetsScans*:PointcloudComparison.AgreesWith*"
   # The same code as the other tests of random scenes, of runs along own odometry, and of interrupts.
@@ -38,7 +38,6 @@ asan) # All but whole scenes, most drives, statistics of many trials and compari
   GTEST_FILTER="$GTEST_FILTER:MotionProbability.Sums*:StandingTest.ABoxThatMoves*:OnlineDetector.KeepsThe*:RandomScene.HitsHave*"
   GTEST_FILTER="$GTEST_FILTER:LongDrives.*:MotionMeasurements.AMotion*" ;;
 tsan) # what runs on several threads, but for Embree's own, which are not instrumented
-  targets=mapless_tests
   GTEST_FILTER='*Threads*:*OneThread*:Compensate.*:RestoreMeasuredRays.*:PointcloudComparison.*:Walls.*:Mdlidar*'
   # These cast rays, take minutes, or drive as DetectionRunThreads does.
   GTEST_FILTER="$GTEST_FILTER:-Benchmark*:Simulate.*:DetectTest.*:LidarOdometry.TheSame*"
@@ -55,6 +54,6 @@ export LSAN_OPTIONS="suppressions=$PWD/tests/leaks_of_others.txt:print_suppressi
 export UBSAN_OPTIONS=print_stacktrace=1
 export TSAN_OPTIONS=halt_on_error=1
 cmake --preset "$1"
-cmake --build --preset "$1" -j "$jobs" --target "$targets"
+cmake --build --preset "$1" -j "$jobs" --target mapless_tests
 # The largest first: they take longest.
 ls -S "build/$1"/tests/*_tests | xargs -n 1 -P "$jobs" sh -c 'exec "$0"'
