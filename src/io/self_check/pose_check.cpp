@@ -37,7 +37,7 @@ constexpr double kStandsOut = 5, kStandsOutNot = 3;
 constexpr double kFlank_m = 0.6, kFlankBetter = 6, kValley = -2;
 // At any distance: slow poses that are wrong have a peak where motions farther off are still worse. Measured,
 // 800 places of 274 right recordings of two simulators: 8.5 at most, but for traffic and what one vehicle
-// explains (PosePair::one_sided; up to 14.9); 304 fresh ones: less than 10. Poses in reverse or twice as
+// explains (PosePair::one_sided; up to 14.9); 157 fresh ones: less than 10. Poses in reverse or twice as
 // fast, in towns, forests and tunnels: 10 to 16.
 constexpr double kFarBetter = 10;
 constexpr double kAcross = 0.7;  // cosine of 45 degrees
@@ -57,8 +57,8 @@ constexpr std::size_t kMostJumps = 2;
 constexpr std::size_t kNear = 7;  // scans: a pair of scans half a second apart reaches over the jump
 // A registration that finds the sensor at rest, where the poses say otherwise, is believed where this share
 // of the beams end at the same range: a motorway looks the same from metre to metre, and vehicles beside the
-// sensor move with it.
-// Elsewhere it is taken for traffic where the scans are unrelated under the poses, and left out otherwise.
+// sensor move with it. Elsewhere it is taken for traffic, where no other registration fits and the scans are
+// unrelated under the poses, and left out otherwise.
 constexpr double kAtRest = 0.85;
 // Poses under which points at kLever_m move by less than this are at rest. They are doubtful where this share
 // of the beams or less end at the same range. Measured at rest: .85 and more, the least beside trams.
@@ -67,12 +67,12 @@ constexpr double kStill_m = 0.1, kLeastAtRest = 0.7;
 constexpr double kFastest_mps = 150;
 // Vehicles fill the view and move along: a registration finds the motion relative to them, which is slower
 // than the poses, and backwards where they overtake. Poses that are faster than this (a run), and with which
-// the registration is in line to this cosine and at most to this share, are not refused for it, and such
-// places are doubtful only where all places are so. What one vehicle explains (PosePair::one_sided) is not
-// doubtful where as many places speak for the poses. Forwards: right motorways of two simulators have .11 to
-// .21, feet for metres .305. Backwards: vehicles less than 1.45 times as fast as the sensor (115 km/h beside
-// 80; measured, .13 to .32); poses that are inverted or reversed have 1.
-constexpr double kTraffic_mps = 3, kAlongWay = 0.98, kTrafficShare = 0.28, kOvertakenShare = 0.45,
+// the registration is in line, but for this share of it sideways or for rest, and at most to this share, are
+// not refused for it, and such places are doubtful only where all are so. What one vehicle explains
+// (PosePair::one_sided) is not doubtful where as many places speak for the poses. Forwards: right motorways
+// of two simulators have .11 to .21, feet for metres .305. Backwards: vehicles less than 1.45 times as fast
+// as the sensor (115 km/h beside 80; measured, .13 to .32); poses that are inverted or reversed have 1.
+constexpr double kTraffic_mps = 3, kSideways = 0.2, kTrafficShare = 0.28, kOvertakenShare = 0.45,
                  kLorry_mps = 20;
 // Displacement that is rest: this; up to a tenth of that by the poses, but not more than a walk.
 constexpr double kRest_m = 0.3, kRestShare = 0.1, kMostRest_m = 1.5;
@@ -88,7 +88,7 @@ struct PlaceFinding {
   bool at_jump = false;
   bool traffic = false;      // the registration may have found vehicles that move along
   bool one_vehicle = false;  // or one vehicle beside the sensor
-  bool stirred = false;      // the poses are at rest, what is seen is not: a crowd, or a sensor that moves
+  bool stirred = false;      // doubtful because the poses are at rest and what is seen is not: maybe a crowd
   bool supports = false;     // the poses stand out, or are sharp
   Trust trust = Trust::unknown;
   std::shared_ptr<const Place> place;
@@ -121,14 +121,14 @@ std::vector<Vector6d> starts(const PosePair& pair, const std::optional<Vector6d>
   return out;
 }
 
-bool may_be_traffic(const Vector6d& found, const std::optional<Vector6d>& said) {
+bool may_be_traffic(const Vector6d& found, const std::optional<Vector6d>& said, double apart_s) {
   if (!said) return false;
   const Eigen::Vector3d slow = found.head<3>(), fast = said->head<3>();
-  const double along = slow.dot(fast), both = slow.norm() * fast.norm();
+  if (fast.norm() <= kTraffic_mps || fast.norm() > kFastest_mps) return false;
+  const double along = slow.dot(fast.normalized()), sideways = slow.cross(fast.normalized()).norm();
   const double ahead = std::max(kTrafficShare, 1 - kLorry_mps / fast.norm());
-  return fast.norm() > kTraffic_mps && fast.norm() <= kFastest_mps &&
-         slow.norm() < (along < 0 ? kOvertakenShare : ahead) * fast.norm() &&
-         std::abs(along) > kAlongWay * both;
+  return slow.norm() < (along < 0 ? kOvertakenShare : ahead) * fast.norm() &&
+         sideways < std::max(kSideways * slow.norm(), kRest_m / apart_s);
 }
 
 // Vehicles move along the way of the sensor: what differs across it is the static world.
@@ -149,42 +149,56 @@ bool on_flank(const PosePair::Flank& flank, const Vector6d& found, const std::op
          (flank.half_way > kValley || across(found, *said));
 }
 
-// Sets own_m, the blur under the best registration of the scans, traffic and trust.
-void compare_with_registration(const Place& place, const PosePair& apart, const Motion& said,
-                               PlaceFinding& out) {
+struct Registration {
+  Vector6d velocity = Vector6d::Zero();
+  double blur_m = PosePair::kCap_m;
+  bool apparent_rest = false;  // at rest where the sensor can hardly be
+};
+
+// The sharpest; one that is apparently at rest only as the last resort.
+Registration best_registration(const Place& place, const PosePair& apart, const Motion& said,
+                               const PlaceFinding& out) {
   const PosePair neighbours(place.first, place.next);
-  const auto said_velocity = apart.mean_velocity(said);
   const double apart_s = (place.last.start - place.first.start).seconds();
   const double said_m = out.speed_mps * apart_s;
-  std::optional<Vector6d> best;
+  const double rest_m = std::max(kRest_m, std::min(kMostRest_m, kRestShare * said_m));
   const bool may_rest =
       said_m < kRest_m || said_m > kFastest_mps * apart_s || apart.equal_share().value_or(0) > kAtRest;
-  out.own_m = PosePair::kCap_m;
+  Registration best, at_rest;
   for (const Vector6d& start : starts(neighbours, neighbours.mean_velocity(said))) {
     const Vector6d found = apart.registered(neighbours.registered(start));
-    const bool at_rest =
-        found.head<3>().norm() * apart_s < std::max(kRest_m, std::min(kMostRest_m, kRestShare * said_m));
     const double blur_m = apart.blur_m(found);
-    const bool apparent_rest = at_rest && !may_rest;
-    if ((apparent_rest && out.said_m < kUnrelated_m) || blur_m >= out.own_m) continue;
-    out.own_m = blur_m;
-    out.traffic = apparent_rest || may_be_traffic(found, said_velocity);
-    best = found;
+    const bool apparent_rest = !may_rest && found.head<3>().norm() * apart_s < rest_m;
+    Registration& sharpest = apparent_rest ? at_rest : best;
+    if (blur_m < sharpest.blur_m) sharpest = {found, blur_m, apparent_rest};
   }
-  if (!best || out.own_m >= out.said_m) return;
-  const bool fits = out.own_m < kFits_m;
-  const auto peaks = apart.peaks(said, *best);
-  const auto flank = apart.flank(said, *best);
+  const bool unrelated = best.blur_m >= kFits_m && out.said_m >= kUnrelated_m;
+  return unrelated && at_rest.blur_m < best.blur_m ? at_rest : best;
+}
+
+// Sets own_m, the blur under the best registration of the scans, traffic, one_vehicle and trust.
+void compare_with_registration(const Place& place, const PosePair& apart, const Motion& said,
+                               PlaceFinding& out) {
+  const Registration best = best_registration(place, apart, said, out);
+  const double apart_s = (place.last.start - place.first.start).seconds();
+  const auto said_velocity = apart.mean_velocity(said);
+  out.own_m = best.blur_m;
+  if (out.own_m >= out.said_m) return;
+  out.traffic = best.apparent_rest || may_be_traffic(best.velocity, said_velocity, apart_s);
+  const bool fits = best.blur_m < kFits_m;
+  const auto peaks = apart.peaks(said, best.velocity);
+  const auto flank = apart.flank(said, best.velocity);
   const bool contradicts = fits && peaks && peaks->said < kStandsOutNot &&
                            peaks->found > (out.at_jump ? kStandsOutNot : kStandsOut);
-  const bool one_sided = apart.one_sided(said, *best);
+  const bool one_sided = apart.one_sided(said, best.velocity);
   const bool far_better = flank && flank->found > kFarBetter && !out.traffic && !one_sided;
-  // A vehicle that stays beside the sensor for half a second moves along with it.
-  const bool slower = best->head<3>().norm() * apart_s < said_m;
-  out.one_vehicle = contradicts && slower && one_sided;
+  // A vehicle that stays beside the sensor for half a second moves along with it, or the sensor is slow.
+  const bool beside = out.speed_mps < kTraffic_mps || best.velocity.head<3>().norm() < out.speed_mps;
+  out.one_vehicle = contradicts && beside && one_sided;
   if (contradicts && out.trust != Trust::wrong) out.trust = out.traffic ? Trust::doubtful : Trust::wrong;
   if (out.trust != Trust::right) return;
-  if (far_better || (fits && flank && on_flank(*flank, *best, said_velocity))) out.trust = Trust::doubtful;
+  if (far_better || (fits && flank && on_flank(*flank, best.velocity, said_velocity)))
+    out.trust = Trust::doubtful;
 }
 
 // Whether the poses are at rest and most of what is seen is not. Rings on a bare ground look the same.
@@ -210,7 +224,8 @@ PlaceFinding look_at(std::shared_ptr<const Place> place, std::size_t k, const Mo
   found.trust = found.speed_mps > kFastest_mps ? Trust::wrong : Trust::right;
   found.supports = *blur <= kSharp_m || stand_out(apart, said);
   if (*blur > kSharp_m) compare_with_registration(*place, apart, said, found);
-  if (found.stirred && found.trust == Trust::right) found.trust = Trust::doubtful;
+  found.stirred = found.stirred && found.trust == Trust::right;
+  if (found.stirred) found.trust = Trust::doubtful;
   found.place = std::move(place);
   return found;
 }
