@@ -99,11 +99,19 @@ TEST_F(SelfCheckTest, DoubtsPosesThatAreFasterThanAllThatIsSeen) {
   EXPECT_EQ(check_poses_of(faster(20)).trust, Trust::wrong) << "160 m/s";
 }
 
-CheckResult check_right_poses(const test::ToyScene& scene, int scans) {
+// Under poses T_0v changed by `spoil`.
+CheckResult check_poses_in(const test::ToyScene& scene, const std::function<SE3(Time, const SE3&)>& spoil,
+                           int scans = kScans) {
   const test::TemporaryFolder folder;
   test::write_toy_sequence(scene, scans, folder / "scene");
   const auto dataset = open_dataset(folder / "scene");
-  return check_recording(*dataset, dataset->trajectory(), 0, dataset->size()).back();
+  const auto spoilt = std::make_shared<SpoiltTrajectory>(dataset->trajectory(), spoil);
+  return check_recording(*dataset, spoilt, 0, dataset->size()).back();
+}
+
+CheckResult check_right_poses(const test::ToyScene& scene, int scans = kScans) {
+  return check_poses_in(
+      scene, [](Time, const SE3& T) { return T; }, scans);
 }
 
 // Lorries on both sides, a little slower than the sensor, and behind them nothing but a pole now and then.
@@ -119,7 +127,7 @@ TEST(SelfCheck, ConvoysOfLorriesAreNotRefused) {
       scene.world.push_back(lorry);
     }
   }
-  const CheckResult poses = check_right_poses(scene, kScans);
+  const CheckResult poses = check_right_poses(scene);
   EXPECT_NE(poses.trust, Trust::wrong) << poses.measured << poses.problem;
 }
 
@@ -154,6 +162,47 @@ TEST(SelfCheck, PosesThatStandOutElsewhereOutvoteVehicles) {
   }
 }
 
+// Signs beside the way tell how fast the sensor is, and not whether it slides.
+test::ToyScene street_of_signs(double half_width_m) {
+  test::ToyScene scene = test::toy_street("VLP-16");
+  scene.trajectory = test::drive(8, 0);
+  scene.world = {test::toy_ground(-1.8)};
+  for (const double x : {-20.0, -10.0, 14.0, 23.0, 30.0, 41.0})
+    scene.world.push_back(test::toy_box({x, -5 - half_width_m, 1}, {0.05, half_width_m, 3}));
+  return scene;
+}
+
+TEST(SelfCheck, CrossingTrafficContradictsNothing) {
+  test::ToyScene scene = street_of_signs(1);
+  for (int i = -3; i <= 6; ++i) {
+    test::ToyBody wagon = test::toy_box({3.0 * i, 14, 0}, {1, 1, 1.8}, 0.6);
+    wagon.velocity_0 = {0, -6, 0};
+    scene.world.push_back(wagon);
+  }
+  const CheckResult poses = check_right_poses(scene);
+  EXPECT_EQ(poses.trust, Trust::right) << poses.measured << poses.problem;
+}
+
+TEST(SelfCheck, FindsPosesThatSlide) {
+  test::ToyScene scene = street_of_signs(8);
+  for (int i = -2; i <= 4; ++i)
+    for (const double y : {-4.0, 9.0}) scene.world.push_back(test::toy_box({10.0 * i, y, 1}, {1, 0.05, 3}));
+  const CheckResult poses = check_poses_in(scene, [](Time t, const SE3& T) {
+    return SE3(T.rotation(), T.translation() + Eigen::Vector3d(0, 6 * t.seconds(), 0));
+  });
+  EXPECT_EQ(poses.trust, Trust::wrong) << poses.measured;
+}
+
+TEST(SelfCheck, AWorldOnOneSideContradictsPosesThatNothingSupports) {
+  test::ToyScene scene = test::toy_street("VLP-16");
+  scene.trajectory = test::drive(4, 0);
+  scene.world = {test::toy_ground(-1.8)};
+  for (int i = -3; i <= 4; ++i) scene.world.push_back(test::toy_box({3.0 * i, 4, 0}, {1, 1, 1.8}, 0.6));
+  const CheckResult poses =
+      check_poses_in(scene, [](Time, const SE3& T) { return SE3(T.rotation(), 3 * T.translation()); });
+  EXPECT_EQ(poses.trust, Trust::wrong) << poses.measured;
+}
+
 // Around a sensor at rest, out of a room whose walls hide them then.
 TEST(SelfCheck, ACrowdForAWhileIsOutvoted) {
   test::ToyScene scene = test::toy_room("VLP-16", test::drive(0, 0));
@@ -163,18 +212,14 @@ TEST(SelfCheck, ACrowdForAWhileIsOutvoted) {
     person.velocity_0 = 5 * outwards;
     scene.world.push_back(person);
   }
-  EXPECT_EQ(check_right_poses(scene, kScans).trust, Trust::doubtful) << "all the time";
+  EXPECT_EQ(check_right_poses(scene).trust, Trust::doubtful) << "all the time";
   const CheckResult poses = check_right_poses(scene, 4 * kScans);
   EXPECT_EQ(poses.trust, Trust::right) << poses.measured << poses.problem;
 }
 
-// Of a sensor that moves between four walls, along its x, under poses T_0v changed by `spoil`.
+// Of a sensor that moves between four walls, along its x.
 CheckResult check_poses_in_a_room(double speed_mps, const std::function<SE3(Time, const SE3&)>& spoil) {
-  const test::TemporaryFolder folder;
-  test::write_toy_sequence(test::toy_room("VLP-16", test::drive(speed_mps, 0)), kScans, folder / "room");
-  const auto room = open_dataset(folder / "room");
-  const auto spoilt = std::make_shared<SpoiltTrajectory>(room->trajectory(), spoil);
-  return check_recording(*room, spoilt, 0, room->size()).back();
+  return check_poses_in(test::toy_room("VLP-16", test::drive(speed_mps, 0)), spoil);
 }
 
 // A registration that finds hardly any motion is not believed beside fast poses, because a motorway looks the
@@ -215,15 +260,10 @@ TEST(SelfCheck, DoubtsPosesAtRestInAField) {
     const double x = 80 * std::fmod(0.618034 * i, 1) - 25, y = 5 * std::fmod(1.414214 * i, 1) + 2.5;
     scene.world.push_back(test::toy_box({x, i % 2 == 0 ? y : -y, 0}, {0.3, 0.3, 3}, 1.2 * i));
   }
-  const test::TemporaryFolder folder;
-  test::write_toy_sequence(scene, kScans, folder / "field");
-  const auto field = open_dataset(folder / "field");
-  const auto at_rest =
-      std::make_shared<SpoiltTrajectory>(field->trajectory(), [](Time, const SE3&) { return SE3(); });
-  const CheckResult poses = check_recording(*field, at_rest, 0, field->size()).back();
+  const CheckResult poses = check_poses_in(scene, [](Time, const SE3&) { return SE3(); });
   EXPECT_EQ(poses.trust, Trust::doubtful) << poses.measured;
   EXPECT_THAT(poses.problem, HasSubstr("at rest"));
-  EXPECT_EQ(check_recording(*field, field->trajectory(), 0, field->size()).back().trust, Trust::right);
+  EXPECT_EQ(check_right_poses(scene).trust, Trust::right);
 }
 
 TEST_F(SelfCheckTest, FindsAJump) {

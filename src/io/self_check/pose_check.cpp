@@ -6,19 +6,17 @@
 #include <optional>
 #include <utility>
 
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 
-#include "core/median.hpp"
 #include "io/self_check/pose_mistakes.hpp"
 #include "io/self_check/pose_pair.hpp"
+#include "io/self_check/pose_places.hpp"
 #include <mapless/core/errors.hpp>
 
 namespace mapless::inline v1 {
 namespace {
 
-// Time between the two scans of a pair: a person on foot moves by 0.7 m, an accelerating car differs from a
-// constant velocity by less than 0.4 m.
-constexpr double kApart_s = 0.5;
 // Poses are sharp up to this blur: noise of 0.05 m gives 0.04, and a wrong motion of 0.2 m/s, the slowest
 // that counts as moving, another 0.05.
 constexpr double kSharp_m = 0.08;
@@ -48,13 +46,10 @@ constexpr double kFits_m = 0.2, kUnrelated_m = 0.3;
 constexpr double kExplained = 0.7;
 constexpr std::size_t kFewestPoints = 150;
 constexpr double kSharpest_m = 0.01;  // smaller blurs are rounding, in "times sharper"
-// Poses jump where the change of velocity within a period displaces by this much, and by so many times the
-// usual.
-constexpr double kJump_m = 0.5, kJumpTimes = 8;
-// Displacement that a turn counts as [m/rad].
-constexpr double kLever_m = 10;
-constexpr std::size_t kMostJumps = 2;
-constexpr std::size_t kNear = 7;  // scans: a pair of scans half a second apart reaches over the jump
+constexpr std::size_t kNear = 7;      // scans: a pair of scans half a second apart reaches over the jump
+// What one vehicle explains (PosePair::one_sided) contradicts nothing where the poses stand out as well, and
+// differ from it by more than all motions that they stand out from (PosePair::peaks): two motions are seen.
+constexpr double kTwoMotions_m = 2.4;
 // A registration that finds the sensor at rest, where the poses say otherwise, is believed where this share
 // of the beams end at the same range: a motorway looks the same from metre to metre, and vehicles beside the
 // sensor move with it. Elsewhere it is taken for traffic, where no other registration fits and the scans are
@@ -93,12 +88,6 @@ struct PlaceFinding {
   Trust trust = Trust::unknown;
   std::shared_ptr<const Place> place;
 };
-
-std::size_t scans_apart(const Dataset& dataset, std::size_t k, std::size_t last) {
-  std::size_t n = 1;
-  while (k + n < last && (dataset.scan_start(k + n) - dataset.scan_start(k)).seconds() < kApart_s) ++n;
-  return n;
-}
 
 // Velocities to begin the registration of neighbouring scans with: at rest, as the poses say, and, as the
 // nearest basin may be that of a wrong motion, the sharpest of some speeds along the sensor's x and y.
@@ -191,10 +180,13 @@ void compare_with_registration(const Place& place, const PosePair& apart, const 
   const bool contradicts = fits && peaks && peaks->said < kStandsOutNot &&
                            peaks->found > (out.at_jump ? kStandsOutNot : kStandsOut);
   const bool one_sided = apart.one_sided(said, best.velocity);
+  const bool two_motions =
+      contradicts && one_sided && out.supports && flank && flank->apart_m > kTwoMotions_m && !out.at_jump;
   const bool far_better = flank && flank->found > kFarBetter && !out.traffic && !one_sided;
   // A vehicle that stays beside the sensor for half a second moves along with it, or the sensor is slow.
   const bool beside = out.speed_mps < kTraffic_mps || best.velocity.head<3>().norm() < out.speed_mps;
   out.one_vehicle = contradicts && beside && one_sided;
+  if (two_motions) return;
   if (contradicts && out.trust != Trust::wrong) out.trust = out.traffic ? Trust::doubtful : Trust::wrong;
   if (out.trust != Trust::right) return;
   if (far_better || (fits && flank && on_flank(*flank, best.velocity, said_velocity)))
@@ -239,50 +231,6 @@ std::shared_ptr<const Place> read_place(const Dataset& dataset, std::size_t k, s
   return nullptr;
 }
 
-// The last scan half a second before scan k: their pair ends with k. Scan k where there is none.
-std::size_t half_a_second_before(const Dataset& dataset, std::size_t k, std::size_t first) {
-  std::size_t j = k;
-  while (j > first && (dataset.scan_start(k) - dataset.scan_start(j)).seconds() < kApart_s) --j;
-  return (dataset.scan_start(k) - dataset.scan_start(j)).seconds() < kApart_s ? k : j;
-}
-
-// Scans where pairs that reach over a jump of the poses begin, and ones that end with a pose that is off
-// alone: there and back, which no pair over it sees. The largest jumps first.
-std::vector<std::size_t> jumps(const Dataset& dataset, const Motion& said, std::size_t first,
-                               std::size_t count) {
-  std::vector<SE3> poses;
-  for (std::size_t k = first; k < first + count; ++k) {
-    const auto pose = said(dataset.scan_start(k));
-    if (!pose) return {};
-    poses.push_back(*pose);
-  }
-  std::vector<std::pair<double, std::size_t>> sizes;
-  std::vector<double> all;
-  for (std::size_t i = 1; i + 1 < poses.size(); ++i) {
-    const double before_s = (dataset.scan_start(first + i) - dataset.scan_start(first + i - 1)).seconds();
-    const double after_s = (dataset.scan_start(first + i + 1) - dataset.scan_start(first + i)).seconds();
-    if (!(before_s > 0 && after_s > 0)) continue;
-    const SE3 before = poses[i - 1].inverse() * poses[i], after = poses[i].inverse() * poses[i + 1];
-    const Vector6d change = after.log() * (before_s / after_s) - before.log();
-    const double size = change.head<3>().norm() + kLever_m * change.tail<3>().norm();
-    sizes.emplace_back(size, first + i);
-    all.push_back(size);
-  }
-  if (all.empty()) return {};
-  const double usual = median(all);
-  std::sort(sizes.rbegin(), sizes.rend());
-  std::vector<std::size_t> out;
-  for (const auto& [size, k] : sizes) {
-    if (size < std::max(kJump_m, kJumpTimes * usual) || out.size() == 2 * kMostJumps) break;
-    const bool near =
-        std::any_of(out.begin(), out.end(), [k = k](std::size_t o) { return o < k + 5 && k < o + 5; });
-    if (near) continue;
-    out.push_back(std::max(first + 2, k) - 2);
-    out.push_back(half_a_second_before(dataset, k, first));
-  }
-  return out;
-}
-
 // The mistake under which the places that contradict are sharpest.
 std::string likely_mistake(const std::vector<PlaceFinding>& findings,
                            const std::shared_ptr<const Trajectory>& given) {
@@ -305,18 +253,6 @@ std::string likely_mistake(const std::vector<PlaceFinding>& findings,
                        said / std::max(sum, kSharpest_m));
   }
   return best.empty() ? "poses of another recording, of another frame or clock?" : best;
-}
-
-// The numbers of the scans to look at: no pair reaches beyond the last scan.
-std::vector<std::size_t> numbers_of(const Dataset& dataset, std::size_t first, std::size_t last,
-                                    std::vector<std::size_t> numbers) {
-  for (std::size_t& k : numbers) {
-    while (k > first && (dataset.scan_start(last) - dataset.scan_start(k)).seconds() < kApart_s) --k;
-    k = std::min(k, last - 1);
-  }
-  std::sort(numbers.begin(), numbers.end());
-  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
-  return numbers;
 }
 
 CheckResult result_of(const std::vector<PlaceFinding>& findings, const Dataset& dataset,
@@ -381,14 +317,14 @@ CheckResult check_poses(const Dataset& dataset, const std::shared_ptr<const Traj
   const std::size_t last = first + count - 1;
   std::vector<PlaceFinding> findings;
   const std::vector<std::size_t> jumped =
-      numbers_of(dataset, first, last, jumps(dataset, said, first, count));
+      within(dataset, first, last, places_at_jumps(dataset, said, first, count));
   const auto near_jump = [&](std::size_t k) {
     return std::any_of(jumped.begin(), jumped.end(),
                        [k](std::size_t j) { return k < j + kNear && j < k + kNear; });
   };
   std::vector<std::size_t> numbers = jumped;
   numbers.insert(numbers.end(), places.begin(), places.end());
-  for (const std::size_t k : numbers_of(dataset, first, last, std::move(numbers))) {
+  for (const std::size_t k : within(dataset, first, last, std::move(numbers))) {
     auto place = read_place(dataset, k, last);
     if (!place) continue;
     PlaceFinding found = look_at(std::move(place), k, said, near_jump(k));
