@@ -114,21 +114,33 @@ CheckResult check_right_poses(const test::ToyScene& scene, int scans = kScans) {
       scene, [](Time, const SE3& T) { return T; }, scans);
 }
 
-// Lorries on both sides, a little slower than the sensor, and behind them nothing but a pole now and then.
-TEST(SelfCheck, ConvoysOfLorriesAreNotRefused) {
+// Lorries on both sides of a sensor, slower than it by `slower_mps` and `top_m` higher, and behind them
+// nothing but a pole every `poles_m`.
+CheckResult check_right_poses_in_a_convoy(double sensor_mps, double slower_mps, double poles_m,
+                                          double top_m) {
   test::ToyScene scene = test::toy_street("VLP-16");
-  scene.trajectory = test::drive(8, 0);
+  scene.trajectory = test::drive(sensor_mps, 0);
   scene.world = {test::toy_ground(-1.8)};
+  for (double x = -45; x <= 75; x += poles_m) scene.world.push_back(test::toy_box({x, 12, 1}, {0.2, 0.2, 3}));
   for (int i = -3; i <= 4; ++i) {
-    scene.world.push_back(test::toy_box({15.0 * i, 12, 1}, {0.2, 0.2, 3}));
     for (const double side : {-3.5, 3.5}) {
-      test::ToyBody lorry = test::toy_box({14.0 * i, side, 0.5}, {6, 1.2, 2});
-      lorry.velocity_0 = {7, 0, 0};
+      test::ToyBody lorry = test::toy_box({14.0 * i, side, top_m - 2}, {6, 1.2, 2});
+      lorry.velocity_0 = {sensor_mps - slower_mps, 0, 0};
       scene.world.push_back(lorry);
     }
   }
-  const CheckResult poses = check_right_poses(scene);
+  return check_right_poses(scene);
+}
+
+TEST(SelfCheck, ConvoysOfLorriesAreNotRefused) {
+  const CheckResult poses = check_right_poses_in_a_convoy(8, 1, 15, 2.5);
   EXPECT_NE(poses.trust, Trust::wrong) << poses.measured << poses.problem;
+}
+
+// The poles are seen above them.
+TEST(SelfCheck, EdgesOutvoteConvoysOfLorries) {
+  const CheckResult poses = check_right_poses_in_a_convoy(20, 3, 5.3, 0.4);
+  EXPECT_EQ(poses.trust, Trust::right) << poses.measured << poses.problem;
 }
 
 // Wagons fill one or both sides of the view at the start, and are left behind later, or gone ahead. Where
@@ -249,6 +261,41 @@ TEST(SelfCheck, RightPosesDoNotOutvoteWrongOnes) {
     EXPECT_EQ(poses.trust, Trust::doubtful) << off_mps.transpose() << ": " << poses.measured;
     EXPECT_THAT(poses.problem, HasSubstr("at 1 of 3 places"));
   }
+}
+
+// Planes are those of any speed; the edges of the poles are not.
+TEST(SelfCheck, FindsWrongSpeedsBetweenWalls) {
+  for (const double speed_mps : {1.5, 15.0}) {  // neighbouring scans tell the higher one alone
+    test::ToyScene scene = test::toy_street("VLP-16");
+    scene.trajectory = test::drive(speed_mps, 0);
+    scene.world = {test::toy_ground(-1.8)};
+    for (const double y : {-7.0, 7.0}) scene.world.push_back(test::toy_box({0, y, 1}, {300, 0.2, 4}));
+    for (int i = 0; i < 16; ++i) {  // without a period
+      const double x = 120 * std::fmod(0.618034 * i * i, 1) - 50;
+      scene.world.push_back(test::toy_cylinder({x, i % 2 == 0 ? 4.0 : -4.0, 0}, 0.1, 4));
+    }
+    EXPECT_EQ(check_right_poses(scene).trust, Trust::right) << speed_mps;
+    const CheckResult feet =
+        check_poses_in(scene, [](Time, const SE3& T) { return SE3(T.rotation(), T.translation() / 0.3048); });
+    EXPECT_EQ(feet.trust, Trust::doubtful) << speed_mps << ": " << feet.measured;
+    EXPECT_THAT(feet.problem, HasSubstr("edges"));
+    EXPECT_THAT(feet.problem, HasSubstr("positions look like feet"));
+  }
+}
+
+// All edges move, each another way: they agree nowhere.
+TEST(SelfCheck, EdgesThatAgreeNowhereContradictNothing) {
+  test::ToyScene scene = test::toy_street("VLP-16");
+  scene.trajectory = test::drive(5, 0);
+  scene.world = {test::toy_ground(-1.8)};
+  for (int i = 0; i < 40; ++i) {
+    const Eigen::Matrix3d turn = rotation_z(2.4 * i), heading = rotation_z(1.7 * i);
+    test::ToyBody walker = test::toy_cylinder(turn * Eigen::Vector3d(5 + 0.4 * i, 0, 0), 0.1, 1.8);
+    walker.velocity_0 = heading * Eigen::Vector3d(3 + 0.1 * i, 0, 0);
+    scene.world.push_back(walker);
+  }
+  const CheckResult poses = check_right_poses(scene);
+  EXPECT_EQ(poses.trust, Trust::right) << poses.measured << poses.problem;
 }
 
 // The ground looks the same from metre to metre, and what stands beside it is too rough to be compared.

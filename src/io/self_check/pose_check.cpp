@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
+#include "io/self_check/edge_check.hpp"
 #include "io/self_check/pose_mistakes.hpp"
 #include "io/self_check/pose_pair.hpp"
 #include "io/self_check/pose_places.hpp"
@@ -71,10 +72,6 @@ constexpr double kTraffic_mps = 3, kSideways = 0.2, kTrafficShare = 0.28, kOvert
                  kLorry_mps = 20;
 // Displacement that is rest: this; up to a tenth of that by the poses, but not more than a walk.
 constexpr double kRest_m = 0.3, kRestShare = 0.1, kMostRest_m = 1.5;
-
-struct Place {
-  LidarScan first, next, last;
-};
 
 struct PlaceFinding {
   std::size_t k = 0;             // of its first scan
@@ -179,18 +176,17 @@ void compare_with_registration(const Place& place, const PosePair& apart, const 
   const auto flank = apart.flank(said, best.velocity);
   const bool contradicts = fits && peaks && peaks->said < kStandsOutNot &&
                            peaks->found > (out.at_jump ? kStandsOutNot : kStandsOut);
+  const bool flanked = fits && flank && on_flank(*flank, best.velocity, said_velocity);
   const bool one_sided = apart.one_sided(said, best.velocity);
   const bool two_motions =
       contradicts && one_sided && out.supports && flank && flank->apart_m > kTwoMotions_m && !out.at_jump;
+  if (two_motions) return;
   const bool far_better = flank && flank->found > kFarBetter && !out.traffic && !one_sided;
   // A vehicle that stays beside the sensor for half a second moves along with it, or the sensor is slow.
   const bool beside = out.speed_mps < kTraffic_mps || best.velocity.head<3>().norm() < out.speed_mps;
-  out.one_vehicle = contradicts && beside && one_sided;
-  if (two_motions) return;
+  out.one_vehicle = (contradicts || flanked) && beside && one_sided;
   if (contradicts && out.trust != Trust::wrong) out.trust = out.traffic ? Trust::doubtful : Trust::wrong;
-  if (out.trust != Trust::right) return;
-  if (far_better || (fits && flank && on_flank(*flank, best.velocity, said_velocity)))
-    out.trust = Trust::doubtful;
+  if (out.trust == Trust::right && (far_better || flanked)) out.trust = Trust::doubtful;
 }
 
 // Whether the poses are at rest and most of what is seen is not. Rings on a bare ground look the same.
@@ -252,55 +248,84 @@ std::string likely_mistake(const std::vector<PlaceFinding>& findings,
     best = fmt::format("{}: the static world is {:.0f} times sharper so", mistake.text,
                        said / std::max(sum, kSharpest_m));
   }
-  return best.empty() ? "poses of another recording, of another frame or clock?" : best;
+  return best.empty() ? kOtherMistake : best;
+}
+
+struct Votes {
+  std::size_t checked = 0, wrong = 0, bad = 0, at_jumps = 0, traffic = 0, vehicles = 0, support = 0,
+              stirred = 0;
+  const PlaceFinding* worst = nullptr;
+};
+
+Votes count(const std::vector<PlaceFinding>& findings) {
+  Votes out;
+  out.worst = &findings.front();
+  for (const PlaceFinding& found : findings) {
+    const bool bad = found.trust > Trust::right;
+    if (!found.at_jump) ++out.checked;
+    if (!found.at_jump && found.trust == Trust::wrong) ++out.wrong;
+    if (bad) ++out.bad;
+    if (bad && found.traffic) ++out.traffic;
+    if (bad && (found.one_vehicle || found.stirred) && !found.traffic) ++out.vehicles;
+    if (bad && found.stirred) ++out.stirred;
+    if (!bad && found.supports) ++out.support;
+    if (bad && found.at_jump) ++out.at_jumps;
+    const PlaceFinding& worst = *out.worst;
+    const bool more = found.said_m - found.own_m > worst.said_m - worst.own_m;
+    if (found.trust == worst.trust ? more : found.trust > worst.trust) out.worst = &found;
+  }
+  return out;
+}
+
+std::string problem_of(const Votes& votes, const std::vector<PlaceFinding>& findings,
+                       const std::shared_ptr<const Trajectory>& given) {
+  const PlaceFinding& worst = *votes.worst;
+  const std::string where =
+      worst.speed_mps > kFastest_mps
+          ? fmt::format("the poses move at {:.0f} m/s (at {} of {} places are they doubtful): ",
+                        worst.speed_mps, votes.bad, findings.size())
+          : fmt::format(
+                "the static world is blurred by {:.2f} m under the poses, by {:.2f} m under a "
+                "registration of the scans (at {} of {} places): ",
+                worst.said_m, worst.own_m, votes.bad, findings.size());
+  std::string what;
+  if (votes.bad == votes.at_jumps) {
+    what = "the poses jump there";
+  } else if (votes.stirred == votes.bad) {
+    what = "the poses are at rest, but most beams end at another range half a second later";
+  } else if (votes.traffic == votes.bad) {
+    what = "vehicles fill the view and move along, or the poses are too fast";
+  } else {
+    what = likely_mistake(findings, given);
+  }
+  return fmt::format("from scan {} on, {}{}", worst.k, where, what);
 }
 
 CheckResult result_of(const std::vector<PlaceFinding>& findings, const Dataset& dataset,
                       const std::shared_ptr<const Trajectory>& given) {
-  std::size_t checked = 0, wrong = 0, bad = 0, at_jumps = 0, traffic = 0, vehicles = 0, support = 0,
-              stirred = 0;
-  const PlaceFinding* worst = &findings.front();
+  const Votes votes = count(findings);
+  std::vector<std::shared_ptr<const Place>> places;
   for (const PlaceFinding& found : findings) {
-    if (!found.at_jump) ++checked;
-    if (!found.at_jump && found.trust == Trust::wrong) ++wrong;
-    if (found.trust > Trust::right) ++bad;
-    if (found.trust > Trust::right && found.traffic) ++traffic;
-    if (found.trust > Trust::right && (found.one_vehicle || found.stirred) && !found.traffic) ++vehicles;
-    if (found.trust > Trust::right && found.stirred) ++stirred;
-    if (found.trust == Trust::right && found.supports) ++support;
-    if (found.trust > Trust::right && found.at_jump) ++at_jumps;
-    const bool more = found.said_m - found.own_m > worst->said_m - worst->own_m;
-    if (found.trust == worst->trust ? more : found.trust > worst->trust) worst = &found;
+    if (!found.at_jump) places.push_back(found.place);
   }
+  const EdgeFinding edges = check_edges(places, given);
   CheckResult out{"poses", Trust::right, "", "", "", ""};
   out.measured = fmt::format(
       "at worst of {} places, the static world is blurred by {:.3f} m under the poses, by {:.3f} m under a "
-      "registration of the scans",
-      findings.size(), worst->said_m, worst->own_m);
-  const bool outvoted =
-      traffic + vehicles == bad && at_jumps == 0 && bad < findings.size() && support >= vehicles;
-  if (bad == 0 || outvoted) return out;
-  out.trust = wrong > 0 && 2 * wrong >= checked ? Trust::wrong : Trust::doubtful;
-  out.where = dataset.scan_file(worst->k).string();
-  out.problem = fmt::format(
-      "from scan {} on, the static world is blurred by {:.2f} m under the poses, by {:.2f} m "
-      "under a registration of the scans (at {} of {} places): ",
-      worst->k, worst->said_m, worst->own_m, bad, findings.size());
-  if (worst->speed_mps > kFastest_mps) {
-    out.problem = fmt::format(
-        "from scan {} on, the poses move at {:.0f} m/s (at {} of {} places are they "
-        "doubtful): ",
-        worst->k, worst->speed_mps, bad, findings.size());
+      "registration of the scans{}",
+      findings.size(), votes.worst->said_m, votes.worst->own_m, edges.measured);
+  const bool right_elsewhere = votes.bad < findings.size() && votes.support >= votes.vehicles;
+  const bool outvoted = votes.traffic + votes.vehicles == votes.bad && votes.at_jumps == 0 &&
+                        (right_elsewhere || (edges.agree && votes.vehicles == 0));
+  if (votes.bad > 0 && !outvoted) {
+    out.trust = votes.wrong > 0 && 2 * votes.wrong >= votes.checked ? Trust::wrong : Trust::doubtful;
+    out.problem = problem_of(votes, findings, given);
+  } else if (!edges.problem.empty()) {
+    out.trust = Trust::doubtful;
+    out.problem = edges.problem;
   }
-  if (bad == at_jumps) {
-    out.problem += "the poses jump there";
-  } else if (stirred == bad) {
-    out.problem += "the poses are at rest, but most beams end at another range half a second later";
-  } else if (traffic == bad) {
-    out.problem += "vehicles fill the view and move along, or the poses are too fast";
-  } else {
-    out.problem += likely_mistake(findings, given);
-  }
+  if (out.trust == Trust::right) return out;
+  out.where = dataset.scan_file(votes.worst->k).string();
   out.remedy = "correct the poses, or leave them out (--odometry)";
   return out;
 }

@@ -57,16 +57,6 @@ std::vector<Time> instants(const LidarScan& scan) {
   return out;
 }
 
-std::optional<ScanPoses> poses_of(const LidarScan& scan, const Motion& motion) {
-  ScanPoses poses;
-  for (const Time t : instants(scan)) {
-    const auto T_0v = motion(t);
-    if (!T_0v) return std::nullopt;
-    poses.T_0v.push_back(*T_0v);
-  }
-  return poses;
-}
-
 ScanPoses poses_of(const LidarScan& scan, const Vector6d& velocity, Time since) {
   ScanPoses poses;
   for (const Time t : instants(scan)) poses.T_0v.push_back(SE3::exp((t - since).seconds() * velocity));
@@ -83,6 +73,16 @@ double preference(const std::vector<bool>& here, const std::vector<bool>& there)
 }
 
 }  // namespace
+
+std::optional<ScanPoses> poses_of(const LidarScan& scan, const Motion& motion) {
+  ScanPoses poses;
+  for (const Time t : instants(scan)) {
+    const auto T_0v = motion(t);
+    if (!T_0v) return std::nullopt;
+    poses.T_0v.push_back(*T_0v);
+  }
+  return poses;
+}
 
 PosePair::PosePair(const LidarScan& first, const LidarScan& second)
     : first_scan_(first),

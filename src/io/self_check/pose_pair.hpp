@@ -15,6 +15,10 @@ namespace mapless::inline v1 {
 /// T_0v(t) by one account of the motion; none where it does not say.
 using Motion = std::function<std::optional<SE3>(Time)>;
 
+/// The poses of a scan at the instants of its points: of a compensated scan, all those of the instant that it
+/// is compensated to. None where `motion` does not cover them.
+[[nodiscard]] std::optional<ScanPoses> poses_of(const LidarScan& scan, const Motion& motion);
+
 /// Two scans, and how well they fit each other by an account of the motion.
 class PosePair {
  public:

@@ -5,6 +5,7 @@
 
 #include "io/self_check/pose_pair.hpp"
 #include <mapless/io/dataset.hpp>
+#include <mapless/lidar/lidar_scan.hpp>
 
 namespace mapless::inline v1 {
 
@@ -13,6 +14,11 @@ namespace mapless::inline v1 {
 constexpr double kPairApart_s = 0.5;
 /// Displacement that a turn counts as [m/rad].
 constexpr double kLever_m = 10;
+
+/// Where the poses are looked at: pairs of neighbouring scans, and of scans half a second apart.
+struct Place {
+  LidarScan first, next, last;
+};
 
 /// How far after scan k the second scan of its pair is; no pair reaches beyond scan `last`.
 [[nodiscard]] std::size_t scans_apart(const Dataset& dataset, std::size_t k, std::size_t last);
