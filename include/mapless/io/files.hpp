@@ -24,7 +24,8 @@ namespace mapless::inline v1 {
 /// full), and leaves nothing behind, if that fails or if `file` is not a regular file (a folder, a device).
 void write_file_atomically(const std::filesystem::path& file, std::string_view bytes);
 
-/// In the names of these temporary files: ".NAME.partial-PROCESS-NUMBER". A killed process leaves one at most
+/// In the names of these temporary files: ".NAME.partial-PROCESS-NUMBER". They have no name before they are
+/// complete, but on file systems that cannot do so (O_TMPFILE): there, a killed process leaves one at most
 /// for each of its threads.
 inline constexpr std::string_view kPartialMark = ".partial-";
 

@@ -1,6 +1,7 @@
 #include <atomic>
 #include <cerrno>
 #include <cstdio>
+#include <optional>
 #include <system_error>
 #include <utility>
 
@@ -53,6 +54,32 @@ fs::path beside(const fs::path& file) {
          fmt::format(".{}{}{}-{}", file.filename().string(), kPartialMark, getpid(), count++);
 }
 
+fs::path folder_of(const fs::path& file) {
+  return file.has_parent_path() ? file.parent_path() : fs::path(".");
+}
+
+// A new file: without a name where the file system and /proc allow it, because a process that is killed then
+// leaves nothing; else under the name `partial`.
+class PartialFile {
+ public:
+  explicit PartialFile(fs::path partial)
+      : partial_(std::move(partial)), fd_(std::in_place, folder_of(partial_), O_WRONLY | O_TMPFILE) {
+    unnamed_ = fd_->valid() && access("/proc/self/fd", X_OK) == 0;
+    if (!unnamed_) fd_.emplace(partial_, O_WRONLY | O_CREAT | O_EXCL);
+  }
+  [[nodiscard]] FileDescriptor& fd() { return *fd_; }
+  [[nodiscard]] bool give_name() {
+    if (!unnamed_) return true;
+    const std::string link = fmt::format("/proc/self/fd/{}", fd_->get());
+    return linkat(AT_FDCWD, link.c_str(), AT_FDCWD, partial_.c_str(), AT_SYMLINK_FOLLOW) == 0;
+  }
+
+ private:
+  fs::path partial_;
+  std::optional<FileDescriptor> fd_;
+  bool unnamed_ = false;
+};
+
 bool write_all(int fd, std::string_view bytes) {
   while (!bytes.empty()) {
     const ssize_t written = write(fd, bytes.data(), bytes.size());
@@ -75,8 +102,7 @@ bool synchronise(int fd) {
 
 // Makes the names in the folder of `file` durable.
 bool synchronise_folder_of(const fs::path& file) {
-  const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
-  const FileDescriptor opened(folder, O_RDONLY | O_DIRECTORY);
+  const FileDescriptor opened(folder_of(file), O_RDONLY | O_DIRECTORY);
   if (!opened.valid()) return errno == EACCES;  // a folder that may be written and not read
   return synchronise(opened.get());
 }
@@ -108,9 +134,10 @@ void write_file_atomically(const fs::path& file, std::string_view bytes) {
   std::error_code ignored;
   const bool replaces = fs::exists(target, ignored);
   const fs::path partial = beside(target);
-  FileDescriptor out(partial, O_WRONLY | O_CREAT | O_EXCL);
+  PartialFile made(partial);
+  FileDescriptor& out = made.fd();
   if (!out.valid()) refuse_write(file, system_reason());
-  if (write_all(out.get(), bytes) && synchronise(out.get()) && out.close_checked() &&
+  if (write_all(out.get(), bytes) && synchronise(out.get()) && made.give_name() && out.close_checked() &&
       std::rename(partial.c_str(), target.c_str()) == 0) {
     if (synchronise_folder_of(target)) return;
     const std::error_code reason = system_reason();
