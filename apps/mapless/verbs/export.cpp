@@ -1,5 +1,6 @@
+#include <array>
+#include <cstddef>
 #include <filesystem>
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -64,34 +65,28 @@ CloudFormat format_of(const std::string& format) {
 template <class Take>
 ExportCounts for_each_scan(const ExportOptions& options, const LabelledDrive& drive,
                            const std::vector<std::size_t>& scans, const Take& take) {
-  struct Read {
-    std::size_t number = 0;
-    ExportedPoints points;
-  };
   const ExportedClass wanted = class_of(options.what);
   const bool in_sensor_frame = options.frame == "sensor";
   ExportCounts counts;
   Progress progress("scans");
   std::size_t next = 0;
-  tbb::parallel_pipeline(kScansInWork,
-                         tbb::make_filter<void, std::size_t>(tbb::filter_mode::serial_in_order,
-                                                             [&](tbb::flow_control& flow) {
-                                                               if (next < scans.size()) return scans[next++];
-                                                               flow.stop();
-                                                               return std::size_t{0};
-                                                             }) &
-                             tbb::make_filter<std::size_t, std::shared_ptr<Read>>(
-                                 tbb::filter_mode::parallel,
-                                 [&](std::size_t k) {
-                                   return std::make_shared<Read>(
-                                       Read{k, exported_points(drive.read(k), wanted, in_sensor_frame)});
-                                 }) &
-                             tbb::make_filter<std::shared_ptr<Read>, void>(
-                                 tbb::filter_mode::serial_in_order, [&](const std::shared_ptr<Read>& scan) {
-                                   take(scan->number, scan->points.cloud);
-                                   counts.add(scan->points);
-                                   progress.update(counts.scans, scans.size());
-                                 }));
+  // Of the scans in work, which are taken in their order. TBB loses what it holds itself where a scan fails.
+  std::array<ExportedPoints, kScansInWork> points;
+  tbb::parallel_pipeline(
+      kScansInWork,
+      tbb::make_filter<void, std::size_t>(tbb::filter_mode::serial_in_order, [&](tbb::flow_control& flow) {
+        if (next < scans.size()) return next++;
+        flow.stop();
+        return std::size_t{0};
+      }) & tbb::make_filter<std::size_t, std::size_t>(tbb::filter_mode::parallel, [&](std::size_t i) {
+        points[i % kScansInWork] = exported_points(drive.read(scans[i]), wanted, in_sensor_frame);
+        return i;
+      }) & tbb::make_filter<std::size_t, void>(tbb::filter_mode::serial_in_order, [&](std::size_t i) {
+        const ExportedPoints& of_scan = points[i % kScansInWork];
+        take(scans[i], of_scan.cloud);
+        counts.add(of_scan);
+        progress.update(counts.scans, scans.size());
+      }));
   progress.clear();
   return counts;
 }
