@@ -283,6 +283,21 @@ TEST(SelfCheck, FindsWrongSpeedsBetweenWalls) {
   }
 }
 
+// Most edges are of the own vehicle, which is at rest beside the sensor whatever it does; few are of poles.
+TEST(SelfCheck, EdgesOfTheOwnVehicleContradictNothing) {
+  test::ToyScene scene = test::toy_street("VLP-16");
+  scene.trajectory = test::drive(8, 0);
+  scene.world = {test::toy_ground(-1.8)};
+  for (const double y : {-7.0, 7.0}) scene.world.push_back(test::toy_box({0, y, 1}, {300, 0.2, 4}));
+  for (int i = 0; i < 12; ++i) {
+    test::ToyBody mast = test::toy_cylinder(rotation_z(0.5 * i) * Eigen::Vector3d(1.5, 0, 0), 0.05, 1);
+    mast.velocity_0 = {8, 0, 0};
+    scene.world.push_back(mast);
+  }
+  const CheckResult poses = check_right_poses(scene);
+  EXPECT_EQ(poses.trust, Trust::right) << poses.measured << poses.problem;
+}
+
 // All edges move, each another way: they agree nowhere.
 TEST(SelfCheck, EdgesThatAgreeNowhereContradictNothing) {
   test::ToyScene scene = test::toy_street("VLP-16");
@@ -311,6 +326,24 @@ TEST(SelfCheck, DoubtsPosesAtRestInAField) {
   EXPECT_EQ(poses.trust, Trust::doubtful) << poses.measured;
   EXPECT_THAT(poses.problem, HasSubstr("at rest"));
   EXPECT_EQ(check_right_poses(scene).trust, Trust::right);
+}
+
+// Nor do the edges of vehicles that move along speak for them.
+TEST(SelfCheck, DoubtsPosesAtRestAmongVehicles) {
+  test::ToyScene scene = test::toy_street("VLP-16");
+  scene.trajectory = test::drive(25, 0);
+  scene.world = {test::toy_ground(-1.8)};
+  for (int i = 0; i < 60; ++i) {
+    const double x = 80 * std::fmod(0.618034 * i, 1) - 25, y = 5 * std::fmod(1.414214 * i, 1) + 4.5;
+    scene.world.push_back(test::toy_box({x, i % 2 == 0 ? y : -y, 0}, {0.3, 0.3, 3}, 1.2 * i));
+  }
+  for (int i = 0; i < 8; ++i) {
+    test::ToyBody vehicle = test::toy_cylinder({6.0 * (i / 2) - 9, i % 2 == 0 ? 3.0 : -3.0, 0}, 0.2, 1.8);
+    vehicle.velocity_0 = {25, 0, 0};
+    scene.world.push_back(vehicle);
+  }
+  const CheckResult poses = check_poses_in(scene, [](Time, const SE3&) { return SE3(); });
+  EXPECT_EQ(poses.trust, Trust::doubtful) << poses.measured;
 }
 
 TEST_F(SelfCheckTest, FindsAJump) {

@@ -18,20 +18,21 @@
 namespace mapless::inline v1 {
 namespace {
 
-constexpr std::size_t kMostEdges = 2000;  // of the second scan; affects speed alone
+// Of the second scan, for speed; peaks grow with the square root of the number of edges.
+constexpr std::size_t kMostEdges = 2000;
 constexpr double kStep_m = EdgeGrid::kReach_m / 2;
 // Moved by so many steps, an edge agrees with others than itself.
 constexpr std::array<std::size_t, 3> kBeside = {3, 4, 5};
-constexpr int kMostBeside = 5, kFewestSteps = 3, kSteps = 30;  // from 0.6 to 6 m
+constexpr int kFewestSteps = kBeside.front(), kMostBeside = kBeside.back(), kSteps = 30;  // from 0.6 to 6 m
 // Along the way as far as to a sensor at rest, and 2 m beyond. At rest there are edges that go with the
 // sensor: where the ground leaves its range, and at the end of a wall behind a pillar.
 constexpr int kBeyondRest = 10;
 constexpr int kMostSteps = 80;
 // Edges contradict the poses where they agree so little under them, and so much elsewhere; above kAgree they
 // support them. Where they rise by more than kMovingBeside on one side, things that move are on the other
-// one. Measured (docs/notebook/self_check.md, "Edges"): 90 right recordings have 3.5 and more (median 20),
-// wrong poses -13 to 4 and on the one side less than 20; people who walk on ahead in a bare aisle left right
-// poses -4 and 1.7, on the one side 57 and 81.
+// one. Measured (docs/notebook/self_check.md, "Edges"): 90 right recordings have 3.6 and more (median 18),
+// wrong poses from -16 on; of 629 below 2, all but 11 have less than 20 on the one side. People who walk on
+// ahead in a bare aisle left right poses -4 and 1.7, on the one side 81 and 57.
 constexpr double kAgreeNot = 2, kElsewhere = 5, kAgree = 5, kMovingBeside = 20;
 // Fewer agreeing edges, as a part of all, may agree by chance: a pole with another one. As in RecentEdges.
 constexpr double kLeastElsewhere = 0.2;
@@ -209,7 +210,7 @@ EdgeFinding check_edges(const std::vector<std::shared_ptr<const Place>>& places,
   const auto peak = edges.peak(said);
   if (!peak) return {};
   EdgeFinding out{peak->above_both > kAgree,
-                  fmt::format("; edges agree by {:.1f} standard deviations", peak->above_both), ""};
+                  fmt::format("edges agree by {:.1f} standard deviations", peak->above_both), ""};
   if (peak->above_both > kAgreeNot || peak->above_lower > kMovingBeside) return out;
   const double elsewhere = edges.highest_elsewhere(said);
   if (elsewhere < kElsewhere) return out;

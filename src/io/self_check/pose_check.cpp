@@ -312,8 +312,9 @@ CheckResult result_of(const std::vector<PlaceFinding>& findings, const Dataset& 
   CheckResult out{"poses", Trust::right, "", "", "", ""};
   out.measured = fmt::format(
       "at worst of {} places, the static world is blurred by {:.3f} m under the poses, by {:.3f} m under a "
-      "registration of the scans{}",
-      findings.size(), votes.worst->said_m, votes.worst->own_m, edges.measured);
+      "registration of the scans",
+      findings.size(), votes.worst->said_m, votes.worst->own_m);
+  if (!edges.measured.empty()) out.measured += "; " + edges.measured;
   const bool right_elsewhere = votes.bad < findings.size() && votes.support >= votes.vehicles;
   const bool outvoted = votes.traffic + votes.vehicles == votes.bad && votes.at_jumps == 0 &&
                         (right_elsewhere || (edges.agree && votes.vehicles == 0));

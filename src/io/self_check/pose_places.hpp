@@ -11,9 +11,9 @@ namespace mapless::inline v1 {
 
 /// Time between the two scans of a pair [s]: a person on foot moves by 0.7 m, an accelerating car differs
 /// from a constant velocity by less than 0.4 m.
-constexpr double kPairApart_s = 0.5;
+inline constexpr double kPairApart_s = 0.5;
 /// Displacement that a turn counts as [m/rad].
-constexpr double kLever_m = 10;
+inline constexpr double kLever_m = 10;
 
 /// Where the poses are looked at: pairs of neighbouring scans, and of scans half a second apart.
 struct Place {

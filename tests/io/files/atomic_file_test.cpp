@@ -24,6 +24,8 @@ thread_local std::vector<std::string> system_calls;
 thread_local std::string failing;
 // Whether the process is killed in the next fsync.
 thread_local bool killed = false;
+// Whether files without a name cannot be given one.
+thread_local bool without_proc = false;
 
 void record(const std::string& call, const std::filesystem::path& file) {
   system_calls.push_back(call + " " + file.filename().string());
@@ -39,6 +41,10 @@ extern "C" int fsync(int fd) {
   if (file.filename() != mapless::atomic_file_calls::failing) return static_cast<int>(syscall(SYS_fsync, fd));
   errno = EIO;
   return -1;
+}
+extern "C" int access(const char* file, int mode) noexcept {
+  if (mapless::atomic_file_calls::without_proc) return -1;
+  return static_cast<int>(syscall(SYS_faccessat, AT_FDCWD, file, mode));
 }
 extern "C" int rename(const char* from, const char* to) noexcept {
   mapless::atomic_file_calls::record("rename", to);
@@ -132,13 +138,20 @@ TEST(AtomicFileDeathTest, AKilledProcessLeavesNothing) {
 // After a power cut the disk holds what was synchronised: the content first, then its name.
 TEST(AtomicFile, SynchronisesTheContentBeforeTheRenameAndTheFolderAfterIt) {
   const test::TemporaryFolder folder;
-  system_calls.clear();
-  write_file_atomically(folder / "f", "x");
-  ASSERT_EQ(system_calls.size(), 3u);
-  EXPECT_THAT(system_calls[0], testing::AnyOf(testing::StartsWith("fsync #"),  // has no name yet
-                                              testing::StartsWith("fsync .f.partial")));
-  EXPECT_EQ(system_calls[1], "rename f");
-  EXPECT_EQ(system_calls[2], "fsync " + folder.path().filename().string());
+  for (const bool named : {false, true}) {
+    atomic_file_calls::without_proc = named;
+    system_calls.clear();
+    write_file_atomically(folder / "f", named ? "named" : "unnamed");
+    ASSERT_EQ(system_calls.size(), 3u);
+    const auto with_name = testing::StartsWith("fsync .f.partial");
+    const auto without_name = testing::StartsWith(named ? "fsync .f.partial" : "fsync #");
+    EXPECT_THAT(system_calls[0], testing::AnyOf(without_name, with_name));
+    EXPECT_EQ(system_calls[1], "rename f");
+    EXPECT_EQ(system_calls[2], "fsync " + folder.path().filename().string());
+    EXPECT_EQ(read_whole_file(folder / "f"), named ? "named" : "unnamed");
+    EXPECT_EQ(entries(folder.path()), 1u);
+  }
+  atomic_file_calls::without_proc = false;
   system_calls.clear();
   append_to_file(folder / "f", "y");
   EXPECT_EQ(system_calls, (std::vector<std::string>{"fsync f"}));
