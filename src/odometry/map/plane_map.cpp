@@ -10,9 +10,8 @@ namespace {
 
 // Largest range at which a grid accepts points, in cube sides. Derived: a cube is 1 / 80 rad = 0.7 deg wide
 // there, so that one scan of lasers 0.4 deg or more apart puts at most two lines into it, the fewest of a
-// plane, and little of a surface between them. Measured without the limit on
-// the second simulator: four HDL-64E drives err by 1 % more over four scans, sixteen VLP-16 drives by 0 to 4
-// % more or less.
+// plane, and little of a surface between them. Measured without the limit on the second simulator: four
+// HDL-64E drives err by 1 % more over four scans, sixteen VLP-16 drives by 0 to 4 % more or less.
 constexpr double kMaxRangeCubes = 80;
 // Offset of each grid [m]. Chosen: no two grids share a face, so that a plane cut by one grid lies within the
 // cubes of another.
@@ -21,26 +20,28 @@ constexpr std::array<double, PlaneMap::kGrids> kOffsets_m = {0.137, 0.371, 0.813
 // Chosen: the roughness of the surface and the uncertainty of the plane may add as much variance as the noise
 // has.
 constexpr double kGoodSigmas = 1.5;
-// Reach of a cached plane. Chosen: its variance changes by 2 % at most within it. Measured: drift and
-// errors per scan are the same to 0.1 % in the mean of 44 drives (docs/notebook/odometry.md, "How it
-// starts").
-constexpr double kReuseWithin_m = 0.004;
 
 }  // namespace
 
-PlaneMap::PlaneMap(double sigma_m, double scale, std::size_t grids)
-    : good_variance_(kGoodSigmas * kGoodSigmas * sigma_m * sigma_m) {
-  for (std::size_t g = 0; g < grids; ++g)
-    grids_.emplace_back(scale * kCubes[g], scale * kOffsets_m[g], sigma_m);
+PlaneMap::PlaneMap(double sigma_m, double scale, std::size_t grids) : good_variance_(good_variance(sigma_m)) {
+  for (std::size_t g = 0; g < grids; ++g) grids_.emplace_back(lattice(g, scale), sigma_m);
 }
+
+CubeLattice PlaneMap::lattice(std::size_t g, double scale) {
+  return {scale * kCubes[g], scale * kOffsets_m[g]};
+}
+
+double PlaneMap::max_range_m(std::size_t g, std::size_t grids) {
+  return g + 1 == grids ? std::numeric_limits<double>::infinity() : kMaxRangeCubes * kCubes[g];
+}
+
+double PlaneMap::good_variance(double sigma_m) { return kGoodSigmas * kGoodSigmas * sigma_m * sigma_m; }
 
 std::vector<unsigned> PlaneMap::insert(std::span<const MapPoint> points) {
   std::array<std::vector<unsigned>, kGrids> accepted;  // by each grid: no grid reads what another one has
   tbb::parallel_for(std::size_t{0}, grids_.size(), [&](std::size_t g) {
-    const double max_range_m =
-        g + 1 == grids_.size() ? std::numeric_limits<double>::infinity() : kMaxRangeCubes * kCubes[g];
     accepted[g].assign(points.size(), 0);
-    grids_[g].insert(points, max_range_m, 1U << g, accepted[g]);
+    grids_[g].insert(points, max_range_m(g, grids_.size()), 1U << g, accepted[g]);
   });
   std::vector<unsigned> grids(points.size(), 0);
   for (std::size_t g = 0; g < grids_.size(); ++g) {
@@ -75,43 +76,7 @@ std::size_t PlaneMap::cubes() const {
 }
 
 void PlaneMap::find_planes(std::span<const Eigen::Vector3d> points_0, std::span<CachedPlane> planes) const {
-  struct Search {
-    std::size_t point;
-    PlaneGrid::Place place;
-    PlaneGrid::Candidate best;
-    const PlaneGrid* grid = nullptr;  // of the best
-  };
-  std::vector<Search> open;  // of points that have no good plane yet
-  open.reserve(points_0.size());
-  for (std::size_t i = 0; i < points_0.size(); ++i) {
-    if (planes[i].valid_at(points_0[i])) continue;
-    planes[i] = {std::nullopt, points_0[i], kReuseWithin_m};
-    open.push_back({i, {}, {}});
-  }
-  for (const PlaneGrid& grid : grids_) {
-    for (Search& s : open) {
-      const Eigen::Vector3d& p_0 = points_0[s.point];
-      s.place = grid.place_of(p_0);
-      grid.fetch_slot(s.place);
-      planes[s.point].valid_within_m = std::min(planes[s.point].valid_within_m, grid.distance_to_face(p_0));
-    }
-    for (Search& s : open) grid.fetch_plane(s.place);
-    std::size_t kept = 0;
-    for (std::size_t k = 0; k < open.size(); ++k) {
-      Search& s = open[k];
-      const PlaneGrid::Candidate candidate = grid.candidate_at(points_0[s.point], s.place);
-      if (candidate.variance < s.best.variance) {
-        s.best = candidate;
-        s.grid = &grid;
-      }
-      if (s.best.variance > good_variance_ && &grid != &grids_.back()) {
-        open[kept++] = s;
-      } else if (s.grid != nullptr) {
-        planes[s.point].plane = s.grid->plane_of(s.best);
-      }
-    }
-    open.resize(kept);
-  }
+  find_planes_in<PlaneGrid>(grids_, good_variance_, points_0, planes);
 }
 
 }  // namespace mapless

@@ -2,11 +2,11 @@
 
 #include <array>
 #include <cstddef>
-#include <optional>
 #include <span>
 #include <vector>
 
 #include "odometry/map/plane_grid.hpp"
+#include "odometry/map/plane_search.hpp"
 
 namespace mapless::inline v1 {
 
@@ -14,22 +14,9 @@ namespace mapless::inline v1 {
 // to a query point, with its variance, comes out. The result depends on the order of insertion alone. Only
 // MappedTrajectory inserts and removes points.
 
-/// The plane that a map has for a query point.
-struct CachedPlane {
-  std::optional<MapPlane> plane;
-  Eigen::Vector3d query_0 = Eigen::Vector3d::Zero();
-  /// Within this distance of query_0 along every axis, the same map has the same plane, of nearly the same
-  /// variance. Negative: nothing cached.
-  double valid_within_m = -1;
-
-  [[nodiscard]] bool valid_at(const Eigen::Vector3d& p_0) const {
-    return (p_0 - query_0).cwiseAbs().maxCoeff() < valid_within_m;
-  }
-};
-
 /// Planes at several scales: fine ones for dense points and small surfaces, coarse ones for sparse points and
 /// large surfaces (method.md section 6, "Map").
-class PlaneMap {
+class PlaneMap final : public PlaneSource {
  public:
   static constexpr std::size_t kGrids = 4;
   /// Cube sides [m]. Chosen: octaves from the smallest surface that a lidar resolves at 60 m to the largest
@@ -39,6 +26,13 @@ class PlaneMap {
   /// The finest `grids` grids, their cubes `scale` times as large. `sigma_m` is the expected noise of a
   /// point.
   explicit PlaneMap(double sigma_m, double scale = 1, std::size_t grids = kGrids);
+
+  /// The cubes of grid g `scale` times as large.
+  [[nodiscard]] static CubeLattice lattice(std::size_t g, double scale);
+  /// Largest range of the points of grid g of `grids` [m].
+  [[nodiscard]] static double max_range_m(std::size_t g, std::size_t grids);
+  /// A plane that certain is good enough to stop looking in coarser grids [m^2].
+  [[nodiscard]] static double good_variance(double sigma_m);
 
   /// Returns for each point the grids that accepted it, bit g for grid g. A fine grid does not accept points
   /// from far away, where they are too sparse for its cubes.
@@ -52,10 +46,7 @@ class PlaneMap {
   void keep_within(const Eigen::Vector3d& centre_0, double radius_m);
   void clear();
 
-  /// Finds for every point the finest plane whose variance is not much larger than the noise of a point, else
-  /// the plane with the smallest variance. `planes` has one element per point; one that is still valid at its
-  /// point is kept.
-  void find_planes(std::span<const Eigen::Vector3d> points_0, std::span<CachedPlane> planes) const;
+  void find_planes(std::span<const Eigen::Vector3d> points_0, std::span<CachedPlane> planes) const override;
 
   [[nodiscard]] std::size_t cubes() const;
 

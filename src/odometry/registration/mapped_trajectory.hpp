@@ -4,6 +4,7 @@
 #include <deque>
 #include <vector>
 
+#include "odometry/map/plane_map.hpp"
 #include "odometry/registration/scan_registration.hpp"
 #include <mapless/lidar/lidar_scan.hpp>
 

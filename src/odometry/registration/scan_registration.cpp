@@ -40,7 +40,7 @@ bool is_contradicted(const std::vector<TrajectoryKnot>& knots, const Registratio
   return settings.measurements != nullptr && contradict(knots, *settings.measurements);
 }
 
-bool gauss_newton_step(const WindowPrior& prior, const TimeBins& bins, const PlaneMap& map,
+bool gauss_newton_step(const WindowPrior& prior, const TimeBins& bins, const PlaneSource& map,
                        const RegistrationSettings& settings, std::vector<CachedPlane>& planes,
                        Registration& registration) {
   std::vector<TrajectoryKnot>& knots = registration.knots;
@@ -82,7 +82,7 @@ namespace {
 // Gauss-Newton with a loss and a gate that begin `loss` and `gate` times as wide and are halved every step,
 // down to their own size.
 std::optional<Registration> register_annealed(std::vector<TrajectoryKnot> knots, const WindowPrior& prior,
-                                              const TimeBins& bins, const PlaneMap& map,
+                                              const TimeBins& bins, const PlaneSource& map,
                                               const RegistrationSettings& settings, double loss,
                                               double gate) {
   Registration out;
@@ -102,14 +102,14 @@ std::optional<Registration> register_annealed(std::vector<TrajectoryKnot> knots,
 }  // namespace
 
 std::optional<Registration> register_scan(std::vector<TrajectoryKnot> knots, const WindowPrior& prior,
-                                          const TimeBins& bins, const PlaneMap& map,
+                                          const TimeBins& bins, const PlaneSource& map,
                                           const RegistrationSettings& settings) {
   return register_annealed(std::move(knots), prior, bins, map, settings, kFirstWidening, 1);
 }
 
 std::optional<Registration> register_with_wide_gate(std::vector<TrajectoryKnot> knots,
                                                     const WindowPrior& prior, const TimeBins& bins,
-                                                    const PlaneMap& map,
+                                                    const PlaneSource& map,
                                                     const RegistrationSettings& settings) {
   RegistrationSettings loose = settings;
   loose.density.translation *= kWideDensity;

@@ -61,7 +61,7 @@ struct Registration {
 
 /// One Gauss-Newton step. `planes` caches the association of the step before; pass an empty vector if the map
 /// is another one. Returns false if there is no solution; `registration` is then as before.
-[[nodiscard]] bool gauss_newton_step(const WindowPrior& prior, const TimeBins& bins, const PlaneMap& map,
+[[nodiscard]] bool gauss_newton_step(const WindowPrior& prior, const TimeBins& bins, const PlaneSource& map,
                                      const RegistrationSettings& settings, std::vector<CachedPlane>& planes,
                                      Registration& registration);
 
@@ -69,14 +69,15 @@ struct Registration {
 /// interval is that of the scan. None if there is no solution.
 [[nodiscard]] std::optional<Registration> register_scan(std::vector<TrajectoryKnot> knots,
                                                         const WindowPrior& prior, const TimeBins& bins,
-                                                        const PlaneMap& map,
+                                                        const PlaneSource& map,
                                                         const RegistrationSettings& settings);
 
 /// The same for a motion that the prior finds unlikely: it begins with a wider gate, a wider loss and a
 /// looser motion prior.
 [[nodiscard]] std::optional<Registration> register_with_wide_gate(std::vector<TrajectoryKnot> knots,
                                                                   const WindowPrior& prior,
-                                                                  const TimeBins& bins, const PlaneMap& map,
+                                                                  const TimeBins& bins,
+                                                                  const PlaneSource& map,
                                                                   const RegistrationSettings& settings);
 
 }  // namespace mapless

@@ -67,7 +67,7 @@ void BinSums::add(const PointResidual& residual) {
   ++inliers;
 }
 
-std::vector<BinSums> sum_residuals(const TimeBins& bins, const KnotInterval& interval, const PlaneMap& map,
+std::vector<BinSums> sum_residuals(const TimeBins& bins, const KnotInterval& interval, const PlaneSource& map,
                                    const PointWeights& weights, std::vector<CachedPlane>& planes) {
   planes.resize(bins.points().size());
   std::vector<BinSums> sums(bins.bins().size());

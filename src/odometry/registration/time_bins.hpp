@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "odometry/keypoints/keypoints.hpp"
-#include "odometry/map/plane_map.hpp"
+#include "odometry/map/plane_search.hpp"
 #include "odometry/solver/knot_interval.hpp"
 #include "odometry/solver/window_solver.hpp"
 
@@ -71,7 +71,7 @@ struct BinSums {
 /// points, so that the result does not depend on the number of threads. `planes` caches the association from
 /// one iteration to the next; pass an empty vector at first, and whenever the map is another one.
 [[nodiscard]] std::vector<BinSums> sum_residuals(const TimeBins& bins, const KnotInterval& interval,
-                                                 const PlaneMap& map, const PointWeights& weights,
+                                                 const PlaneSource& map, const PointWeights& weights,
                                                  std::vector<CachedPlane>& planes);
 
 /// Adds the sums of the bins between knots k and k + 1 to the normal equations, times `information_ratio`.

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <iterator>
-#include <span>
 
 #include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 
+#include "odometry/map/map_of_scans.hpp"
 #include "odometry/map/points_in_world.hpp"
 #include "odometry/registration/degeneracy.hpp"
+#include "odometry/solver/secant_steps.hpp"
 
 namespace mapless::inline v1 {
 namespace {
@@ -32,61 +32,16 @@ constexpr double kMinInlierRatioOfBest = 0.99;
 constexpr double kScaleFromRest = 8;
 constexpr int kMaxCoarseSteps = 15;
 
-// The points of all scans, scan s from begin[s] to begin[s + 1].
-struct WorldPoints {
-  std::vector<MapPoint> points;
-  std::vector<std::size_t> begin = {0};
-
-  [[nodiscard]] std::size_t scans() const { return begin.size() - 1; }
-  [[nodiscard]] std::span<const MapPoint> of_scans(std::size_t first, std::size_t end) const {
-    return std::span(points).subspan(begin[first], begin[end] - begin[first]);
-  }
-};
-
-// Ranges are those of cubes `scale` times as large.
-WorldPoints all_in_world(const std::vector<UsableScan>& scans, const std::vector<TrajectoryKnot>& knots,
-                         double scale) {
-  WorldPoints out;
+// The points of every scan. Ranges are those of cubes `scale` times as large.
+std::vector<std::vector<MapPoint>> all_in_world(const std::vector<UsableScan>& scans,
+                                                const std::vector<TrajectoryKnot>& knots, double scale) {
+  std::vector<std::vector<MapPoint>> out;
+  out.reserve(scans.size());
   for (const UsableScan& scan : scans) {
-    const auto points_0 =
-        points_in_world(scan.points, scan.start, knots[scan.interval], knots[scan.interval + 1]);
-    out.points.insert(out.points.end(), points_0.begin(), points_0.end());
-    out.begin.push_back(out.points.size());
+    out.push_back(points_in_world(scan.points, scan.start, knots[scan.interval], knots[scan.interval + 1]));
+    for (MapPoint& point : out.back()) point.range_m /= scale;
   }
-  for (MapPoint& point : out.points) point.range_m /= scale;
   return out;
-}
-
-// Maps of all scans but one, kept from step to step because their memory is large.
-struct MapsOfOthers {
-  MapsOfOthers(double sigma_m, double scale)
-      // Enlarged, the coarsest grid would hold little but the ground.
-      : before(scale * sigma_m, scale, scale > 1 ? PlaneMap::kGrids - 1 : PlaneMap::kGrids),
-        maps(static_cast<std::size_t>(tbb::this_task_arena::max_concurrency()), before) {}
-
-  PlaneMap before;             // of the scans before the first of these:
-  std::vector<PlaneMap> maps;  // at most one per thread at a time
-};
-
-// Calls use(s, map of all scans but s) for every scan s. Each map begins as a copy of the map of the scans
-// before s.
-template <typename Use>
-void for_each_map_of_others(const WorldPoints& points_0, MapsOfOthers& workspace, const Use& use) {
-  auto& [before, maps] = workspace;
-  const std::size_t scans = points_0.scans();
-  before.clear();
-  for (std::size_t first = 0; first < scans; first += maps.size()) {
-    const std::size_t end = std::min(first + maps.size(), scans);
-    for (std::size_t s = first; s < end; ++s) {
-      maps[s - first] = before;
-      if (s + 1 < scans) (void)before.insert(points_0.of_scans(s, s + 1));
-    }
-    tbb::parallel_for(first, end, [&, &all = maps](std::size_t s) {
-      PlaneMap& others = all[s - first];
-      (void)others.insert(points_0.of_scans(s + 1, scans));
-      use(s, others);
-    });
-  }
 }
 
 void add_scan(std::size_t interval, std::vector<BinSums>& sums, const RegistrationSettings& settings,
@@ -110,28 +65,29 @@ void add_scan(std::size_t interval, std::vector<BinSums>& sums, const Registrati
 std::vector<std::vector<BinSums>> sums_of_all(const std::vector<UsableScan>& scans,
                                               const std::vector<TrajectoryKnot>& knots,
                                               const RegistrationSettings& settings, double scale,
-                                              MapsOfOthers& maps) {
+                                              MapOfScans& map) {
   PointWeights weights = settings.weights;
   weights.gate_m *= scale;
-  const WorldPoints points_0 = all_in_world(scans, knots, scale);
+  map.assign(all_in_world(scans, knots, scale));
   std::vector<std::vector<BinSums>> sums(scans.size());
-  for_each_map_of_others(points_0, maps, [&](std::size_t s, const PlaneMap& others) {
+  tbb::parallel_for(std::size_t{0}, scans.size(), [&](std::size_t s) {
     const KnotInterval interval(knots[scans[s].interval], knots[scans[s].interval + 1]);
     std::vector<CachedPlane> planes;
-    sums[s] = sum_residuals(scans[s].bins, interval, others, weights, planes);
+    sums[s] = sum_residuals(scans[s].bins, interval, map.without(s), weights, planes);
   });
   return sums;
 }
 
-// One step. Returns the soft inliers before it; none if there is no solution.
+// One step, lengthened by `steps`. Returns the soft inliers before it; none if there is no solution.
 std::optional<double> joint_gauss_newton_step(const WindowPrior& prior, const std::vector<UsableScan>& scans,
                                               const RegistrationSettings& settings, double scale,
-                                              MapsOfOthers& maps, Registration& registration) {
+                                              MapOfScans& map, SecantSteps& steps,
+                                              Registration& registration) {
   std::vector<TrajectoryKnot>& knots = registration.knots;
   WindowSystem system(knots.size());
   add_window_prior(prior, knots, 0, system);
   for (std::size_t k = 0; k + 1 < knots.size(); ++k) add_motion_terms(knots, k, settings, system);
-  auto sums = sums_of_all(scans, knots, settings, scale, maps);
+  auto sums = sums_of_all(scans, knots, settings, scale, map);
   double soft_inliers = 0;
   for (std::size_t s = 0; s < scans.size(); ++s) {
     add_scan(scans[s].interval, sums[s], settings, registration, system);
@@ -139,10 +95,11 @@ std::optional<double> joint_gauss_newton_step(const WindowPrior& prior, const st
   }
   const auto solution = solve(system);
   if (!solution) return std::nullopt;
-  for (std::size_t k = 0; k < knots.size(); ++k) knots[k] = perturbed(knots[k], solution->step[k]);
+  const std::vector<Vector12d> step = steps.extrapolated(solution->step);
+  for (std::size_t k = 0; k < knots.size(); ++k) knots[k] = perturbed(knots[k], step[k]);
   registration.last_information = solution->information.back();
   registration.posterior = marginal_of_last(kWindowKnots, knots, system, *solution);
-  registration.converged = has_converged(solution->step, settings.small_step);
+  registration.converged = has_converged(step, settings.small_step);
   ++registration.iterations;
   return soft_inliers;
 }
@@ -153,21 +110,28 @@ std::optional<Registration> register_jointly(std::vector<TrajectoryKnot> knots, 
                                              const std::vector<UsableScan>& scans,
                                              RegistrationSettings settings) {
   settings.small_step = kSmallJointStep;
-  MapsOfOthers maps(settings.point_sigma_m, 1);
+  MapOfScans map(settings.point_sigma_m);
+  SecantSteps steps;
   Registration out;
   out.knots = std::move(knots);
   Registration best;
   double most_inliers = 0;
   while (out.iterations < kMaxSteps && !out.converged) {
     const std::vector<TrajectoryKnot> before = out.knots;
-    const auto soft_inliers = joint_gauss_newton_step(prior, scans, settings, 1, maps, out);
+    const bool went_far = steps.has_extrapolated();
+    const auto soft_inliers = joint_gauss_newton_step(prior, scans, settings, 1, map, steps, out);
     if (!soft_inliers) return std::nullopt;
-    if (*soft_inliers < kMinInlierRatioOfBest * most_inliers) return best;
-    if (*soft_inliers <= most_inliers) continue;
-    most_inliers = *soft_inliers;
-    best = out;
-    best.knots = before;
-    std::copy(before.end() - std::ssize(best.posterior.mean), before.end(), best.posterior.mean.begin());
+    if (*soft_inliers < kMinInlierRatioOfBest * most_inliers) {
+      if (!went_far) return best;
+      best.iterations = out.iterations;
+      out = best;
+      steps = {};
+    } else if (*soft_inliers > most_inliers) {
+      most_inliers = *soft_inliers;
+      best = out;
+      best.knots = before;
+      std::copy(before.end() - std::ssize(best.posterior.mean), before.end(), best.posterior.mean.begin());
+    }
   }
   return out;
 }
@@ -179,12 +143,14 @@ std::optional<Registration> register_from_rest(std::vector<TrajectoryKnot> knots
   out.knots = std::move(knots);
   for (TrajectoryKnot& knot : out.knots) knot = {knot.time, prior.mean.front().T_v0, Vector6d::Zero()};
   for (double scale = kScaleFromRest; scale > 1; scale /= 2) {
-    MapsOfOthers maps(settings.point_sigma_m, scale);
+    // Enlarged, the coarsest grid would hold little but the ground.
+    MapOfScans map(scale * settings.point_sigma_m, scale, PlaneMap::kGrids - 1);
     RegistrationSettings level = settings;
     level.small_step = scale;
     out.converged = false;
     for (int i = 0; i < kMaxCoarseSteps && !out.converged; ++i) {
-      if (!joint_gauss_newton_step(prior, scans, level, scale, maps, out)) return std::nullopt;
+      SecantSteps plain;
+      if (!joint_gauss_newton_step(prior, scans, level, scale, map, plain, out)) return std::nullopt;
     }
   }
   return register_jointly(out.knots, prior, scans, settings);
@@ -193,8 +159,8 @@ std::optional<Registration> register_from_rest(std::vector<TrajectoryKnot> knots
 double soft_inliers_of(const std::vector<TrajectoryKnot>& knots, const std::vector<UsableScan>& scans,
                        const RegistrationSettings& settings) {
   double out = 0;
-  MapsOfOthers maps(settings.point_sigma_m, 1);
-  for (const auto& sums : sums_of_all(scans, knots, settings, 1, maps)) {
+  MapOfScans map(settings.point_sigma_m);
+  for (const auto& sums : sums_of_all(scans, knots, settings, 1, map)) {
     for (const BinSums& bin : sums) out += bin.soft_inliers;
   }
   return out;

@@ -5,6 +5,7 @@
 #include <iterator>
 #include <span>
 
+#include <Eigen/Eigenvalues>
 #include <tbb/parallel_for.h>
 
 #include "odometry/registration/degeneracy.hpp"
@@ -35,10 +36,10 @@ constexpr double kMinPairInlierRatio = 0.1;
 // sensor in fact moves at 29 m/s.
 constexpr double kMinFromRestScoreRatio = 0.5;
 
-// Five scans do not settle the speed where planes hardly fix a direction (is_weak()) and fewer keypoints than
-// this part lie on planes of the map. Measured in the fifth scan: VLP-16 motorways and flights have .4 to
-// .88; HDL-64E .91 to .94, and gain nothing by more scans.
-constexpr double kSettledInlierRatio = 0.9;
+// Five scans do not settle the motion while the position of the newest is known to less than this along some
+// direction. Measured after five scans (docs/notebook/odometry.md, "Steps along a valley"): VLP-16 in bare
+// tunnels .011 to .016 m, above hills .011 to .027; HDL-64E .003 to .006, above bare hills .011.
+constexpr double kSettledSigma_m = 0.01;
 
 // The negative log-likelihood of the motion between the scan's two knots under the motion prior.
 double motion_cost(const MappedTrajectory& mapped, const UsableScan& scan,
@@ -91,7 +92,7 @@ StartUp::Result StartUp::add(UsableScan scan) {
   if (scans_.size() < kMinScans) return result;
   const bool undecided = is_undecided();
   was_undecided_ = was_undecided_ || undecided;
-  if (scans_.size() < kMaxScans && (undecided || is_weakly_constrained())) return result;
+  if (scans_.size() < kMaxScans && (undecided || !is_settled())) return result;
   if (!pair_is_constrained_ && unregistered_.size() + scans_.size() < kJointScans) return result;
   return decide();
 }
@@ -305,11 +306,12 @@ bool StartUp::is_undecided() const {
   });
 }
 
-// Whether the planes hardly fix a direction of the newest scan's motion, and many points lie on none.
-bool StartUp::is_weakly_constrained() const {
-  const Registration& newest = hypotheses_.front().registration;
-  const auto keypoints = static_cast<double>(scans_.back().bins.points().size());
-  return is_weak(newest.degeneracy) && newest.inliers < kSettledInlierRatio * keypoints;
+// Whether the position of the newest scan is known well along every direction.
+bool StartUp::is_settled() const {
+  const Matrix12d covariance = hypotheses_.front().registration.last_information.inverse();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> of_position(covariance.topLeftCorner<3, 3>(),
+                                                                   Eigen::EigenvaluesOnly);
+  return of_position.eigenvalues().maxCoeff() <= kSettledSigma_m * kSettledSigma_m;
 }
 
 // The settings with the density of the rotation of these scans: a walking person rolls the sensor at 4

@@ -88,7 +88,7 @@ class StartUp {
   void prune_by_score();
   [[nodiscard]] Vector6d mean_velocity(const Hypothesis& hypothesis) const;
   [[nodiscard]] bool is_undecided() const;
-  [[nodiscard]] bool is_weakly_constrained() const;
+  [[nodiscard]] bool is_settled() const;
   Result decide();
   void refine_first_scans();
   [[nodiscard]] RegistrationSettings with_observed_rotation() const;

@@ -43,7 +43,7 @@ std::vector<Vector3d> points_on(const Patch& patch, int count, double half_m, st
 // A plane is fitted again when its cube has grown by a quarter: numbers of points at which the last fit has
 // all.
 int next_fit(int count) {
-  int fitted = PlaneGrid::kMinPoints;
+  int fitted = kMinPlanePoints;
   while (fitted < count) fitted = static_cast<int>(std::ceil(1.25 * fitted));
   return fitted;
 }
@@ -58,7 +58,7 @@ bool insert(PlaneGrid& grid, const Vector3d& p, unsigned laser) {
 // Lines of one laser, from a sensor that approaches a wall: a motion that is 5 % too short tilts the surface
 // that they span.
 TEST(PlaneGrid, HasNoPlaneOfOneLaserAlone) {
-  PlaneGrid one(1, 0, kSigma), two(1, 0, kSigma);
+  PlaneGrid one({1, 0}, kSigma), two({1, 0}, kSigma);
   for (unsigned scan = 0; scan < 10; ++scan) {
     for (double y = 0.1; y < 1; y += 0.1) {
       const Vector3d p(0.4 + 0.02 * scan, y, 0.4 + 0.04 * scan);
@@ -80,7 +80,7 @@ PlaneGrid grid_of_two_lasers(std::vector<Vector3d> points, const Vector3d& norma
     all.push_back(
         {points[i] + sign * noise_m * normal, i % 2 == 0 ? 3u : 4u, 1, 0, i % 2 == 0 ? 0 : second_scan});
   }
-  PlaneGrid grid(1, 0, kSigma);
+  PlaneGrid grid({1, 0}, kSigma);
   std::vector<unsigned> taken(all.size(), 0);
   grid.insert(all, 10, 1, taken);
   return grid;
@@ -114,7 +114,7 @@ TEST(PlaneGrid, RoughLinesOfDifferentScansMakeNoPlane) {
 
 // Lines of a wall, one laser of each scan in the cube, and then a scan that hits it with two.
 TEST(PlaneGrid, APlaneIsCertainOnceAScanHasHitItWithTwoLasers) {
-  PlaneGrid grid(1, 0, kSigma);
+  PlaneGrid grid({1, 0}, kSigma);
   const auto scan = [&](unsigned number, std::vector<unsigned> lasers) {
     std::vector<MapPoint> points;
     for (const unsigned laser : lasers)
@@ -139,7 +139,7 @@ TEST(PlaneGrid, GivesTheLeastSquaresPlaneOfTheCube) {
     const Vector3d centre = seed % 2 == 0 ? Vector3d(0.5, 0.5, 0.5) : Vector3d(30000.5, -19999.5, 5.5);
     const Patch patch = random_patch(generator, centre);
     const auto points = points_on(patch, next_fit(6 + static_cast<int>(seed)), 0.2, generator);
-    PlaneGrid grid(1, 0, kSigma);
+    PlaneGrid grid({1, 0}, kSigma);
     for (const Vector3d& p : points) ASSERT_TRUE(insert(grid, p, next_laser++));
     const Vector3d q = centre + 0.1 * patch.u - 0.15 * patch.v + 0.05 * patch.normal;
     const auto plane = grid.plane_at(q);
@@ -164,7 +164,7 @@ void expect_many_at_once_as_one_by_one(bool shuffled) {
   if (shuffled) std::shuffle(points.begin(), points.end(), generator);
   for (std::size_t i = 0; i < points.size(); i += 40)
     points.insert(points.begin() + static_cast<std::ptrdiff_t>(i), {{500, 0, 0}, next_laser++, 11});
-  PlaneGrid together(1, 0, kSigma), one_by_one(1, 0, kSigma);
+  PlaneGrid together({1, 0}, kSigma), one_by_one({1, 0}, kSigma);
   std::vector<unsigned> taken(points.size(), 4);
   together.insert(points, 10, 1, taken);
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -193,7 +193,7 @@ TEST(PlaneGrid, InsertingManyPointsEqualsInsertingOneByOne) {
 TEST(PlaneGrid, ACubeWithoutRoomForAllAcceptsTheLowestPasses) {
   for (const int before : {0, 100}) {
     SCOPED_TRACE(before);
-    PlaneGrid grid(1, 0, kSigma);
+    PlaneGrid grid({1, 0}, kSigma);
     for (int i = 0; i < before; ++i) ASSERT_TRUE(insert(grid, {0.5, 0.5, 0.5}, next_laser++));
     std::vector<MapPoint> points;
     for (unsigned i = 0; i < 480; ++i) {
@@ -220,7 +220,7 @@ TEST(PlaneGrid, RemovedPointsLeaveNoTrace) {
   const Patch patch = random_patch(generator, {2.5, 0.5, 0.5});
   const auto points = points_on(patch, next_fit(30), 0.2, generator);
   const auto others = points_on(random_patch(generator, {2.5, 0.5, 0.5}), 20, 0.3, generator);
-  PlaneGrid plain(1, 0, kSigma), changed(1, 0, kSigma);
+  PlaneGrid plain({1, 0}, kSigma), changed({1, 0}, kSigma);
   for (const Vector3d& p : points) (void)insert(plain, p, next_laser++);
   for (const Vector3d& p : others) (void)insert(changed, p, next_laser++);
   for (const Vector3d& p : points) (void)insert(changed, p, next_laser++);
@@ -237,10 +237,10 @@ TEST(PlaneGrid, RemovedPointsLeaveNoTrace) {
 }
 
 TEST(PlaneGrid, HasNoPlaneOfFewPointsALineOrACloud) {
-  PlaneGrid few(1, 0, kSigma), line(1, 0, kSigma), cloud(1, 0, kSigma);
+  PlaneGrid few({1, 0}, kSigma), line({1, 0}, kSigma), cloud({1, 0}, kSigma);
   std::mt19937 generator(8);
   std::uniform_real_distribution<double> uniform(0.1, 0.9);
-  for (int i = 0; i + 1 < PlaneGrid::kMinPoints; ++i)
+  for (int i = 0; i + 1 < kMinPlanePoints; ++i)
     (void)insert(few, {0.15 * i + 0.05, 0.3 * (i % 3) + 0.1, 0.5}, next_laser++);
   for (int i = 0; i < 60; ++i) {
     (void)insert(line, {uniform(generator), 0.5, 0.5}, next_laser++);
@@ -253,7 +253,7 @@ TEST(PlaneGrid, HasNoPlaneOfFewPointsALineOrACloud) {
 TEST(PlaneGrid, HasNoPlaneThatAFaceOfTheCubeCuts) {
   std::mt19937 generator(9);
   const Patch floor = {{0.5, 0.5, 1}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-  PlaneGrid cut(1, 0, kSigma), shifted(1, 0.4, kSigma);
+  PlaneGrid cut({1, 0}, kSigma), shifted({1, 0.4}, kSigma);
   for (const Vector3d& p : points_on(floor, 200, 0.4, generator)) {
     (void)insert(cut, p, next_laser++);
     (void)insert(shifted, p, next_laser++);
@@ -264,13 +264,13 @@ TEST(PlaneGrid, HasNoPlaneThatAFaceOfTheCubeCuts) {
 }
 
 TEST(PlaneGrid, CubesAtTheOriginAreAsWideAsOthers) {
-  PlaneGrid grid(1, 0, kSigma);
+  PlaneGrid grid({1, 0}, kSigma);
   for (const double x : {-0.5, 0.5, 1.5}) (void)insert(grid, {x, 0.5, 0.5}, next_laser++);
   EXPECT_EQ(grid.cubes(), 3u);
 }
 
 TEST(PlaneGrid, AFullCubeAcceptsNoMore) {
-  PlaneGrid grid(1, 0, kSigma);
+  PlaneGrid grid({1, 0}, kSigma);
   for (int i = 0; i < PlaneGrid::kMaxPoints; ++i) EXPECT_TRUE(insert(grid, {0.5, 0.5, 0.5}, next_laser++));
   EXPECT_FALSE(insert(grid, {0.5, 0.5, 0.5}, next_laser++));
   grid.remove({{0.5, 0.5, 0.5}});
@@ -281,7 +281,7 @@ TEST(PlaneGrid, AFullCubeAcceptsNoMore) {
 // Cleared, a grid keeps its memory but none of its points: neither planes, nor cubes that are full, nor
 // lasers.
 TEST(PlaneGrid, AClearedGridIsAsANewOne) {
-  PlaneGrid grid(1, 0, kSigma);
+  PlaneGrid grid({1, 0}, kSigma);
   for (int x = 0; x < 5000; ++x) (void)insert(grid, {x + 0.5, 0.5, 0.5}, next_laser++);
   for (int i = 0; i < 200; ++i)
     (void)insert(grid, {0.02 * (i % 40) + 0.1, 0.05 * (i % 16) + 0.1, 0.5}, next_laser++);
@@ -299,7 +299,7 @@ TEST(PlaneGrid, AClearedGridIsAsANewOne) {
 }
 
 TEST(PlaneGrid, RemovesCubesThatAreFar) {
-  PlaneGrid grid(1, 0, kSigma);
+  PlaneGrid grid({1, 0}, kSigma);
   for (int x = 0; x < 3000; ++x) (void)insert(grid, {x + 0.5, 0.5, 0.5}, next_laser++);
   grid.keep_within({1000, 0, 0}, 100);
   EXPECT_EQ(grid.cubes(), 201u);
@@ -311,7 +311,7 @@ TEST(PlaneGrid, RemovesCubesThatAreFar) {
 }
 
 TEST(PlaneGrid, IgnoresPointsWithoutACube) {
-  PlaneGrid grid(1, 0, kSigma);
+  PlaneGrid grid({1, 0}, kSigma);
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_FALSE(insert(grid, {nan, 0, 0}, next_laser++));
   EXPECT_FALSE(insert(grid, {0, 1e300, 0}, next_laser++));

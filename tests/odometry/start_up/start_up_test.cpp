@@ -84,7 +84,6 @@ TEST(StartUp, DropsAMotionWithFewInliers) { expect_right(SimulatedStart("highway
 // were 3.7 to 2.4 cm short, a quarter of each.
 TEST(StartUp, TheStepsOfAPersonAreNotEvenedOut) {
   const SimulatedStart tunnel("tunnel", 10101, 0, "HDL-64E-S2");
-  ASSERT_EQ(tunnel.started_with, 5);
   EXPECT_EQ(tunnel.state, MotionState::good);
   for (std::size_t k = 1; k < 5; ++k)
     EXPECT_LT(tunnel.error_m(tunnel.starts[k], tunnel.starts[k + 1]), 0.02) << "from scan " << k;
@@ -106,7 +105,7 @@ TEST(StartUp, UnregisteredScansAreRegisteredLater) { expect_right(SimulatedStart
 // registered for a second.
 TEST(StartUp, AHillIsHeldByEdgesOrFromRest) {
   const SimulatedStart flyer("flyer", 300, 0);
-  EXPECT_LE(flyer.started_with, 8);
+  EXPECT_LE(flyer.started_with, 10);
   expect_right(flyer);
   for (std::size_t k = 0; k + 4 < flyer.starts.size(); ++k)
     EXPECT_LT(flyer.turn_error_deg(flyer.starts[k], flyer.starts[k + 4]), 2) << "from scan " << k;
@@ -121,6 +120,14 @@ TEST(StartUp, WherePlanesHardlyFixADirectionMoreScansAreAwaited) {
   EXPECT_GT(flyer.started_with, 5);
   for (std::size_t k = 0; k + 4 < flyer.starts.size(); ++k)
     EXPECT_LT(flyer.error_m(flyer.starts[k], flyer.starts[k + 4]), 0.05) << "from scan " << k;
+}
+
+// Carried through a bare tunnel, with five scans the speed is off by .11 m over four.
+TEST(StartUp, MoreScansAreAwaitedInABareTunnel) {
+  const SimulatedStart tunnel("tunnel", 20104, 0);
+  EXPECT_GT(tunnel.started_with, 5);
+  for (std::size_t k = 0; k + 4 < tunnel.starts.size(); ++k)
+    EXPECT_LT(tunnel.error_m(tunnel.starts[k], tunnel.starts[k + 4]), 0.06) << "from scan " << k;
 }
 
 // Hovering, two motions are equally good and turn by .1 rad/s more or less at the end of the last scan. Over
