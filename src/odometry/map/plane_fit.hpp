@@ -17,14 +17,6 @@ struct MapPlane {
   double normal_variance;  ///< of the tilt of the normal [rad^2], mean of both directions
 };
 
-struct MapPoint {
-  Eigen::Vector3d p_0;  ///< [m]
-  unsigned laser;
-  double range_m;     ///< from the sensor
-  unsigned pass = 0;  ///< a cube without room for all points takes those of lower passes first
-  unsigned scan = 0;  ///< any number that other scans do not have
-};
-
 /// Fewest points of a plane. Chosen: twice its degrees of freedom.
 inline constexpr int kMinPlanePoints = 6;
 /// Fewest lasers of a plane, over all scans. The points of one laser in one scan lie on a line. The lines of

@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 
 #include "odometry/keypoints/thinning.hpp"
-#include "odometry/map/plane_map.hpp"
+#include "odometry/map/map_point.hpp"
 #include <mapless/trajectory/trajectory.hpp>
 
 namespace mapless::inline v1 {

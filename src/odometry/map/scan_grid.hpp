@@ -9,6 +9,7 @@
 
 #include "odometry/map/cube_lattice.hpp"
 #include "odometry/map/cube_table.hpp"
+#include "odometry/map/map_point.hpp"
 #include "odometry/map/plane_fit.hpp"
 
 namespace mapless::inline v1 {

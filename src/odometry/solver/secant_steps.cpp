@@ -10,7 +10,7 @@ namespace {
 constexpr double kSameDirection = 0.8;
 // The place where steps vanish is taken to be at most this many steps away. Chosen: steps that shrink by an
 // eighth each; beyond that their ratio says little.
-constexpr double kMaxSteps = 8;
+constexpr double kFarthestSteps = 8;
 // Weight of a rotation beside a translation [m]: points at this distance move as much by either, as in
 // has_converged().
 constexpr double kArm_m = 10;
@@ -36,7 +36,7 @@ std::vector<Vector12d> SecantSteps::extrapolated(const std::vector<Vector12d>& s
     // far again would leave the least of it.
     std::vector<Vector12d> change = step;
     for (std::size_t k = 0; k < step.size(); ++k) change[k] -= last_[k];
-    const double most = kMaxSteps * norm(step) / norm(last_taken_);
+    const double most = kFarthestSteps * norm(step) / norm(last_taken_);
     double times = -inner_product(change, step) / inner_product(change, change);
     if (!(times > 0 && times < most)) times = most;  // the steps do not shrink, or hardly
     for (std::size_t k = 0; k < step.size(); ++k) out[k] += times * (last_taken_[k] + change[k]);

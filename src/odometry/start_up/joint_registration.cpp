@@ -21,9 +21,9 @@ constexpr int kMaxSteps = 30;
 // tunnel of TEST(StartUp, TheStepsOfAPersonAreNotEvenedOut) ends after two steps.
 constexpr double kSmallJointStep = 3;
 // The maps move with the scans, so that a step may lose inliers; along a weakly constrained direction it may
-// diverge. The iteration ends at a step with fewer soft inliers than this part of the most so far. Measured:
-// without the limit one motorway start of 50 went from 27 to 10 m/s (docs/notebook/odometry.md, "How it
-// starts").
+// diverge. The iteration ends at a step with fewer soft inliers than this part of the most so far; if the
+// step was lengthened, it goes on from where these were, with steps as they are. Measured: without the limit
+// one motorway start of 50 went from 27 to 10 m/s (docs/notebook/odometry.md, "How it starts").
 constexpr double kMinInlierRatioOfBest = 0.99;
 // From rest: cubes and gates begin 8 times as large and are halved down to their own size, with at most 15
 // steps each. Derived: a hand swings a sensor so that points at 20 m move by 8 m between the first of eight
@@ -149,7 +149,7 @@ std::optional<Registration> register_from_rest(std::vector<TrajectoryKnot> knots
     level.small_step = scale;
     out.converged = false;
     for (int i = 0; i < kMaxCoarseSteps && !out.converged; ++i) {
-      SecantSteps plain;
+      SecantSteps plain;  // new for every step: none is lengthened
       if (!joint_gauss_newton_step(prior, scans, level, scale, map, plain, out)) return std::nullopt;
     }
   }
