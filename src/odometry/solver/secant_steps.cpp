@@ -9,7 +9,7 @@ namespace {
 // "Steps along a valley"): with .8 and .9 starts err alike, with .7 some flights do not converge.
 constexpr double kSameDirection = 0.8;
 // The place where steps vanish is taken to be at most this many steps away. Chosen: steps that shrink by an
-// eighth each; beyond that their ratio says little.
+// eighth each; beyond that their ratio says little. Measured: with 4 and 16, 207 starts err by a tenth more.
 constexpr double kFarthestSteps = 8;
 // Weight of a rotation beside a translation [m]: points at this distance move as much by either, as in
 // has_converged().
