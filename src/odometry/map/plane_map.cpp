@@ -1,6 +1,6 @@
 #include "odometry/map/plane_map.hpp"
 
-#include <algorithm>
+#include <array>
 #include <limits>
 
 #include <tbb/parallel_for.h>
@@ -8,6 +8,9 @@
 namespace mapless::inline v1 {
 namespace {
 
+// Cube sides [m]. Chosen: octaves from the smallest surface that a lidar resolves at 60 m to the largest cube
+// that a wall or a road fills.
+constexpr std::array<double, PlaneMap::kGrids> kCubes_m = {0.5, 1.0, 2.0, 4.0};
 // Largest range at which a grid accepts points, in cube sides. Derived: a cube is 1 / 80 rad = 0.7 deg wide
 // there, so that one scan of lasers 0.4 deg or more apart puts at most two lines into it, the fewest of a
 // plane, and little of a surface between them. Measured without the limit on the second simulator: four
@@ -28,11 +31,11 @@ PlaneMap::PlaneMap(double sigma_m, double scale, std::size_t grids) : good_varia
 }
 
 CubeLattice PlaneMap::lattice(std::size_t g, double scale) {
-  return {scale * kCubes[g], scale * kOffsets_m[g]};
+  return {scale * kCubes_m[g], scale * kOffsets_m[g]};
 }
 
 double PlaneMap::max_range_m(std::size_t g, std::size_t grids) {
-  return g + 1 == grids ? std::numeric_limits<double>::infinity() : kMaxRangeCubes * kCubes[g];
+  return g + 1 == grids ? std::numeric_limits<double>::infinity() : kMaxRangeCubes * kCubes_m[g];
 }
 
 double PlaneMap::good_variance(double sigma_m) { return kGoodSigmas * kGoodSigmas * sigma_m * sigma_m; }

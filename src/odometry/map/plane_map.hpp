@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -19,9 +18,6 @@ namespace mapless::inline v1 {
 class PlaneMap final : public PlaneSource {
  public:
   static constexpr std::size_t kGrids = 4;
-  /// Cube sides [m]. Chosen: octaves from the smallest surface that a lidar resolves at 60 m to the largest
-  /// cube that a wall or a road fills.
-  static constexpr std::array<double, kGrids> kCubes = {0.5, 1.0, 2.0, 4.0};
 
   /// The finest `grids` grids, their cubes `scale` times as large. `sigma_m` is the expected noise of a
   /// point.

@@ -8,7 +8,6 @@
 #include <Eigen/Eigenvalues>
 #include <tbb/parallel_for.h>
 
-#include "odometry/registration/degeneracy.hpp"
 #include "odometry/solver/motion_density.hpp"
 #include "odometry/start_up/joint_registration.hpp"
 
@@ -38,7 +37,7 @@ constexpr double kMinFromRestScoreRatio = 0.5;
 
 // Five scans do not settle the motion while the position of the newest is known to less than this along some
 // direction. Measured after five scans (docs/notebook/odometry.md, "Steps along a valley"): VLP-16 in bare
-// tunnels .011 to .016 m, above hills .011 to .027; HDL-64E .003 to .006, above bare hills .011.
+// tunnels .011 to .016 m, above hills .011 to .027; HDL-64E mostly .003 to .006, above bare hills .011.
 constexpr double kSettledSigma_m = 0.01;
 
 // The negative log-likelihood of the motion between the scan's two knots under the motion prior.

@@ -5,6 +5,8 @@
 #include <Eigen/LU>
 #include <gtest/gtest.h>
 
+#include "odometry/map/plane_map.hpp"
+
 namespace mapless {
 namespace MAPLESS_FILE {
 

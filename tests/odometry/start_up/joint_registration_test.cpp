@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "odometry/map/plane_map.hpp"
 #include "odometry/map/points_in_world.hpp"
 
 namespace mapless {
