@@ -8,6 +8,8 @@
 #include <numeric>
 #include <set>
 
+#include <Eigen/SVD>
+
 namespace mapless::test {
 
 int EvidenceGrowthOracle::image_column(const LidarReturn& r) const {
@@ -224,7 +226,20 @@ Body EvidenceGrowthOracle::body(const std::vector<PointEvidence>& votes,
     if (votes[i].stood_before) ++stood;
   }
   if (rows.size() >= 3 && whole >= 4 && 5 * whole >= object.size()) return Body::rigid;
-  return 10 * stood > object.size() ? Body::standing : Body::unclear;
+  return 10 * stood > object.size() || on_line(votes, object) ? Body::standing : Body::unclear;
+}
+
+bool EvidenceGrowthOracle::on_line(const std::vector<PointEvidence>& votes,
+                                   const std::vector<std::size_t>& object) const {
+  const auto surface_seen = [&](std::size_t i) { return votes[i].surface_seen; };
+  if (object.size() < 3 || std::none_of(object.begin(), object.end(), surface_seen)) return false;
+  Eigen::MatrixX3d points(object.size(), 3);
+  for (std::size_t n = 0; n < object.size(); ++n)
+    points.row(static_cast<Eigen::Index>(n)) = points_[object[n]].cast<double>().transpose();
+  points.rowwise() -= points.colwise().mean().eval();
+  const Eigen::Vector3d spread =
+      points.jacobiSvd().singularValues() / std::sqrt(static_cast<double>(object.size()));
+  return spread[0] >= 0.1 && 10 * spread[1] <= spread[0];
 }
 
 void EvidenceGrowthOracle::number(const std::vector<PointEvidence>& votes, const std::vector<char>& dynamic,

@@ -45,6 +45,8 @@ class EvidenceGrowthOracle {
                                    const std::vector<std::size_t>& object) const;
   [[nodiscard]] Body body(const std::vector<PointEvidence>& votes,
                           const std::vector<std::size_t>& object) const;
+  [[nodiscard]] bool on_line(const std::vector<PointEvidence>& votes,
+                             const std::vector<std::size_t>& object) const;
   [[nodiscard]] bool linked(std::size_t i, std::size_t j, int rows, int columns) const;
   [[nodiscard]] double link_m(const LidarReturn& r) const;
   /// Columns of the aligned image, which wraps.

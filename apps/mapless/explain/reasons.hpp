@@ -51,7 +51,7 @@ struct ReasonText {
 };
 extern const std::array<ReasonText, kObservationKinds> kObservationTexts;
 extern const std::array<ReasonText, kPointSteps> kPointTexts;
-inline constexpr std::size_t kTrackReasons = 11;
+inline constexpr std::size_t kTrackReasons = 12;
 extern const std::array<ReasonText, kTrackReasons> kTrackTexts;
 
 /// Distances in texts, and in the page: whole centimetres below 1 m, which are the steps 0 to 99, then whole

@@ -63,7 +63,8 @@ enum class TrackReason : std::uint8_t {
   little_evidence,      ///< begins not: its evidence is below what it takes
   stopped_slow,         ///< stops: below min_speed_mps, or of unknown velocity and without a displacement
   stopped_unsupported,  ///< stops: velocity known badly, and evidence below a third of what it takes
-  stopped_by_rays       ///< the rays of the scans around show that it stands, whatever its velocity
+  stopped_by_rays,      ///< the rays of the scans around show that it stands, whatever its velocity
+  slides_with_sensor    ///< its points lie on a line, along which it would move with the sensor: a rail
 };
 
 /// What tracking decided about one proposed object of one scan.

@@ -4,6 +4,8 @@
 #include <span>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "detection/evidence/point_evidence.hpp"
 #include <mapless/geometry/compensated_scan.hpp>
 
@@ -13,7 +15,8 @@ namespace mapless::inline v1 {
 enum class Body : std::uint8_t {
   unclear,
   rigid,    ///< several rows, and part of its points was never seen through: it occluded its former place
-  standing  ///< scans before the recent ones saw a surface at part of its points: leaves, rails, edges
+  standing  ///< scans before the recent ones saw a surface at part of its points, or they lie on a line:
+            ///< leaves, rails, edges
 };
 
 /// Evidence of the rays about one object, of method "voting".
@@ -24,6 +27,7 @@ struct ObjectEvidence {
   /// Logarithm of the likelihood of the rays past it and through it, as past a place that was empty before,
   /// relative to that as past a thing thinner than the distance of two lasers; 0: nothing is known.
   double log_odds = 0;
+  Eigen::Vector3f line_0 = Eigen::Vector3f::Zero();  ///< direction of the line its points lie on; 0: on none
 };
 
 /// Sums the evidence of the points of each object of one scan.
@@ -64,9 +68,11 @@ class ObjectEvidenceCollector {
     int rows;
     int votes;
     RaysThrough rays;
+    bool surface_seen;  // at one of its points at least
   };
   [[nodiscard]] Tally tally(std::span<const std::int32_t> object);
-  [[nodiscard]] Body body(std::span<const std::int32_t> object, int rows) const;
+  [[nodiscard]] Eigen::Vector3f line_0(std::span<const std::int32_t> object) const;
+  [[nodiscard]] Body body(std::span<const std::int32_t> object, int rows, bool on_line) const;
   [[nodiscard]] RowTally& row_of(std::int32_t i) {
     return rows_[static_cast<std::size_t>(scan_.returns[static_cast<std::size_t>(i)].laser)];
   }

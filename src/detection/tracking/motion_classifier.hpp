@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <map>
 
+#include <Eigen/Core>
+
 #include "detection/segmentation/object_evidence.hpp"
 #include <mapless/core/time.hpp>
 #include <mapless/detection/detection.hpp>
@@ -69,6 +71,12 @@ class MotionClassifier {
 
   VotingParameters parameters_;
 };
+
+/// Whether an object would move along the line on which its points lie, and with the sensor rather than not
+/// at all: a rail or a kerb. How a line moves along itself its ends alone tell, and those of a rail are where
+/// the sensor stops to see it. `line_0`: ObjectEvidence::line_0; velocities in m/s.
+[[nodiscard]] bool slides_with_sensor(const Eigen::Vector3f& line_0, const Eigen::Vector3d& velocity_0,
+                                      const Eigen::Vector3d& sensor_velocity_0);
 
 using TrackMotions = std::map<std::uint32_t, TrackMotion>;  // by TrackedObject::id
 

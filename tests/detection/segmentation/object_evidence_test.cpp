@@ -1,5 +1,6 @@
 #include "detection/segmentation/object_evidence.hpp"
 
+#include <cmath>
 #include <cstdint>
 #include <numeric>
 #include <random>
@@ -69,6 +70,51 @@ TEST_F(RaysPastAnObject, OfManyScansAlikeCountOnce) {
     for (std::size_t i = 0; i < votes_.size(); ++i) pass(i, i % 8 == 0 ? 0.05 : 0.3);
   }
   EXPECT_NEAR(log_odds(), once, 1e-3);
+}
+
+// Points of two rows, along x and `across_m` apart, of which a scan saw a surface at the first.
+class PointsOnALine : public testing::Test {
+ protected:
+  [[nodiscard]] ObjectEvidence collect(std::size_t count, float step_m, float across_m,
+                                       bool surface_seen = true) {
+    std::vector<std::int32_t> object(count);
+    std::iota(object.begin(), object.end(), 0);
+    for (std::size_t i = 0; i < count; ++i)
+      points_.points[i] = {100 + step_m * static_cast<float>(i), i % 2 == 0 ? across_m : 0, 3};
+    votes_.front().surface_seen = surface_seen;
+    return ObjectEvidenceCollector(scan_, points_, votes_, 1000).collect(object);
+  }
+
+  LidarScan scan_ = test::small_scan({0, 0});
+  LocalPoints points_ = test::points_of(scan_);
+  std::vector<PointEvidence> votes_ = std::vector<PointEvidence>(scan_.returns.size());
+};
+
+// n points at equal steps have a standard deviation of sqrt((n^2 - 1) / 12) steps; two rows, of half their
+// distance. Of 40 at 0.05 m: 0.577 m, a tenth of which is half of 0.115 m.
+TEST_F(PointsOnALine, AreTenTimesAsLongAsBroad) {
+  const ObjectEvidence line = collect(40, 0.05F, 0.11F);
+  EXPECT_NEAR(std::abs(line.line_0.x()), 1, 0.01);
+  EXPECT_EQ(line.body, Body::standing);
+  const ObjectEvidence broad = collect(40, 0.05F, 0.12F);
+  EXPECT_TRUE(broad.line_0.isZero());
+  EXPECT_EQ(broad.body, Body::unclear);
+}
+
+// Of ten: 2.87 steps, 0.1 m at steps of 0.0348 m.
+TEST_F(PointsOnALine, AreSpreadByATenthOfAMetre) {
+  EXPECT_FALSE(collect(10, 0.035F, 0).line_0.isZero());
+  EXPECT_TRUE(collect(10, 0.034F, 0).line_0.isZero());
+}
+
+TEST_F(PointsOnALine, AreThree) {
+  EXPECT_FALSE(collect(3, 1, 0).line_0.isZero());
+  EXPECT_TRUE(collect(2, 1, 0).line_0.isZero());
+}
+
+// A bird in the sky is a line, too, where rays never met anything before.
+TEST_F(PointsOnALine, AreNoneWhereNoScanSawASurface) {
+  EXPECT_TRUE(collect(40, 0.05F, 0, false).line_0.isZero());
 }
 
 }  // namespace MAPLESS_FILE

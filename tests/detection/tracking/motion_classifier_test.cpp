@@ -322,5 +322,25 @@ TEST(EraseDropped, ErasesTracksUnseenForMoreThanASecond) {
   EXPECT_EQ(states.begin()->first, 5u);
 }
 
+// Velocities 24 and 27 degrees off the line, either way along it; nearer to the sensor's than to none.
+TEST(SlidesWithSensor, WhatMovesAlongItsLineAtTheSensorsVelocity) {
+  const Vector3d sensor_mps{2, 0, 0};
+  const auto slides = [&](const Eigen::Vector3f& line, const Vector3d& velocity_0) {
+    return slides_with_sensor(line, velocity_0, sensor_mps);
+  };
+  for (const float sign : {1.F, -1.F}) {
+    const Eigen::Vector3f line{sign, 0, 0};
+    EXPECT_TRUE(slides(line, {2, 0.89, 0}));
+    EXPECT_FALSE(slides(line, {1.5, 0.76, 0}));
+    EXPECT_TRUE(slides(line, {1.01, 0, 0}));
+    EXPECT_FALSE(slides(line, {0.99, 0, 0}));
+    EXPECT_FALSE(slides(line, {3.01, 0, 0}));
+    EXPECT_FALSE(slides(line, {-2, 0, 0}));
+  }
+  EXPECT_FALSE(slides({0, 1, 0}, {2, 0, 0}));
+  EXPECT_FALSE(slides(Eigen::Vector3f::Zero(), {2, 0, 0}));
+  EXPECT_FALSE(slides_with_sensor({1, 0, 0}, Vector3d::Zero(), Vector3d::Zero()));
+}
+
 }  // namespace MAPLESS_FILE
 }  // namespace mapless

@@ -1,6 +1,9 @@
 #include "detection/tracking/moving_objects.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <memory>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -158,6 +161,62 @@ TEST(MovingObjects, EveryObjectHasItsOwnDisplacement) {
       EXPECT_EQ(detection.object[i], before[i] == (second ? 2 : 1) ? 1 : 0);
     ASSERT_EQ(detection.tracked.size(), 1u);
     EXPECT_EQ(detection.tracked.front().id, 1u);  // whatever static tracks there are
+  }
+}
+
+constexpr double kPace_mps = 2;
+
+// A bar that keeps pace with a sensor: what a sensor sees of a rail does so, too.
+class Bar : public testing::Test {
+ protected:
+  Bar() {
+    scene_.world.push_back(test::toy_box({0, 2, 0.05}, {1, 0.02, 0.03}));
+    scene_.world.back().velocity_0 = {kPace_mps, 0, 0};
+    scene_.world.back().object = 1;
+  }
+
+  // It as a proposed object of scan k, whose points are said to lie on a line or not.
+  [[nodiscard]] ObjectProposals propose(int k, bool on_line) const {
+    ObjectProposals proposed;
+    auto [compensated, points] = compensate_locally(test::cast_scan(scene_, k).scan, *scene_.trajectory);
+    proposed.scan = compensated.scan;
+    proposed.rays = std::make_shared<RayImage>(compensated);
+    for (const int gap : {1, 2, 4, 8}) {
+      if (gap > k) continue;
+      const auto other = compensate_locally(test::cast_scan(scene_, k - gap).scan, *scene_.trajectory).first;
+      proposed.references.push_back({std::make_shared<RayImage>(other), gap});
+    }
+    for (const Eigen::Vector3f& p : points.points) {
+      const bool of_bar = std::abs(p.x()) < 1.5F && std::abs(p.y() - 2) < 0.1F && std::abs(p.z()) < 0.2F;
+      proposed.object.push_back(of_bar ? 1 : 0);
+    }
+    proposed.trace.resize(points.points.size());
+    proposed.votes.resize(points.points.size());
+    proposed.points = std::move(points);
+    proposed.objects = 1;
+    proposed.evidence.emplace_back();
+    proposed.evidence.back().displacement_m = 1;
+    proposed.evidence.back().votes = 1000;
+    if (on_line) proposed.evidence.back().line_0 = {1, 0, 0};
+    proposed.column_states = std::move(compensated.column_states);
+    return proposed;
+  }
+
+  test::ToyScene scene_ = test::toy_room("OS1-64", test::drive(kPace_mps, 0));
+};
+
+// Evidence and displacement are ample.
+TEST_F(Bar, IsStaticWhereItsPointsLieOnALine) {
+  for (const bool on_line : {false, true}) {
+    SCOPED_TRACE(on_line);
+    MovingObjects moving{DetectorParameters{}};
+    for (int k = 0; k < 5; ++k) {
+      const Detection detection = moving.classify(propose(k, on_line));
+      if (k < 3) continue;
+      EXPECT_EQ(detection.objects, on_line ? 0 : 1);
+      if (on_line) continue;
+      EXPECT_NEAR(detection.tracked.front().velocity_0.x(), kPace_mps, 0.9);
+    }
   }
 }
 
