@@ -45,9 +45,9 @@ struct TrackMotion {
 /// - the rays show a displacement, and half of the path that its velocity makes in kRecentGap scans if it
 ///   was seen to stand;
 /// - its evidence reaches min_evidence, times the standard deviation of its velocity over 0.5 m/s from its
-///   third scan on. A body that stood there before takes twice as much. Half suffices for a rigid one, and
-///   where the velocity differs from zero by more than 2 sigma and the rays show half of that path. Where
-///   rays keep beside it as beside a rail (`log_odds`), it takes that much more.
+///   third scan on. A body that stood there before, or is a line, takes twice as much. Half suffices for a
+///   rigid one, and where the velocity differs from zero by more than 2 sigma and the rays show half of that
+///   path. Where rays keep beside it as beside a rail (`log_odds`), it takes that much more.
 ///
 /// What is on a straight path (StraightPaths) moves, whatever else holds, until StandingTest says otherwise.
 ///
