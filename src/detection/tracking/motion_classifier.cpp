@@ -64,7 +64,7 @@ double share_counted(const TrackMotion& motion) {
 constexpr double kGoesOnShare = 1.0 / 3;
 
 // Cosine of the largest angle between a line and a velocity along it, 25 degrees. Measured: .5 to .95 take
-// the same rails, and .5 twice as many movers.
+// the same rails, within 12 of 342; .5 takes 70 movers for 26.
 constexpr double kAlong = 0.9;
 
 }  // namespace
