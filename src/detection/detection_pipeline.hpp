@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "detection/evidence/point_evidence.hpp"
 #include "detection/freespace/ray_image.hpp"
 #include "detection/segmentation/object_evidence.hpp"
@@ -37,9 +39,11 @@ struct ObjectProposals {
   std::vector<ObjectEvidence> evidence;        ///< by object number - 1; empty for method "published"
   std::vector<PointEvidence> votes;            ///< empty for method "published"
   // Method "voting" alone:
-  LocalPoints points;                            ///< of `scan`
-  std::vector<ReferenceRays> references;         ///< that gave the evidence
-  VotingParameters parameters;                   ///< with the tolerance for the noise of `scan`
+  LocalPoints points;                     ///< of `scan`
+  std::vector<ReferenceRays> references;  ///< that gave the evidence
+  Eigen::Vector3d sensor_velocity_0 =
+      Eigen::Vector3d::Zero();  ///< mean over the last five scans [m/s, frame 0]; 0 in the first scan
+  VotingParameters parameters;  ///< with the tolerance for the noise of `scan`
   std::vector<std::vector<std::int32_t>> faint;  ///< EvidenceGrowthResult::faint
   std::vector<std::int32_t> rims;                ///< EvidenceGrowthResult::rims
   StageSeconds seconds;

@@ -47,6 +47,9 @@ std::vector<StageTrace> trace_of(const std::vector<PointEvidence>& evidence,
   return trace;
 }
 
+// Over which the velocity of the sensor is taken: as long as an object is registered over, 0.5 s at 10 Hz.
+constexpr std::size_t kVelocityScans = 5;
+
 // Scans of other sensors that are kept while this sensor delivers none: those of four sensors that are
 // compared, and more.
 constexpr std::size_t kMostOtherScans = 260;
@@ -92,6 +95,7 @@ class VotingPipeline final : public DetectionPipeline {
     return images_.at(static_cast<std::size_t>(static_cast<int>(number - first_image_) - gap));
   }
   [[nodiscard]] std::vector<ReferenceScan> references_of(std::size_t number) const;
+  [[nodiscard]] Eigen::Vector3d sensor_velocity_0(std::size_t number) const;
   [[nodiscard]] std::vector<ReferenceScan> others_for(const LidarScan& scan) const;
   void forget_others_before(const LidarScan& scan);
   [[nodiscard]] ObjectProposals run_stages(PendingScan query, const std::vector<ReferenceScan>& references,
@@ -147,6 +151,13 @@ std::vector<ReferenceScan> VotingPipeline::references_of(std::size_t number) con
   return references;
 }
 
+Eigen::Vector3d VotingPipeline::sensor_velocity_0(std::size_t number) const {
+  const std::size_t scans = std::min(kVelocityScans, number - first_image_);
+  if (scans == 0) return Eigen::Vector3d::Zero();
+  const RayImage &now = image(number), &before = image(number - scans);
+  return (now.origin_0() - before.origin_0()) / (now.start() - before.start()).seconds();
+}
+
 std::vector<std::shared_ptr<const RayImage>> VotingPipeline::rays_from(std::size_t number) const {
   const std::size_t known = number > first_image_ ? std::min(number - first_image_, images_.size()) : 0;
   return {images_.begin() + static_cast<std::ptrdiff_t>(known), images_.end()};
@@ -184,6 +195,7 @@ ObjectProposals VotingPipeline::propose(std::size_t number) {
   const std::vector<ReferenceScan> others = others_for(*query.scan);
   ObjectProposals proposed = run_stages(std::move(query), references, others, image(number));
   proposed.rays = images_.at(number - first_image_);
+  proposed.sensor_velocity_0 = sensor_velocity_0(number);
   for (const ReferenceScan& r : references) proposed.references.push_back({rays_at(number, r.gap), r.gap});
   images_.at(number - first_image_)->mark_dynamic(*proposed.scan, proposed.object);
   while (first_image_ + gaps_.back() < number + 1) {  // the oldest reference scan of the next query scan

@@ -226,7 +226,8 @@ Body EvidenceGrowthOracle::body(const std::vector<PointEvidence>& votes,
     if (votes[i].stood_before) ++stood;
   }
   if (rows.size() >= 3 && whole >= 4 && 5 * whole >= object.size()) return Body::rigid;
-  return 10 * stood > object.size() || on_line(votes, object) ? Body::standing : Body::unclear;
+  if (10 * stood > object.size()) return Body::standing;
+  return on_line(votes, object) ? Body::line : Body::unclear;
 }
 
 bool EvidenceGrowthOracle::on_line(const std::vector<PointEvidence>& votes,

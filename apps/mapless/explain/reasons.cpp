@@ -88,8 +88,8 @@ const std::array<ReasonText, kTrackReasons> kTrackTexts = {{
      "The rays of the scans around end on it as if it were static, better than as if it moved at "
      "{speed} m/s."},
     {"static: slides with the sensor",
-     "Its points lie on a straight line, along which it would move with the sensor, at {speed} m/s. So a "
-     "rail looks, which ends where the sensor stops to see it."},
+     "Its points lie on a straight line, and its velocity, {speed} m/s, is along the line and that of the "
+     "sensor. A static rail has such a velocity, because the part of it in view moves with the sensor."},
 }};
 
 int steps_of(double metres) {

@@ -64,7 +64,7 @@ enum class TrackReason : std::uint8_t {
   stopped_slow,         ///< stops: below min_speed_mps, or of unknown velocity and without a displacement
   stopped_unsupported,  ///< stops: velocity known badly, and evidence below a third of what it takes
   stopped_by_rays,      ///< the rays of the scans around show that it stands, whatever its velocity
-  slides_with_sensor    ///< its points lie on a line, along which it would move with the sensor: a rail
+  slides_with_sensor    ///< its points lie on a line along its velocity, which is that of the sensor: a rail
 };
 
 /// What tracking decided about one proposed object of one scan.

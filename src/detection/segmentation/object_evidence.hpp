@@ -14,9 +14,9 @@ namespace mapless::inline v1 {
 /// Shape of an object as the rays of the reference scans observed its place. Limits: object_evidence.cpp.
 enum class Body : std::uint8_t {
   unclear,
-  rigid,    ///< several rows, and part of its points was never seen through: it occluded its former place
-  standing  ///< scans before the recent ones saw a surface at part of its points, or they lie on a line:
-            ///< leaves, rails, edges
+  rigid,     ///< several rows, and part of its points was never seen through: it occluded its former place
+  standing,  ///< scans before the recent ones saw a surface at part of its points: leaves, rails, edges
+  line       ///< its points lie on a straight line: rails, kerbs, edges
 };
 
 /// Evidence of the rays about one object, of method "voting".
@@ -27,7 +27,8 @@ struct ObjectEvidence {
   /// Logarithm of the likelihood of the rays past it and through it, as past a place that was empty before,
   /// relative to that as past a thing thinner than the distance of two lasers; 0: nothing is known.
   double log_odds = 0;
-  Eigen::Vector3f line_0 = Eigen::Vector3f::Zero();  ///< direction of the line its points lie on; 0: on none
+  Eigen::Vector3f line_0 = Eigen::Vector3f::Zero();  ///< unit vector along the straight line on
+                                                     ///< which its points lie, frame 0; 0: on none
 };
 
 /// Sums the evidence of the points of each object of one scan.

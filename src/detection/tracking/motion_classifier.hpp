@@ -72,9 +72,10 @@ class MotionClassifier {
   VotingParameters parameters_;
 };
 
-/// Whether an object would move along the line on which its points lie, and with the sensor rather than not
-/// at all: a rail or a kerb. How a line moves along itself its ends alone tell, and those of a rail are where
-/// the sensor stops to see it. `line_0`: ObjectEvidence::line_0; velocities in m/s.
+/// Whether the velocity of an object is along the line on which its points lie (within 25 degrees), and
+/// differs from the sensor's by less than half of the sensor's speed. A static rail or kerb is registered so:
+/// only the ends of a line show a motion along it, and the part of a rail in view moves with the sensor.
+/// `line_0`: ObjectEvidence::line_0; velocities in m/s, frame 0.
 [[nodiscard]] bool slides_with_sensor(const Eigen::Vector3f& line_0, const Eigen::Vector3d& velocity_0,
                                       const Eigen::Vector3d& sensor_velocity_0);
 

@@ -15,20 +15,6 @@
 #include <mapless/core/time.hpp>
 
 namespace mapless::inline v1 {
-namespace {
-
-// Mean velocity of the sensor [m/s] over the last kRecentGap scans; 0 where there are none.
-Eigen::Vector3d sensor_velocity_0(const ObjectProposals& proposed) {
-  const ReferenceRays* before = nullptr;
-  for (const ReferenceRays& r : proposed.references) {
-    if (r.gap > 0 && r.gap <= kRecentGap && (before == nullptr || r.gap > before->gap)) before = &r;
-  }
-  if (before == nullptr) return Eigen::Vector3d::Zero();
-  const RayImage& now = *proposed.rays;
-  return (now.origin_0() - before->rays->origin_0()) / (now.start() - before->rays->start()).seconds();
-}
-
-}  // namespace
 
 Detection MovingObjects::classify(ObjectProposals proposed) {
   std::vector<bool> on_path;
@@ -55,7 +41,6 @@ Detection MovingObjects::classify(ObjectProposals proposed) {
     const std::size_t n = object.number - 1U;
     state = classifier_.update(state, object, proposed.evidence[n], now, on_path[n]);
   }
-  stop_rails(proposed, detection.tracked);
   timed(detection.seconds.tracking, [&] { stop_standing(proposed, detection); });
   motions_.assign(proposed.evidence.size(), {});
   for (const TrackedObject& object : detection.tracked) {
@@ -128,11 +113,10 @@ void MovingObjects::take_off(const std::vector<std::int32_t>& rims, Detection& d
 }
 
 void MovingObjects::stop_rails(const ObjectProposals& proposed, const std::vector<TrackedObject>& tracked) {
-  const Eigen::Vector3d sensor_0 = sensor_velocity_0(proposed);
   for (const TrackedObject& object : tracked) {
     TrackMotion& state = states_.at(object.id);
     const Eigen::Vector3f& line_0 = proposed.evidence[object.number - 1U].line_0;
-    if (!state.moves || !slides_with_sensor(line_0, object.velocity_0, sensor_0)) continue;
+    if (!state.moves || !slides_with_sensor(line_0, object.velocity_0, proposed.sensor_velocity_0)) continue;
     state.moves = false;
     state.reason = TrackReason::slides_with_sensor;
   }
@@ -140,6 +124,7 @@ void MovingObjects::stop_rails(const ObjectProposals& proposed, const std::vecto
 
 // The rays outvote the velocity of a track: its registered surface may be a part that changes.
 void MovingObjects::stop_standing(const ObjectProposals& proposed, const Detection& detection) {
+  stop_rails(proposed, detection.tracked);
   const ObjectMembers members(detection.object);
   const StandingTest test(*detection.scan, proposed.points, proposed.references, proposed.parameters);
   tbb::parallel_for(std::size_t{0}, detection.tracked.size(), [&](std::size_t k) {

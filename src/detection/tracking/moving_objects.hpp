@@ -49,7 +49,7 @@ class MovingObjects {
   [[nodiscard]] std::uint32_t given_id(std::uint32_t track) const;  // 0: none
   /// Makes the rims of objects static.
   static void take_off(const std::vector<std::int32_t>& rims, Detection& detection);
-  /// Makes static what slides_with_sensor.
+  /// Makes objects static for which slides_with_sensor() holds.
   void stop_rails(const ObjectProposals& proposed, const std::vector<TrackedObject>& tracked);
   void stop_standing(const ObjectProposals& proposed, const Detection& detection);
   void explain(const std::vector<ObjectEvidence>& evidence, const std::vector<bool>& moved,

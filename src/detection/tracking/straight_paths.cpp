@@ -78,10 +78,9 @@ StraightPaths::Spot StraightPaths::spot_of(const ObjectProposals& proposed,
 
 std::vector<bool> StraightPaths::find(ObjectProposals& proposed, const std::vector<TrackedObject>& movers) {
   now_ = proposed.scan->start;
-  sensor_0_ = proposed.points.origin_0;
+  sensor_velocity_0_ = proposed.sensor_velocity_0;
   Spots spots;
   spots.start = now_;
-  spots.sensor_0 = sensor_0_;
   tabulate_chances();
   const ObjectMembers members(proposed.object);
   std::vector<bool> on_path(proposed.evidence.size(), false);
@@ -209,9 +208,7 @@ int StraightPaths::most_met_by_others(const Spot& spot, const Vector3d& velocity
 }
 
 bool StraightPaths::keeps_pace(const Vector3d& velocity_0) const {
-  const Spots& before = earlier_[std::min(kOldest, earlier_.size()) - 1];
-  const Vector3d sensor_mps = (sensor_0_ - before.sensor_0) / seconds_since(before);
-  return (velocity_0 - sensor_mps).norm() < kPaceError_mps + kPaceErrorShare * velocity_0.norm();
+  return (velocity_0 - sensor_velocity_0_).norm() < kPaceError_mps + kPaceErrorShare * velocity_0.norm();
 }
 
 void StraightPaths::tabulate_chances() {

@@ -51,7 +51,6 @@ class StraightPaths {
   };
   struct Spots {  // of one scan
     Time start;
-    Eigen::Vector3d sensor_0;
     std::vector<Spot> all;
     Eigen::ArrayX3d centres_0;              // of all
     std::vector<std::uint32_t> within;      // indices into `all`, for each cell those whose reach touches it
@@ -85,7 +84,7 @@ class StraightPaths {
   std::vector<double> chances_;  // see chance()
   std::deque<Spots> earlier_;    // newest first
   Time now_;
-  Eigen::Vector3d sensor_0_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d sensor_velocity_0_ = Eigen::Vector3d::Zero();
 };
 
 }  // namespace mapless

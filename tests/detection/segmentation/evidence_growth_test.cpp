@@ -393,7 +393,7 @@ TEST(EvidenceGrowth, AgreesWithExhaustiveSearch) {
   EXPECT_GT(kept, 500);
   EXPECT_GT(grown, 400);
   EXPECT_GT(objects, 200);
-  EXPECT_EQ(bodies.size(), 3u);
+  EXPECT_EQ(bodies.size(), 4u);
 }
 
 }  // namespace MAPLESS_FILE

@@ -95,7 +95,7 @@ class PointsOnALine : public testing::Test {
 TEST_F(PointsOnALine, AreTenTimesAsLongAsBroad) {
   const ObjectEvidence line = collect(40, 0.05F, 0.11F);
   EXPECT_NEAR(std::abs(line.line_0.x()), 1, 0.01);
-  EXPECT_EQ(line.body, Body::standing);
+  EXPECT_EQ(line.body, Body::line);
   const ObjectEvidence broad = collect(40, 0.05F, 0.12F);
   EXPECT_TRUE(broad.line_0.isZero());
   EXPECT_EQ(broad.body, Body::unclear);

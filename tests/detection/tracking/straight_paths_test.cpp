@@ -47,6 +47,7 @@ ObjectProposals faint_clusters(int k, const std::vector<Vector3d>& places_0, con
   scan->start = start_of(k);
   ObjectProposals proposed;
   proposed.points.origin_0 = 0.1 * k * scene.sensor_mps;
+  proposed.sensor_velocity_0 = scene.sensor_mps;
   proposed.parameters.min_evidence = 100;
   for (const Vector3d& place_0 : places_0) {
     std::vector<std::int32_t> cluster;
