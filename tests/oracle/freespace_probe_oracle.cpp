@@ -71,7 +71,9 @@ FreespaceVerdict FreespaceProbeOracle::classify(const std::vector<Sighting>& aro
         parameters_.tolerance_m +
         std::min(inclined_m, parameters_.tolerance_spacings * spacing_rad(s.laser) * s.range_m);
     for (int c = 0; c < reference_.columns; ++c) {
-      if (std::abs(c - s.column) > parameters_.window_columns / 2) continue;
+      const double aside_deg = std::abs(c - s.column) * 360.0 / reference_.model->columns;
+      if (std::abs(c - s.column) > parameters_.window_columns / 2 && aside_deg > parameters_.window_deg / 2)
+        continue;
       const double beyond = ray(s.laser, c).range_m - s.range_m;
       ends_here = ends_here || std::abs(beyond) <= tolerance_m;
       const double column_rad = 2 * std::numbers::pi / reference_.model->columns;

@@ -146,6 +146,8 @@ struct VotingParameters {
   double max_ray_distance_m = 0.1;
   double max_ray_distance_spacings = 0.5;
   int window_columns = 5;
+  double window_deg = 1.0;
+  double beside_window_deg = 2.0;
   double link_m = 0.12;
   double link_per_m = 0.015;
   double link_spacings = 1.5;
@@ -184,8 +186,15 @@ struct VotingParameters {
         declare(&P::max_ray_distance_spacings, "max_ray_distance_spacings", "laser spacings", 0.0, 100.0,
                 "see max_ray_distance_m", "method.md 7"),
         declare_odd(&P::window_columns, "window_columns", "columns", 1, 31,
-                    "columns of the lasers above and below a point that are searched for the nearest ray",
+                    "least width of the window of rays of the lasers above and below a point; where one of "
+                    "them ended at its range, a surface was seen",
                     "method.md 7"),
+        declare(&P::window_deg, "window_deg", "deg", 0.0, 10.0,
+                "the window has at least as many columns as lie within this angle, up to 31", "method.md 7"),
+        declare(&P::beside_window_deg, "beside_window_deg", "deg", 0.0, 10.0,
+                "rays beside the window, within this angle, that ended at the range of a point seen through "
+                "halve the votes: leaves and railings are so, and what stands beside a mover",
+                "method.md 7"),
         declare(&P::max_occluder_distance_m, "max_occluder_distance_m", "m", 0.0, 100.0,
                 "an occluder within this distance of the point that has since left its place is taken to be "
                 "part of the same object",

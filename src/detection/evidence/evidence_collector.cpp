@@ -211,7 +211,7 @@ void EvidenceCollector::add_answer(const Reference& reference, const FreespacePr
   const bool surface = answer.verdict == FreespaceVerdict::border && !reference.probe.dynamic(answer);
   add_offset(reference, answer, surface ? reference.surface_votes : 0, query, work);
   if (answer.verdict == FreespaceVerdict::inside) {
-    const bool beside = answer.aside_m > kSeenThroughWithin_m;
+    const bool beside = answer.aside_m > kSeenThroughWithin_m || answer.surface_beside;
     add_votes(reference, beside && reference.probe.ended(answer) ? kPassedBesideVotes : kSeenThroughVotes,
               evidence);
     ++(beside ? evidence.rays_beside : evidence.rays_through);

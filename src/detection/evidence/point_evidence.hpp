@@ -10,7 +10,8 @@ namespace mapless::inline v1 {
 /// - Free: the rays passed through the point. kSeenThroughVotes where the nearest ray passed within
 ///   kSeenThroughWithin_m of the point or met nothing at all, since a static surface hardly ever looks like
 ///   that. kPassedBesideVotes where it passed farther aside and ended on something else: so rails, ridges and
-///   leaves between two lasers look in every scan, and poles between two firings.
+///   leaves between two lasers look in every scan, and poles between two firings. Also where a ray beside it
+///   ended at the point's range (Answer::surface_beside): so leaves, railings and fences look.
 /// - Occupied: a ray ended on a surface at the point. surface_votes(gap) against, more for older scans: slow
 ///   objects, and surfaces that slide along themselves, were at the same place a moment ago, but not seconds
 ///   ago. If that return was itself found dynamic: no vote against, and kSeenDynamicVotes from a scan within
@@ -56,7 +57,7 @@ struct PointEvidence {
   bool own_vehicle : 1 = false;    ///< a return on the sensor's own vehicle
   std::uint8_t rays_through = 0;   ///< scans of this sensor whose ray went on past the point, within
                                    ///< kSeenThroughWithin_m of it
-  std::uint8_t rays_beside = 0;    ///< the same, farther aside
+  std::uint8_t rays_beside = 0;    ///< the same, farther aside or among surfaces
   float beside_m = 0;              ///< sum of the distances of those beside from the point
 
   [[nodiscard]] int total() const { return past + future; }

@@ -39,6 +39,14 @@ int rounded(float x) {
   return static_cast<int>(above);
 }
 
+// Columns of a window on either side of the nearest ray. An angle, since a turn of fewer scans a second has
+// more columns, which are no farther from the leaves and edges beside a point.
+int half_window(double width_deg, const LidarModel& model, int at_least) {
+  const double columns = width_deg * model.columns / 360;
+  const int widest = static_cast<int>(RayImage::kBeside) - 1;
+  return std::clamp(static_cast<int>(columns / 2), at_least, widest);
+}
+
 }  // namespace
 
 FreespaceProbe::FreespaceProbe(const RayImage& image, const Vector3d& origin_0,
@@ -46,7 +54,8 @@ FreespaceProbe::FreespaceProbe(const RayImage& image, const Vector3d& origin_0,
     : image_(image),
       tolerance_at_0_m_(static_cast<float>(parameters.tolerance_m)),
       tolerance_spacings_(static_cast<float>(parameters.tolerance_spacings)),
-      half_window_(parameters.window_columns / 2),
+      half_window_(half_window(parameters.window_deg, image.model(), parameters.window_columns / 2)),
+      half_beside_(half_window(parameters.beside_window_deg, image.model(), half_window_)),
       reach_at_0_m_(static_cast<float>(parameters.max_ray_distance_m)),
       reach_spacings_(static_cast<float>(parameters.max_ray_distance_spacings)),
       origin_((origin_0 - image.origin_0()).cast<float>()),
@@ -148,10 +157,12 @@ void FreespaceProbe::add_window(const Sighting& s, bool is_nearest, SurfaceSlope
   const float inclined_m = slopes.up * std::abs(s.height_m) + slopes.left * std::abs(s.left_m);
   const float tolerance =
       tolerance_at_0_m_ + std::min(inclined_m, tolerance_spacings_ * s.beam->spacing_rad * s.range_m);
-  for (int c = s.column - half_window_; c <= s.column + half_window_; ++c) {
+  for (int c = s.column - half_beside_; c <= s.column + half_beside_; ++c) {
     const FreespaceVerdict found = compare_ranges(image_.range_m(s.beam->laser, c), s.range_m, tolerance);
-    if (found == FreespaceVerdict::outside) {
-      const int beside = std::abs(c - s.column);
+    const int beside = std::abs(c - s.column);
+    if (beside > half_window_) {
+      window.surface_beside |= found == FreespaceVerdict::border;
+    } else if (found == FreespaceVerdict::outside) {
       if (beside <= 1 || static_cast<float>(beside) * s.range_m <= hides_within_columns_m())
         window.hides = true;
     } else if (found == FreespaceVerdict::border) {
@@ -172,8 +183,12 @@ FreespaceProbe::Answer FreespaceProbe::observe_about_image(const Vector3f& q, fl
   if (rays.above.found()) add_window(rays.above, &nearest == &rays.above, slopes, window);
   if (rays.below.found()) add_window(rays.below, &nearest == &rays.below, slopes, window);
   const auto answer = [&](FreespaceVerdict verdict) {
-    return Answer{verdict, nearest.beam->laser, nearest.column, nearest.range_m - window.nearest_range_m,
-                  std::max(std::abs(nearest.height_m), std::abs(nearest.left_m))};
+    return Answer{verdict,
+                  nearest.beam->laser,
+                  nearest.column,
+                  nearest.range_m - window.nearest_range_m,
+                  std::max(std::abs(nearest.height_m), std::abs(nearest.left_m)),
+                  window.surface_beside};
   };
   if (window.border) return answer(FreespaceVerdict::border);
   if (std::isnan(window.nearest_range_m)) return answer(FreespaceVerdict::unobserved);

@@ -29,7 +29,8 @@ struct SurfaceSlopes {
 ///
 /// FreespaceProbe observes points q through one RayImage. Every ray has its own pose at its own instant
 /// (paper Eq. 1 and 2). Of each laser the firing that passes nearest to q is taken; of these, the nearest one
-/// above q and the nearest one below; and of both lasers a window of window_columns firings.
+/// above q and the nearest one below; and of both lasers a window of firings (VotingParameters::window_deg),
+/// and those beside it (beside_window_deg).
 ///
 /// - border: a ray of the windows ends within the tolerance of q's own range. A surface is there. The
 ///   tolerance is that of a ray which passes q's surface as far aside as the laser's nearest firing does, by
@@ -40,7 +41,8 @@ struct SurfaceSlopes {
 ///   max_ray_distance_m + max_ray_distance_spacings x laser spacing x range, where the nearest firing is
 ///   faulty, and above the highest or below the lowest laser, unless q is on its beam to kEdgeSpacings of the
 ///   laser spacing: how a slanting surface goes on there is unknown.
-/// - inside: all rays of the windows pass beyond q.
+/// - inside: all rays of the windows pass beyond q. Rays beside them may have ended on a surface about q, as
+///   among leaves: surface_beside.
 ///
 /// check_freespace (the published method) is apart, for reasons its header gives; both share
 /// FreespaceVerdict. The oracle is tests/oracle/freespace_probe_oracle.hpp, brute force over all rays in
@@ -56,6 +58,7 @@ class FreespaceProbe {
     int laser = -1, column = -1;
     float short_by_m = 0;  ///< how far before the point that firing ended; NaN where it is not known
     float aside_m = 0;     ///< how far from the point its ray passes, up or to the side, by whichever is more
+    bool surface_beside = false;  ///< a ray beside the windows ended at the range of the point
   };
   /// `q`: a point minus origin_0 [m]. `column`: a guess of the column whose firings pass near q; holds the
   /// column found afterwards. Any number will do, a good one is faster.
@@ -81,10 +84,15 @@ class FreespaceProbe {
     }
   };
   struct Answers {
-    alignas(32) std::array<std::int32_t, kAtOnce> verdict{}, laser{}, column{};
+    alignas(32) std::array<std::int32_t, kAtOnce> verdict{}, laser{}, column{}, surface_beside{};
     std::array<float, kAtOnce> short_by_m{}, aside_m{};
     [[nodiscard]] Answer operator[](std::size_t k) const {
-      return {static_cast<FreespaceVerdict>(verdict[k]), laser[k], column[k], short_by_m[k], aside_m[k]};
+      return {static_cast<FreespaceVerdict>(verdict[k]),
+              laser[k],
+              column[k],
+              short_by_m[k],
+              aside_m[k],
+              surface_beside[k] != 0};
     }
     void set(std::size_t k, const Answer& answer) {
       verdict[k] = static_cast<std::int32_t>(answer.verdict);
@@ -92,6 +100,7 @@ class FreespaceProbe {
       column[k] = answer.column;
       short_by_m[k] = answer.short_by_m;
       aside_m[k] = answer.aside_m;
+      surface_beside[k] = answer.surface_beside ? 1 : 0;
     }
   };
   enum class Vectors { of_four, of_eight };
@@ -144,7 +153,7 @@ class FreespaceProbe {
   };
   // What the firings around a point observe.
   struct Window {
-    bool border = false, hides = false;
+    bool border = false, hides = false, surface_beside = false;
     float nearest_range_m = std::numeric_limits<float>::quiet_NaN();  // of the firing that passes nearest
   };
   template <int lanes>
@@ -163,7 +172,7 @@ class FreespaceProbe {
 
   const RayImage& image_;
   float tolerance_at_0_m_, tolerance_spacings_;
-  int half_window_;
+  int half_window_, half_beside_;  // columns
   float reach_at_0_m_, reach_spacings_;
   // A firing more columns aside than this does not observe the point. Chosen: the nearest firing is at most
   // half a column aside, and 1.25 more near the seam, where the next laser may have fired a turn earlier.

@@ -68,6 +68,7 @@ constexpr VotingParameters kWellBeyond = [] {
   parameters.tolerance_spacings = 0;
   parameters.max_ray_distance_spacings = 1;  // anywhere between two lasers
   parameters.window_columns = 1;             // the nearest firing of each
+  parameters.window_deg = parameters.beside_window_deg = 0;
   return parameters;
 }();
 

@@ -1,7 +1,9 @@
 #include "detection/evidence/collect_evidence.hpp"
 
 #include <cmath>
+#include <map>
 #include <memory>
+#include <numbers>
 #include <utility>
 
 #include <gtest/gtest.h>
@@ -292,6 +294,28 @@ TEST(CollectEvidence, ARayBesideThePointCountsHalf) {
   for (const double height : {0.0, 0.03, 0.065}) expect(height, {wall_at(10)}, 4);
   for (const double height : {0.08, 0.12}) expect(height, {wall_at(10)}, 2);
   expect(0.12, {}, 4);  // where nothing is behind, there is no edge it could have passed by
+}
+
+// A pole 7 m ahead that stood 0.17 m to the left: a degree there is 0.12 m. From points of the pole whose
+// nearest edge of its former self is 0.5 to 1 degrees aside the ray counts half, as between two leaves.
+TEST(CollectEvidence, ARayBesideASurfaceCountsHalf) {
+  const auto pole_at = [](double left_m) {
+    return standing({test::toy_cylinder({7, left_m, 0}, 0.05, 5), wall_at(10)}, "VLP-16");
+  };
+  const CompensatedScan query = cast(pole_at(0));
+  const RayImage before(cast(pole_at(0.17)));
+  const auto votes = collect_evidence(*query.scan, local_points(query), {{&before, 8}}, RayImage(query), {});
+  std::map<int, int> points;  // with so many votes
+  for (std::size_t i = 0; i < votes.size(); ++i) {
+    const Eigen::Vector3d& p = query.points_0[i];
+    if (query.scan->returns[i].laser == 0 || p.x() > 8 || p.x() < 6 || std::abs(p.y()) > 0.1) continue;
+    const double aside_deg = (std::atan2(0.12, 7) - std::atan2(p.y(), p.x())) * 180 / std::numbers::pi;
+    if (std::abs(aside_deg - 1) < 0.1 || aside_deg < 0.5) continue;  // a column is 0.2 degrees
+    EXPECT_EQ(votes[i].total(), aside_deg < 1 ? 2 : 4) << p.transpose();
+    ++points[votes[i].total()];
+  }
+  EXPECT_GT(points[2], 10);
+  EXPECT_GT(points[4], 10);
 }
 
 // Single precision about an origin near the points: as good at the far end of a country.

@@ -77,7 +77,7 @@ TEST(ScanlineSampler, LosesLittleOfWhatMoves) {
   }
   EXPECT_GT(moves, 1000u);
   EXPECT_LE(lost_through, through / 60);
-  EXPECT_LE(lost, moves / 25);
+  EXPECT_LE(lost, moves / 20);
   EXPECT_LE(won, moves / 30);
 }
 

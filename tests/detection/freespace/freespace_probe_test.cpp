@@ -100,12 +100,29 @@ TEST(FreespaceProbe, AnswersHowFarAsideTheFiringPasses) {
 /// The image of a sensor at rest, and the answers of a probe for points given by elevation and range from it.
 class Seen {
  public:
-  Seen(const char* sensor, const test::ToyWorld& world,
+  Seen(const LidarModel& sensor, const test::ToyWorld& world,
        const std::shared_ptr<const Trajectory>& trajectory = std::make_shared<StationaryTrajectory>())
       : image_(make_image(sensor, world, trajectory)), probe_(image_, Vector3d::Zero(), {}) {}
+  Seen(const char* sensor, const test::ToyWorld& world,
+       const std::shared_ptr<const Trajectory>& trajectory = std::make_shared<StationaryTrajectory>())
+      : Seen(named_model(sensor), world, trajectory) {}
 
   [[nodiscard]] FreespaceVerdict at(const Vector3d& q_0) const {
     return verdict_of(probe_, Vector3d::Zero(), q_0, 0);
+  }
+  /// Whether rays beside the window of a point seen through ended at its range, of the point alone and beside
+  /// seven others.
+  [[nodiscard]] bool surface_beside(const Vector3d& q_0) const {
+    const Eigen::Vector3f q = q_0.cast<float>();
+    float column = 0;
+    const FreespaceProbe::Answer alone = probe_.observe(q, column);
+    EXPECT_EQ(alone.verdict, FreespaceVerdict::inside);
+    FreespaceProbe::Points eight{};
+    eight.x.fill(q.x());
+    eight.y.fill(q.y());
+    eight.z.fill(q.z());
+    EXPECT_EQ(probe_.observe(eight)[6].surface_beside, alone.surface_beside);
+    return alone.surface_beside;
   }
   /// At azimuth `left_deg`, of a point whose surface is inclined, alone and beside seven others.
   [[nodiscard]] FreespaceVerdict at(double elevation_deg, double left_deg, double range,
@@ -132,10 +149,10 @@ class Seen {
   }
 
  private:
-  static RayImage make_image(const char* sensor, const test::ToyWorld& world,
+  static RayImage make_image(const LidarModel& sensor, const test::ToyWorld& world,
                              const std::shared_ptr<const Trajectory>& trajectory) {
     test::ToyScene scene;
-    scene.model = std::make_shared<const LidarModel>(named_model(sensor));
+    scene.model = std::make_shared<const LidarModel>(sensor);
     scene.trajectory = trajectory;
     scene.world = world;
     return RayImage(compensate(test::cast_scan(scene, 0).scan, *trajectory));
@@ -260,6 +277,30 @@ TEST(FreespaceProbe, BesideAThinPole) {
     EXPECT_EQ(pole.at(on + Vector3d(0, side * 0.3, 0)), FreespaceVerdict::inside);
     // Farther off, some of the rays around end at the pole and some go on: no free space is proven.
     EXPECT_EQ(pole.at(Vector3d(14, side * 1.4 * 0.09, 0.24)), FreespaceVerdict::unobserved);
+  }
+}
+
+// The edge of that pole is 0.29 degrees aside. Columns of 0.1 degrees: the five nearest reach the edge from a
+// point 0.69 degrees aside, but not from one at 0.92.
+TEST(FreespaceProbe, LooksAsFarBesideAPointWhereColumnsAreFiner) {
+  LidarModel fine = named_model("VLP-16");
+  fine.columns *= 2;
+  fine.rotation_rate_hz /= 2;
+  const Seen pole(fine, {test::toy_cylinder({10, 0, 0}, 0.05, 5), wall_at(20)});
+  for (const double side : {-1.0, 1.0}) {
+    EXPECT_EQ(pole.at({9.95, side * 0.12, 0.17}), FreespaceVerdict::border);
+    EXPECT_EQ(pole.at({9.95, side * 0.16, 0.17}), FreespaceVerdict::inside);
+  }
+}
+
+// Five columns of 0.2 degrees reach the edge of the pole from a point 1.15 degrees aside, not from one at
+// 1.49. The pole must be at the range of the point.
+TEST(FreespaceProbe, TellsASurfaceBesideTheWindow) {
+  const Seen pole("VLP-16", {test::toy_cylinder({10, 0, 0}, 0.05, 5), wall_at(20)});
+  for (const double side : {-1.0, 1.0}) {
+    EXPECT_TRUE(pole.surface_beside({9.95, side * 0.2, 0.17}));
+    EXPECT_FALSE(pole.surface_beside({9.95, side * 0.26, 0.17}));
+    EXPECT_FALSE(pole.surface_beside({9.5, side * 0.19, 0.17}));
   }
 }
 

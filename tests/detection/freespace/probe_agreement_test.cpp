@@ -227,6 +227,7 @@ TEST_P(ProbeAgreement, OfVectorsOfEightWithVectorsOfFour) {
     ASSERT_EQ(answers.verdict, expected.verdict) << "queries from " << i;
     ASSERT_EQ(answers.laser, expected.laser) << "queries from " << i;
     ASSERT_EQ(answers.column, expected.column) << "queries from " << i;
+    ASSERT_EQ(answers.surface_beside, expected.surface_beside) << "queries from " << i;
     for (std::size_t k = 0; k < kAtOnce; ++k) {
       ASSERT_EQ(std::bit_cast<std::uint32_t>(answers.short_by_m[k]),
                 std::bit_cast<std::uint32_t>(expected.short_by_m[k]))
@@ -272,7 +273,7 @@ INSTANTIATE_TEST_SUITE_P(Sensors, ProbeAgreement,
                                          Case{"VLP-16", 10, 0, true}, Case{"VLP-16", 0, 180, false},
                                          Case{"VLP-16", 0, -180, false}, Case{"OS1-128", 10, 0, true},
                                          Case{"OS1-128", 1, 180, false}, Case{"Pandar64", 10, -30, true},
-                                         Case{"Pandar64", 0, -180, false}),
+                                         Case{"Pandar64", 0, -180, false}, Case{"HDL-32E", 10, 30, true}),
                          [](const auto& instance) { return "Case" + std::to_string(instance.index); });
 
 }  // namespace MAPLESS_FILE
