@@ -87,6 +87,23 @@ TEST(ScanWatch, NamesScansWithoutTheReturnsOfManyColumns) {
   EXPECT_THAT(lines_without_half({0, kScans - 1}), IsEmpty());
 }
 
+// A dark vehicle that passes hides 200 columns, 150 further on in each scan. One stretch that is empty in one
+// scan alone is of lost packets, and so are 25 of 8 columns.
+TEST(ScanWatch, SaysNothingOfADarkThingThatPasses) {
+  const auto lines_with = [](auto&& hidden) {
+    return lines_of([&](LidarScan& scan, std::size_t k) {
+      const int begin = 100 + 150 * static_cast<int>(k);
+      std::erase_if(scan.returns, [&](const LidarReturn& r) { return hidden(r.column - begin, k); });
+    });
+  };
+  const auto vehicle = [](int column, std::size_t) { return column >= 0 && column < 200; };
+  const auto once = [&](int column, std::size_t k) { return k == 5 && vehicle(column, k); };
+  const auto packets = [](int column, std::size_t) { return (column + 72 * 30) % 72 < 8; };
+  EXPECT_THAT(lines_with(vehicle), IsEmpty());
+  EXPECT_THAT(lines_with(once), ElementsAre(HasSubstr("doubtful columns: scan 5: 200 columns")));
+  EXPECT_THAT(lines_with(packets), ElementsAre(HasSubstr("doubtful columns: scan 1 (and ")));
+}
+
 TEST(ScanWatch, LinesThatAreTakenAreForgotten) {
   ScanWatch watch;
   const auto add = [&](std::size_t k) { watch.add(street()[k], k); };
