@@ -26,6 +26,14 @@ FreespaceVerdict verdict_of(const FreespaceProbe& probe, const Vector3d& origin_
   return probe.verdict((q_0 - origin_0).cast<float>(), column);
 }
 
+FreespaceProbe::Points eight_of(const Eigen::Vector3f& q) {
+  FreespaceProbe::Points eight{};
+  eight.x.fill(q.x());
+  eight.y.fill(q.y());
+  eight.z.fill(q.z());
+  return eight;
+}
+
 // Where a ray of a moving sensor ended, from its laser's own pose at its own instant in double precision.
 TEST(FreespaceProbe, EndpointIsWhereTheRayEnded) {
   for (const char* sensor : {"HDL-64E-S2", "OS1-128"}) {
@@ -84,10 +92,7 @@ TEST(FreespaceProbe, AnswersHowFarAsideTheFiringPasses) {
       float column = 0;
       const auto alone = probe.observe(q, column);
       if (alone.laser != r.laser) continue;  // above the highest laser, or below the lowest
-      FreespaceProbe::Points eight{};
-      eight.x.fill(q.x());
-      eight.y.fill(q.y());
-      eight.z.fill(q.z());
+      FreespaceProbe::Points eight = eight_of(q);
       const float expected_m = std::max(std::abs(aside_m), std::abs(above_m));
       EXPECT_NEAR(alone.aside_m, expected_m, 5e-4F);
       EXPECT_NEAR(probe.observe(eight)[3].aside_m, expected_m, 5e-4F);
@@ -117,10 +122,7 @@ class Seen {
     float column = 0;
     const FreespaceProbe::Answer alone = probe_.observe(q, column);
     EXPECT_EQ(alone.verdict, FreespaceVerdict::inside);
-    FreespaceProbe::Points eight{};
-    eight.x.fill(q.x());
-    eight.y.fill(q.y());
-    eight.z.fill(q.z());
+    FreespaceProbe::Points eight = eight_of(q);
     EXPECT_EQ(probe_.observe(eight)[6].surface_beside, alone.surface_beside);
     return alone.surface_beside;
   }
@@ -134,10 +136,7 @@ class Seen {
             .cast<float>();
     float column = 0;
     const FreespaceVerdict alone = probe_.verdict(q, column, slopes);
-    FreespaceProbe::Points eight{};
-    eight.x.fill(q.x());
-    eight.y.fill(q.y());
-    eight.z.fill(q.z());
+    FreespaceProbe::Points eight = eight_of(q);
     eight.slope_up[5] = slopes.up;
     eight.slope_left[5] = slopes.left;
     EXPECT_EQ(probe_.observe(eight)[5].verdict, alone);
@@ -162,37 +161,6 @@ class Seen {
 };
 
 test::ToyBody wall_at(double x) { return test::toy_box({x + 0.5, 0, 0}, {0.5, 40, 40}); }
-
-TEST(RayImage, SharesBeamsWithAnImageOfTheSameSensorAlone) {
-  test::ToyScene scene;
-  scene.model = std::make_shared<const LidarModel>(named_model("VLP-16"));
-  scene.trajectory = std::make_shared<StationaryTrajectory>();
-  scene.world = {wall_at(10)};
-  const CompensatedScan compensated = compensate(test::cast_scan(scene, 0).scan, *scene.trajectory);
-  const RayImage before(compensated), after(compensated, &before);
-  EXPECT_EQ(&before.fan(), &after.fan());
-  for (int column = 0; column < before.columns(); ++column)
-    ASSERT_EQ(before.pose(column).T_h0, after.pose(column).T_h0);
-  scene.model = std::make_shared<const LidarModel>(named_model("OS1-64"));
-  const RayImage other(compensate(test::cast_scan(scene, 0).scan, *scene.trajectory), &before);
-  EXPECT_NE(&before.fan(), &other.fan());
-  EXPECT_EQ(other.fan().beams.size(), 64u);
-}
-
-// The hub's x axis at a column is the x axis of its frame there.
-TEST(RayImage, PosesTurnWithTheHub) {
-  test::ToyScene scene;
-  scene.model = std::make_shared<const LidarModel>(named_model("VLP-16"));
-  scene.trajectory = std::make_shared<StationaryTrajectory>();
-  scene.world = {wall_at(10)};
-  const RayImage image(compensate(test::cast_scan(scene, 0).scan, *scene.trajectory));
-  for (int column = 0; column < image.columns(); column += 97) {
-    const double angle = scene.model->hub_angle(column);
-    const Eigen::Vector3f ahead(static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle)), 0);
-    EXPECT_LT((image.pose(column) * ahead - Eigen::Vector3f::UnitX()).norm(), 1e-6F);
-    EXPECT_LT((image.pose(column) * Eigen::Vector3f::UnitZ() - Eigen::Vector3f::UnitZ()).norm(), 1e-6F);
-  }
-}
 
 TEST(FreespaceProbe, BeforeOnAndBehindAWall) {
   for (const char* sensor : {"HDL-64E-S3", "VLP-16", "OS1-128", "Pandar64"}) {
