@@ -39,8 +39,8 @@ int rounded(float x) {
   return static_cast<int>(above);
 }
 
-// Columns of a window on either side of the nearest ray. An angle, since a turn of fewer scans a second has
-// more columns, which are no farther from the leaves and edges beside a point.
+// Columns of a window on either side of the nearest ray. Its width is an angle: of fewer turns a second each
+// has more columns, but the leaves and edges beside a point are where they were.
 int half_window(double width_deg, const LidarModel& model, int at_least) {
   const double columns = width_deg * model.columns / 360;
   const int widest = static_cast<int>(RayImage::kBeside) - 1;
