@@ -191,10 +191,11 @@ struct VotingParameters {
                     "method.md 7"),
         declare(&P::window_deg, "window_deg", "deg", 0.0, 10.0,
                 "the window has at least as many columns as lie within this angle, up to 31", "method.md 7"),
-        declare(&P::beside_window_deg, "beside_window_deg", "deg", 0.0, 10.0,
-                "where a ray beside the window, within this angle, ended at a point's range, rays through the "
-                "point count half: so leaves and railings look; 0: they count in full",
-                "method.md 7"),
+        declare(
+            &P::beside_window_deg, "beside_window_deg", "deg", 0.0, 10.0,
+            "where a ray beside the window, within this angle, ended at a point's range, rays through the "
+            "point count half: so leaves and railings look; 0: they count in full",
+            "method.md 7"),
         declare(&P::max_occluder_distance_m, "max_occluder_distance_m", "m", 0.0, 100.0,
                 "an occluder within this distance of the point that has since left its place is taken to be "
                 "part of the same object",
