@@ -94,6 +94,7 @@ TEST(ScanWatch, SaysNothingOfADarkThingThatPasses) {
     return lines_of([&](LidarScan& scan, std::size_t k) {
       const int begin = 100 + 150 * static_cast<int>(k);
       std::erase_if(scan.returns, [&](const LidarReturn& r) { return hidden(r.column - begin, k); });
+      std::fill(scan.cells.begin(), scan.cells.end(), empty_cell(ReturnCode::absent));
     });
   };
   const auto vehicle = [](int column, std::size_t) { return column >= 0 && column < 200; };
