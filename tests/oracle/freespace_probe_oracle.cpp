@@ -61,25 +61,43 @@ double FreespaceProbeOracle::spacing_rad(int laser) const {
   return spacing;
 }
 
+double FreespaceProbeOracle::tolerance_m(const Sighting& s) const {
+  const double inclined_m =
+      double{slopes_.up} * std::abs(s.height_m) + double{slopes_.left} * std::abs(s.left_m);
+  return parameters_.tolerance_m +
+         std::min(inclined_m, parameters_.tolerance_spacings * spacing_rad(s.laser) * s.range_m);
+}
+
+bool FreespaceProbeOracle::in_window(int beside, double width_deg) const {
+  const double aside_deg = std::abs(beside) * 360.0 / reference_.model->columns;
+  return std::abs(beside) <= parameters_.window_columns / 2 || aside_deg <= width_deg / 2;
+}
+
+bool FreespaceProbeOracle::surface_beside(const Vector3d& q_0) const {
+  for (const Sighting& s : around(q_0, 0, reference_.columns)) {
+    for (int c = 0; c < reference_.columns; ++c) {
+      const int beside = c - s.column;
+      if (in_window(beside, parameters_.window_deg) || !in_window(beside, parameters_.beside_window_deg))
+        continue;
+      if (std::abs(ray(s.laser, c).range_m - s.range_m) <= tolerance_m(s)) return true;
+    }
+  }
+  return false;
+}
+
 FreespaceVerdict FreespaceProbeOracle::classify(const std::vector<Sighting>& around,
                                                 const Sighting& nearest) const {
   bool ends_here = false, ends_short = false;
   for (const Sighting& s : around) {
-    const double inclined_m =
-        double{slopes_.up} * std::abs(s.height_m) + double{slopes_.left} * std::abs(s.left_m);
-    const double tolerance_m =
-        parameters_.tolerance_m +
-        std::min(inclined_m, parameters_.tolerance_spacings * spacing_rad(s.laser) * s.range_m);
+    const double tolerance = tolerance_m(s);
     for (int c = 0; c < reference_.columns; ++c) {
-      const double aside_deg = std::abs(c - s.column) * 360.0 / reference_.model->columns;
-      if (std::abs(c - s.column) > parameters_.window_columns / 2 && aside_deg > parameters_.window_deg / 2)
-        continue;
+      if (!in_window(c - s.column, parameters_.window_deg)) continue;
       const double beyond = ray(s.laser, c).range_m - s.range_m;
-      ends_here = ends_here || std::abs(beyond) <= tolerance_m;
+      ends_here = ends_here || std::abs(beyond) <= tolerance;
       const double column_rad = 2 * std::numbers::pi / reference_.model->columns;
       const int beside = std::abs(c - s.column);
       const bool hides = beside <= 1 || beside * column_rad * s.range_m <= 0.12;
-      ends_short = ends_short || (hides && beyond < -tolerance_m);
+      ends_short = ends_short || (hides && beyond < -tolerance);
     }
   }
   if (ends_here) return FreespaceVerdict::border;
@@ -92,7 +110,8 @@ FreespaceVerdict FreespaceProbeOracle::classify(const std::vector<Sighting>& aro
   return at_edge ? FreespaceVerdict::unobserved : FreespaceVerdict::inside;
 }
 
-FreespaceVerdict FreespaceProbeOracle::verdict(const Vector3d& q_0, int first, int end) const {
+std::vector<FreespaceProbeOracle::Sighting> FreespaceProbeOracle::around(const Vector3d& q_0, int first,
+                                                                         int end) const {
   Sighting above, below;
   for (int l = 0; l < reference_.rows(); ++l) {
     const Sighting s = sight(q_0, l, first, end);
@@ -100,18 +119,23 @@ FreespaceVerdict FreespaceProbeOracle::verdict(const Vector3d& q_0, int first, i
     Sighting& side = s.height_m < 0 ? above : below;
     if (side.laser < 0 || std::abs(s.height_m) < std::abs(side.height_m)) side = s;
   }
-  std::vector<Sighting> around;
+  std::vector<Sighting> found;
   for (const Sighting& s : {above, below}) {
-    if (s.laser >= 0) around.push_back(s);
+    if (s.laser >= 0) found.push_back(s);
   }
-  if (around.empty()) return FreespaceVerdict::unobserved;
-  const Sighting nearest = *std::min_element(around.begin(), around.end(), [](const auto& a, const auto& b) {
+  return found;
+}
+
+FreespaceVerdict FreespaceProbeOracle::verdict(const Vector3d& q_0, int first, int end) const {
+  const std::vector<Sighting> sides = around(q_0, first, end);
+  if (sides.empty()) return FreespaceVerdict::unobserved;
+  const Sighting nearest = *std::min_element(sides.begin(), sides.end(), [](const auto& a, const auto& b) {
     return std::abs(a.height_m) < std::abs(b.height_m);
   });
   const double reach = parameters_.max_ray_distance_m +
                        parameters_.max_ray_distance_spacings * spacing_rad(nearest.laser) * nearest.range_m;
   if (std::abs(nearest.height_m) > reach) return FreespaceVerdict::unobserved;
-  return classify(around, nearest);
+  return classify(sides, nearest);
 }
 
 double FreespaceProbeOracle::margin_m(const Vector3d& q_0, FreespaceVerdict other) const {

@@ -27,6 +27,8 @@ class FreespaceProbeOracle {
   /// The same with the firings of columns [first, end) alone to choose from. Where a turning sensor
   /// observed a direction twice, at its start and its end, both answers are right.
   [[nodiscard]] FreespaceVerdict verdict(const Eigen::Vector3d& q_0, int first, int end) const;
+  /// Whether a ray beside the windows ended at the range of q.
+  [[nodiscard]] bool surface_beside(const Eigen::Vector3d& q_0) const;
   /// How near q is to a point of which `other` is the answer [m], tried in 26 directions and steps of a
   /// factor of two from 0.5 mm to 0.25 m; infinite where none is.
   [[nodiscard]] double margin_m(const Eigen::Vector3d& q_0, FreespaceVerdict other) const;
@@ -59,7 +61,11 @@ class FreespaceProbeOracle {
                  static_cast<std::size_t>(column)];
   }
   [[nodiscard]] Sighting sight(const Eigen::Vector3d& q_0, int laser, int first, int end) const;
+  // Of the lasers above and below q the firings that pass nearest.
+  [[nodiscard]] std::vector<Sighting> around(const Eigen::Vector3d& q_0, int first, int end) const;
   [[nodiscard]] double spacing_rad(int laser) const;
+  [[nodiscard]] double tolerance_m(const Sighting& s) const;
+  [[nodiscard]] bool in_window(int beside, double width_deg) const;
   [[nodiscard]] FreespaceVerdict classify(const std::vector<Sighting>& around, const Sighting& nearest) const;
   [[nodiscard]] double hub_angle_to(const Eigen::Vector3d& q_0, int column) const;
 

@@ -194,7 +194,7 @@ struct VotingParameters {
         declare(
             &P::beside_window_deg, "beside_window_deg", "deg", 0.0, 10.0,
             "where a ray beside the window, within this angle, ended at a point's range, rays through the "
-            "point count half: so leaves and railings look; 0: they count in full",
+            "point count half, as those farther aside do: so leaves and railings look",
             "method.md 7"),
         declare(&P::max_occluder_distance_m, "max_occluder_distance_m", "m", 0.0, 100.0,
                 "an occluder within this distance of the point that has since left its place is taken to be "

@@ -42,7 +42,7 @@ class RayImage {
   [[nodiscard]] const float* row_m(int laser) const {
     return ranges_m_.data() + static_cast<std::size_t>(laser) * (poses_.size() + kBeside) + kBeside;
   }
-  static constexpr std::size_t kBeside = 16;  // half the largest window_columns, and one
+  static constexpr std::size_t kBeside = 16;  // half the widest window of FreespaceProbe, and one
 
   /// Keeps which returns were found dynamic. `object`: one element per return of `scan`, 0 for static;
   /// `scan`: the one this image was made of.

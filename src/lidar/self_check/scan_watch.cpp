@@ -119,8 +119,8 @@ constexpr int kFilledShare = 4;
 constexpr double kLostShare = 0.05;
 constexpr std::size_t kFewestColumns = 100;
 // Something dark, or nearer than the least range, that passes the sensor gives no return either. It hides one
-// stretch of columns, at most this share of the turn, and another in the scan before or after, of at least a
-// kBlindShare of its columns. Chosen: in four recordings of random places .02 to .37 of the turn.
+// stretch of columns, at most kWidestBlind of the turn, and another in the scan before or after, of at least
+// 1 / kBlindShare of its columns. Chosen: in four recordings of random places it hid .05 to .37 of the turn.
 constexpr double kWidestBlind = 0.4;
 constexpr std::size_t kBlindShare = 20;
 
@@ -142,7 +142,7 @@ EmptyColumns empty_columns(const std::vector<int>& here, const std::vector<bool>
     last = c;
     gap = 0;
   }
-  if (out.stretches > 1 && first + here.size() - last <= widest_gap + 1) --out.stretches;
+  if (out.stretches > 1 && first + here.size() - last <= widest_gap) --out.stretches;
   return out;
 }
 

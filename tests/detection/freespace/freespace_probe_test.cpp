@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "oracle/freespace_probe_oracle.hpp"
+#include "support/detection/standing_scene.hpp"
 #include "support/toy_scene.hpp"
 
 namespace mapless {
@@ -18,6 +19,7 @@ namespace MAPLESS_FILE {
 
 using Eigen::Vector3d;
 using test::FreespaceProbeOracle;
+using test::wall_at;
 
 constexpr double kDegree = std::numbers::pi / 180;
 
@@ -159,8 +161,6 @@ class Seen {
   RayImage image_;
   FreespaceProbe probe_;
 };
-
-test::ToyBody wall_at(double x) { return test::toy_box({x + 0.5, 0, 0}, {0.5, 40, 40}); }
 
 TEST(FreespaceProbe, BeforeOnAndBehindAWall) {
   for (const char* sensor : {"HDL-64E-S3", "VLP-16", "OS1-128", "Pandar64"}) {

@@ -205,6 +205,29 @@ void ProbeAgreement::expect_agreement(Mode mode, SurfaceSlopes slopes) const {
     EXPECT_GT(seen[static_cast<std::size_t>(v)], 10) << "hardly tests verdict " << static_cast<int>(v);
 }
 
+// Where the nearest firing is half a column aside, the windows may lie a column farther on.
+TEST_P(ProbeAgreement, OfSurfacesBesideTheWindowsWithBruteForce) {
+  const Inquiry inquiry(GetParam(), 4000, 19);
+  const auto& [probe, origin_0, queries] = std::tie(inquiry.probe, inquiry.origin_0, inquiry.queries);
+  const double seam = 20 * kDegree + std::abs(GetParam().yaw_rate_deg) / 10 * kDegree;
+  int beside = 0, other = 0;
+  for (std::size_t i = 0; i < queries.size(); i += kAtOnce) {
+    FreespaceProbe::Points points = points_of(probe, origin_0, queries, i);
+    const auto answers = probe.observe(points);
+    for (std::size_t k = 0; k < kAtOnce; ++k) {
+      const Vector3d& q_0 = queries[i + k];
+      if (answers[k].verdict != FreespaceVerdict::inside || inquiry.oracle.angle_from_seam(q_0) < seam)
+        continue;
+      const bool expected = inquiry.oracle.surface_beside(q_0);
+      beside += expected ? 1 : 0;
+      other += answers[k].surface_beside != expected ? 1 : 0;
+    }
+  }
+  const bool none = inquiry.scan->columns < 1080;  // two columns on either side are a degree
+  EXPECT_TRUE(none ? beside == 0 : beside > 7) << beside;
+  EXPECT_LE(other, beside / 5 + 1);
+}
+
 TEST_P(ProbeAgreement, WithBruteForceOverAllRays) { expect_agreement(Mode::alone); }
 
 TEST_P(ProbeAgreement, OfEightAtOnceWithBruteForceOverAllRays) { expect_agreement(Mode::side_by_side); }

@@ -87,19 +87,20 @@ TEST(ScanWatch, NamesScansWithoutTheReturnsOfManyColumns) {
   EXPECT_THAT(lines_without_half({0, kScans - 1}), IsEmpty());
 }
 
-// A dark vehicle that passes hides 200 columns, 150 further on in each scan. One stretch that is empty in one
-// scan alone is of lost packets, and so are 25 of 8 columns.
+// A dark vehicle that passes hides 200 columns, 150 further on in each scan, across the seam too. One stretch
+// that is empty in one scan alone is of lost packets, and so are 25 of 8 columns.
 TEST(ScanWatch, SaysNothingOfADarkThingThatPasses) {
   const auto lines_with = [](auto&& hidden) {
     return lines_of([&](LidarScan& scan, std::size_t k) {
-      const int begin = 100 + 150 * static_cast<int>(k);
-      std::erase_if(scan.returns, [&](const LidarReturn& r) { return hidden(r.column - begin, k); });
+      const int begin = 850 + 150 * static_cast<int>(k);
+      std::erase_if(scan.returns,
+                    [&](const LidarReturn& r) { return hidden((r.column - begin + 2 * 1808) % 1808, k); });
       std::fill(scan.cells.begin(), scan.cells.end(), empty_cell(ReturnCode::absent));
     });
   };
-  const auto vehicle = [](int column, std::size_t) { return column >= 0 && column < 200; };
+  const auto vehicle = [](int column, std::size_t) { return column < 200; };
   const auto once = [&](int column, std::size_t k) { return k == 5 && vehicle(column, k); };
-  const auto packets = [](int column, std::size_t) { return (column + 72 * 30) % 72 < 8; };
+  const auto packets = [](int column, std::size_t) { return column % 72 < 8; };
   EXPECT_THAT(lines_with(vehicle), IsEmpty());
   EXPECT_THAT(lines_with(once), ElementsAre(HasSubstr("doubtful columns: scan 5: 200 columns")));
   EXPECT_THAT(lines_with(packets), ElementsAre(HasSubstr("doubtful columns: scan 1 (and ")));
