@@ -220,7 +220,7 @@ ScanOutcome LidarOdometry::State::register_and_insert(const UsableScan& points, 
   const auto found = register_to_map(points);
   if (found) report(*found, points.bins, update);
   if (!found || update.inlier_ratio < parameters.min_inlier_ratio ||
-      !is_plausible(found->knots.back(), mapped.knots.back())) {
+      !is_plausible(found->knots.back(), mapped.knots.back(), mapped.last_interval_s())) {
     update.covariance = mapped.extrapolate_with_prior(settings);
     return ScanOutcome::unmatched;
   }

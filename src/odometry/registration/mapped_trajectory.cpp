@@ -24,10 +24,12 @@ constexpr double kLargestDiagonal_m = 7;
 // Distance travelled between two removals of the map's edge. Chosen: a tenth of the default map radius; every
 // removal visits all cubes.
 constexpr double kForgetEvery_m = 10;
-// A correction of the prediction by more is a wrong association. Chosen: 10 m in a scan of 0.1 s is a change
-// of speed by 100 m/s, 1.2 rad one of the turn rate by 690 deg/s.
+// A correction of the prediction by more is a wrong association; a scan that lasts longer than 0.1 s may be
+// corrected by as many times more. Chosen: 10 m in 0.1 s is a change of speed by 100 m/s, 1.2 rad one of the
+// turn rate by 690 deg/s; and the start, which predicts rest, moves by 9 m in two scans at 45 m/s.
 constexpr double kMaxCorrection_m = 10;
 constexpr double kMaxCorrection_rad = 1.2;
+constexpr double kCorrectionIn_s = 0.1;
 // Scans are missing if the last knot is earlier than this part of a scan before the start of the next.
 constexpr double kMaxGapRatio = 0.5;
 
@@ -57,10 +59,15 @@ WindowPrior origin_prior(const TrajectoryKnot& knot) {
   return prior_of(knot, sigma.cwiseInverse().cwiseAbs2().asDiagonal());
 }
 
-bool is_plausible(const TrajectoryKnot& found, const TrajectoryKnot& prediction) {
-  const Vector6d correction = (found.T_v0 * prediction.T_v0.inverse()).log();
+bool is_plausible(const TrajectoryKnot& found, const TrajectoryKnot& prediction, double scan_s) {
+  const Vector6d correction =
+      (found.T_v0 * prediction.T_v0.inverse()).log() / std::max(1.0, scan_s / kCorrectionIn_s);
   return correction.allFinite() && found.varpi.allFinite() &&
          correction.head<3>().norm() < kMaxCorrection_m && correction.tail<3>().norm() < kMaxCorrection_rad;
+}
+
+double MappedTrajectory::last_interval_s() const {
+  return (knots.back().time - knots[knots.size() - 2].time).seconds();
 }
 
 RegistrationSettings MappedTrajectory::with_observed_density(RegistrationSettings settings) const {
@@ -87,8 +94,7 @@ void MappedTrajectory::accept(const Registration& registration) {
 }
 
 Matrix12d MappedTrajectory::extrapolate_with_prior(const RegistrationSettings& settings) {
-  const auto carried =
-      register_scan(window(), prior, TimeBins({}, Time(), Time()), map, with_observed_density(settings));
+  const auto carried = register_scan(window(), prior, TimeBins(), map, with_observed_density(settings));
   if (carried) {
     accept(*carried);
     return carried->last_information.inverse();

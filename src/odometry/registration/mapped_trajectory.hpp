@@ -39,8 +39,9 @@ struct InsertedScan {
 /// `knot` moved to time `t` with constant velocity.
 [[nodiscard]] TrajectoryKnot predicted(const TrajectoryKnot& knot, Time t);
 
-/// False if a registration is so far from the prediction that its association must be wrong.
-[[nodiscard]] bool is_plausible(const TrajectoryKnot& found, const TrajectoryKnot& prediction);
+/// False if a registration is so far from the prediction that its association must be wrong. `scan_s`: the
+/// duration of the scan.
+[[nodiscard]] bool is_plausible(const TrajectoryKnot& found, const TrajectoryKnot& prediction, double scan_s);
 
 /// A trajectory and the map built along it: a sliding window of open knots, all older ones final.
 struct MappedTrajectory {
@@ -57,6 +58,8 @@ struct MappedTrajectory {
   [[nodiscard]] std::vector<TrajectoryKnot> window() const {
     return {knots.begin() + static_cast<std::ptrdiff_t>(window_begin), knots.end()};
   }
+  /// Duration of the last interval between knots; there must be two [s].
+  [[nodiscard]] double last_interval_s() const;
   /// `settings` with the density of the motion so far. The last knot is a prediction and left out.
   [[nodiscard]] RegistrationSettings with_observed_density(RegistrationSettings settings) const;
   /// Appends a knot at `end`, which is end_of(scan), predicted with constant velocity; and one at the start

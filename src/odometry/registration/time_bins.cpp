@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <span>
 
 #include <Eigen/Geometry>
@@ -40,6 +41,27 @@ TimeBins::TimeBins(const std::vector<ScanPoint>& keypoints, Time scan_start, Tim
         {keypoint->position_v.cast<double>(), static_cast<double>(keypoint->time_ns - middle_ns) * 1e-9});
     bins_.back().end = points_.size();
   }
+}
+
+TimeBins TimeBins::reversed() const {
+  TimeBins out;
+  const std::size_t size = points_.size();
+  std::transform(points_.rbegin(), points_.rend(), std::back_inserter(out.points_), [](const Point& point) {
+    return Point{point.position_v, -point.dt};
+  });
+  std::transform(bins_.rbegin(), bins_.rend(), std::back_inserter(out.bins_), [&](const Bin& bin) {
+    return Bin{Time::from_nanoseconds(-bin.time.nanoseconds()), size - bin.end, size - bin.begin};
+  });
+  return out;
+}
+
+TimeBins TimeBins::before(Time end) const {
+  TimeBins out;
+  std::copy_if(bins_.begin(), bins_.end(), std::back_inserter(out.bins_),
+               [&](const Bin& bin) { return bin.time < end; });
+  const std::size_t size = out.bins_.empty() ? 0 : out.bins_.back().end;
+  out.points_.assign(points_.begin(), points_.begin() + static_cast<std::ptrdiff_t>(size));
+  return out;
 }
 
 PointResidual point_residual(const Eigen::Vector3d& p_v, const SE3& T_v0, const MapPlane& plane,

@@ -21,6 +21,7 @@ class TimeBins {
  public:
   /// `keypoints` by increasing time. Those before `earliest` are dropped.
   TimeBins(const std::vector<ScanPoint>& keypoints, Time scan_start, Time earliest);
+  TimeBins() = default;
 
   struct Bin {
     Time time;          ///< the middle of the bin
@@ -31,6 +32,11 @@ class TimeBins {
     Eigen::Vector3d position_v;  ///< sensor frame at the point's own instant [m]
     double dt;                   ///< time since the middle of its bin [s]
   };
+  /// The same points with time reversed: t becomes -t.
+  [[nodiscard]] TimeBins reversed() const;
+  /// The bins whose middle is before `end`.
+  [[nodiscard]] TimeBins before(Time end) const;
+
   [[nodiscard]] const std::vector<Bin>& bins() const { return bins_; }
   [[nodiscard]] const std::vector<Point>& points() const { return points_; }
 

@@ -45,7 +45,12 @@ constexpr double kMaxSpeed_mps = 45;
 // kMaxSpeed_mps at 10 Hz.
 constexpr double kBin_m = 0.5;
 constexpr int kBins = 9;
-constexpr int kSide = 2 * kBins + 1;
+// Chosen: twice the steps take twice the time in votes and eight times the memory of the bins.
+constexpr int kMostFinerSteps = 2;
+// Turn rates, up to 3.4 rad/s (195 deg/s) about every axis of the sensor. Chosen: 0.085 rad per scan at 10
+// Hz.
+constexpr double kTurnRateStep_radps = 0.85;
+constexpr int kTurnRateSteps = 4;
 // Most translations of one turn rate. Chosen: the static world and two groups of moving objects.
 constexpr std::size_t kPeaks = 3;
 
@@ -77,30 +82,33 @@ struct Bin {
   }
 };
 
-std::size_t bin_at(int x, int y, int z) { return static_cast<std::size_t>((x * kSide + y) * kSide + z); }
-
 class Votes {
  public:
-  explicit Votes(double interval_s) : interval_s_(interval_s), bins_(kSide * kSide * kSide) {}
+  explicit Votes(double interval_s)
+      : interval_s_(interval_s),
+        reach_(kBins * finer_steps(interval_s)),
+        side_(2 * reach_ + 1),
+        bins_(static_cast<std::size_t>(side_ * side_ * side_)) {}
 
   void add(const Eigen::Vector3d& velocity) {
-    const Eigen::Vector3d at = (interval_s_ / kBin_m * velocity).array() + kBins;
+    const Eigen::Vector3d at = (interval_s_ / kBin_m * velocity).array() + reach_;
     const Eigen::Array3i n = at.array().round().cast<int>();
-    if ((n < 0).any() || (n >= kSide).any()) return;
+    if ((n < 0).any() || (n >= side_).any()) return;
     bins_[bin_at(n[0], n[1], n[2])].add({velocity, 1});
   }
 
   // The mean velocities of the cubes of 2 x 2 x 2 bins with most votes, no two of which share a bin.
   [[nodiscard]] std::vector<Bin> peaks() const {
     std::vector<Bin> cubes;
-    for (int x = 0; x + 1 < kSide; ++x)
-      for (int y = 0; y + 1 < kSide; ++y)
-        for (int z = 0; z + 1 < kSide; ++z) cubes.push_back(cube_at(x, y, z));
+    for (int x = 0; x + 1 < side_; ++x)
+      for (int y = 0; y + 1 < side_; ++y)
+        for (int z = 0; z + 1 < side_; ++z)
+          if (const Bin cube = cube_at(x, y, z); cube.votes > 0) cubes.push_back(cube);
     std::stable_sort(cubes.begin(), cubes.end(),
                      [](const Bin& a, const Bin& b) { return a.votes > b.votes; });
     std::vector<Bin> out;
     for (const Bin& cube : cubes) {
-      if (out.size() == kPeaks || cube.votes == 0) break;
+      if (out.size() == kPeaks) break;
       const Eigen::Vector3d mean = cube.sum / cube.votes;
       const bool near = std::any_of(out.begin(), out.end(), [&](const Bin& one) {
         return interval_s_ * (one.sum / one.votes - mean).cwiseAbs().maxCoeff() < 2 * kBin_m;
@@ -118,13 +126,19 @@ class Votes {
     return out;
   }
 
+  [[nodiscard]] std::size_t bin_at(int x, int y, int z) const {
+    return static_cast<std::size_t>((x * side_ + y) * side_ + z);
+  }
+
   double interval_s_;
+  int reach_, side_;
   std::vector<Bin> bins_;
 };
 
-std::vector<Eigen::Vector3d> turn_rates() {
+std::vector<Eigen::Vector3d> turn_rates(int finer) {
   std::vector<Eigen::Vector3d> out = {Eigen::Vector3d::Zero()};
-  for (const double turn_rate_radps : {0.85, 1.7, 2.55, 3.4}) {
+  for (int step = 1; step <= kTurnRateSteps * finer; ++step) {
+    const double turn_rate_radps = kTurnRateStep_radps * step / finer;
     for (Eigen::Index axis = 0; axis < 3; ++axis)
       for (const double sign : {1., -1.}) out.push_back(sign * turn_rate_radps * Eigen::Vector3d::Unit(axis));
   }
@@ -158,7 +172,7 @@ struct VotedVelocity {
 std::vector<VotedVelocity> voted_velocities(const std::vector<Edge>& first, const std::vector<Edge>& second,
                                             double interval_s) {
   std::vector<VotedVelocity> out;
-  for (const Eigen::Vector3d& turn_rate : turn_rates()) {
+  for (const Eigen::Vector3d& turn_rate : turn_rates(finer_steps(interval_s))) {
     for (const Bin& peak : peaks_at(turn_rate, first, second, interval_s)) {
       out.push_back({peak.votes, Vector6d::Zero()});
       out.back().varpi << peak.sum / peak.votes, turn_rate;
@@ -218,6 +232,10 @@ EdgeMotion refined(const Vector6d& start, const std::vector<Edge>& first, const 
 
 }  // namespace
 
+int finer_steps(double interval_s) {
+  return std::clamp(static_cast<int>(std::lround(std::min(interval_s, 1.0) / 0.1)), 1, kMostFinerSteps);
+}
+
 bool are_alike(const Vector6d& varpi_a, const Vector6d& varpi_b) {
   const Vector6d difference = varpi_a - varpi_b;
   return difference.head<3>().norm() < kAlikeSpeed_mps && difference.tail<3>().norm() < kAlikeTurnRate_radps;
@@ -230,7 +248,7 @@ std::vector<EdgeMotion> edge_motions(const UsableScan& first, const UsableScan& 
   const double interval_s = (second.start - first.start).seconds();
   std::vector<VotedVelocity> voted =
       voted_velocities(edges_of(first, first.start, kVoters), later, interval_s);
-  voted.resize(std::min(voted.size(), kRefined));
+  voted.resize(std::min(voted.size(), kRefined * static_cast<std::size_t>(finer_steps(interval_s))));
   std::vector<EdgeMotion> found(voted.size());
   tbb::parallel_for(std::size_t{0}, voted.size(),
                     [&](std::size_t i) { found[i] = refined(voted[i].varpi, earlier, later, interval_s); });

@@ -9,6 +9,7 @@
 #include <tbb/parallel_for.h>
 
 #include "odometry/solver/motion_density.hpp"
+#include "odometry/start_up/backward_registration.hpp"
 #include "odometry/start_up/joint_registration.hpp"
 
 namespace mapless::inline v1 {
@@ -161,7 +162,8 @@ std::optional<Registration> StartUp::try_from_rest(double min_score) {
   const std::vector<UsableScan> all = start_up_scans();
   auto [from_rest, scans] = joint_problem(all);
   auto registration = register_from_rest(from_rest.window(), from_rest.prior, scans, settings_);
-  if (!registration || !is_plausible(registration->knots.back(), from_rest.prior.mean.front()))
+  if (!registration ||
+      !is_plausible(registration->knots.back(), from_rest.prior.mean.front(), from_rest.last_interval_s()))
     return std::nullopt;
   if (is_contradicted(registration->knots, settings_)) return std::nullopt;
   from_rest.marginalises = true;
@@ -195,7 +197,7 @@ bool StartUp::register_first_pair() {
   std::vector<Hypothesis> found;
   found.reserve(registrations.size());
   for (Registration& registration : registrations) {
-    if (is_plausible(registration.knots.back(), initial_.knots.back()))
+    if (is_plausible(registration.knots.back(), initial_.knots.back(), initial_.last_interval_s()))
       found.push_back(hypothesis_of(std::move(registration)));
   }
   if (found.empty()) return false;
@@ -210,7 +212,8 @@ bool StartUp::register_first_pair() {
 bool StartUp::extend(const UsableScan& scan, Hypothesis& hypothesis) const {
   MappedTrajectory& mapped = hypothesis.mapped;
   auto found = register_scan(mapped.window(), mapped.prior, scan.bins, mapped.map, settings_);
-  if (!found || !is_plausible(found->knots.back(), mapped.knots.back())) return false;
+  if (!found || !is_plausible(found->knots.back(), mapped.knots.back(), mapped.last_interval_s()))
+    return false;
   hypothesis.registration = std::move(*found);
   mapped.accept(hypothesis.registration);
   const std::vector<Eigen::Vector3d> edges = edges_along(mapped, scan);
@@ -318,18 +321,21 @@ bool StartUp::is_settled() const {
 // one: along a direction that planes hardly fix, changes of the estimated velocity are its errors. Measured:
 // with both observed, VLP-16 flights err several times as much (docs/notebook/odometry.md, "The joint
 // registration of the first scans").
-RegistrationSettings StartUp::with_observed_rotation() const {
+RegistrationSettings StartUp::with_observed_rotation(std::span<const TrajectoryKnot> knots) const {
   RegistrationSettings out = settings_;
-  const auto of_start = std::span(best().knots).subspan(scans_.front().interval);
-  out.density.rotation = estimate_density(of_start, settings_.density).rotation;
+  out.density.rotation = estimate_density(knots, settings_.density).rotation;
   return out;
 }
 
 std::optional<Registration> StartUp::refine_jointly() {
   MappedTrajectory& mapped = hypotheses_.front().mapped;
   auto [joint, scans] = joint_problem(scans_);
-  auto registration = register_jointly(joint.window(), joint.prior, scans, with_observed_rotation());
-  if (!registration || !is_plausible(registration->knots.back(), mapped.knots.back())) return std::nullopt;
+  std::vector<TrajectoryKnot> knots = joint.window();
+  if (auto back = follow_backwards(knots, scans, with_observed_rotation(knots))) knots = std::move(*back);
+  auto registration = register_jointly(knots, joint.prior, scans, with_observed_rotation(knots));
+  if (!registration ||
+      !is_plausible(registration->knots.back(), mapped.knots.back(), mapped.last_interval_s()))
+    return std::nullopt;
   joint.marginalises = true;
   joint.accept(*registration);
   for (const UsableScan& scan : scans_) joint.insert(scan, map_radius_m_);

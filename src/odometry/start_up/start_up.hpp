@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "odometry/map/edge_grid.hpp"
@@ -91,7 +92,7 @@ class StartUp {
   [[nodiscard]] bool is_settled() const;
   Result decide();
   void refine_first_scans();
-  [[nodiscard]] RegistrationSettings with_observed_rotation() const;
+  [[nodiscard]] RegistrationSettings with_observed_rotation(std::span<const TrajectoryKnot> knots) const;
   std::optional<Registration> refine_jointly();
   std::optional<Registration> try_from_rest(double min_score);
   Result restart();

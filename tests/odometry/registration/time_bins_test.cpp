@@ -92,6 +92,39 @@ TEST(TimeBins, ContainEveryPointOnceInShortBins) {
   EXPECT_EQ(next, 900u);
 }
 
+TEST(TimeBins, ReversedHasTheSamePointsAtOppositeTimes) {
+  std::vector<ScanPoint> keypoints;
+  for (int i = 0; i < 1000; ++i) {
+    const auto x = static_cast<float>(i);
+    keypoints.push_back({{x, 0, 0}, x, 100'000 * i + i * i, 0, static_cast<std::uint32_t>(i)});
+  }
+  const TimeBins reversed = TimeBins(keypoints, Time::from_seconds(5), Time()).reversed();
+  ASSERT_EQ(reversed.points().size(), 1000u);
+  std::size_t next = 0;
+  for (const auto& bin : reversed.bins()) {
+    EXPECT_EQ(bin.begin, next);
+    next = bin.end;
+    for (std::size_t i = bin.begin; i < bin.end; ++i) {
+      const TimeBins::Point& point = reversed.points()[i];
+      const ScanPoint& keypoint = keypoints[999 - i];
+      EXPECT_EQ(point.position_v.x(), keypoint.position_v.x());
+      EXPECT_NEAR(bin.time.seconds() + point.dt, -(5 + 1e-9 * keypoint.time_ns), 1e-9);
+    }
+  }
+  EXPECT_EQ(next, 1000u);
+}
+
+TEST(TimeBins, BeforeHasTheFirstBins) {
+  std::vector<ScanPoint> keypoints;
+  for (int i = 0; i < 320; ++i) keypoints.push_back({{0, 0, 0}, 1, 1'000'000 * i, 0, 0});
+  const Time start = Time::from_seconds(5);
+  const TimeBins half = TimeBins(keypoints, start, Time()).before(start + Duration::from_seconds(0.16));
+  EXPECT_EQ(half.bins().size(), 16u);
+  EXPECT_EQ(half.points().size(), 160u);
+  EXPECT_EQ(half.bins().back().end, 160u);
+  EXPECT_TRUE(TimeBins(keypoints, start, Time()).before(start).bins().empty());
+}
+
 // The weight of the Cauchy loss k^2/2 log(1 + r^2/k^2) of r = error / sigma, divided by sigma^2.
 TEST(TimeBins, WeightsFollowTheNoiseAndTheCauchyLoss) {
   const MapPlane plane = {Vector3d::Zero(), Vector3d::UnitZ(), 0.04, 0};

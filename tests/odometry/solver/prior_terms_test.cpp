@@ -61,5 +61,20 @@ TEST(PriorTerms, TheMotionWithinAnIntervalHasItsOwnDensity) {
   }
 }
 
+// An interval of 0.24 or 0.36 s has the information of two or three of 0.12 s, in each of which the motion is
+// bounded: their covariances, carried to the end by T_v0, add up.
+TEST(PriorTerms, ALongIntervalIsLikeSeveralShortOnes) {
+  const AccelerationDensity density = {2, 0.5, 0.02, 0.01};
+  const double h = 0.12;
+  Matrix12d carry = Matrix12d::Identity();
+  carry.topRightCorner<6, 6>() = h * Matrix6d::Identity();
+  const Matrix12d of_short = motion_information(h, density).inverse();
+  Matrix12d covariance = of_short;
+  for (const int n : {2, 3}) {
+    covariance = carry * covariance * carry.transpose() + of_short;
+    EXPECT_LT((motion_information(n * h, density) * covariance - Matrix12d::Identity()).norm(), 1e-9) << n;
+  }
+}
+
 }  // namespace MAPLESS_FILE
 }  // namespace mapless

@@ -1,25 +1,26 @@
 #include "odometry/start_up/edge_votes.hpp"
 
 #include <random>
+#include <utility>
 
 #include <gtest/gtest.h>
 
 namespace mapless {
 namespace MAPLESS_FILE {
 
-constexpr std::int64_t kScan_ns = 100'000'000;
+constexpr double kScan_s = 0.1;
 
 // The edges of scan number k: `count` static points within 40 m, each seen once a scan at an instant of its
 // own, by a sensor with the constant velocity `varpi`: p_v(t) = exp(t varpi) p_0. The first `moving` of them
 // move with the sensor.
-UsableScan scan_of(int k, const Vector6d& varpi, int count, int moving) {
+UsableScan scan_of(int k, const Vector6d& varpi, int count, int moving, double scan_s = kScan_s) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> metres(-40, 40), part(0, 1);
-  UsableScan out = {{}, TimeBins({}, Time(), Time()), {}, Time::from_nanoseconds(k * kScan_ns), 0};
+  UsableScan out = {{}, TimeBins(), {}, Time::from_seconds(k * scan_s), 0};
   for (int i = 0; i < count; ++i) {
     const Eigen::Vector3d p_0(metres(random), metres(random), metres(random) / 10);
-    const double within_s = 0.1 * i / count;
-    const double t = i < moving ? 0 : 0.1 * k + within_s;
+    const double within_s = scan_s * i / count;
+    const double t = i < moving ? 0 : scan_s * k + within_s;
     const Eigen::Vector3d p_v = SE3::exp(t * varpi) * p_0;
     out.edges.push_back(
         {p_v.cast<float>(), static_cast<float>(p_v.norm()), static_cast<std::int32_t>(1e9 * within_s), 0, 0});
@@ -44,6 +45,24 @@ TEST(EdgeMotions, ATurnOfTheHandIsFound) {
   const auto found = edge_motions(scan_of(0, varpi, 300, 0), scan_of(1, varpi, 300, 0));
   ASSERT_FALSE(found.empty());
   EXPECT_LT((found[0].varpi - varpi).tail<3>().norm(), 0.02);
+}
+
+// The same at 5 Hz, where the sensor moves by 8 m between two scans, or turns by 25 degrees.
+TEST(EdgeMotions, ScansOfFiveTurnsASecondAreSearchedAsFar) {
+  Vector6d drive, turn;
+  drive << -40, 0, 0, 0, 0, 0;
+  turn << 0.3, -0.2, 0.1, -2.2, 0.3, 0.4;
+  for (const Vector6d& varpi : {drive, turn}) {
+    const auto found = edge_motions(scan_of(0, varpi, 300, 0, 0.2), scan_of(1, varpi, 300, 0, 0.2));
+    ASSERT_FALSE(found.empty());
+    EXPECT_LT((found[0].varpi - varpi).head<3>().norm(), 0.2);
+    EXPECT_LT((found[0].varpi - varpi).tail<3>().norm(), 0.02);
+  }
+}
+
+TEST(EdgeMotions, StepsAreFinerForScansFartherApartButNotWithoutEnd) {
+  for (const auto& [interval_s, steps] : {std::pair(0.05, 1), {0.1, 1}, {0.12, 1}, {0.2, 2}, {1e9, 2}})
+    EXPECT_EQ(finer_steps(interval_s), steps) << interval_s;
 }
 
 TEST(EdgeMotions, FewEdgesOrOnesThatAgreeWithNoMotionGiveNone) {

@@ -21,10 +21,12 @@ class SimulatedStart {
  public:
   SimulatedStart(const std::string& scene, std::uint64_t seed, int first,
                  const std::string& sensor = "VLP-16")
-      : scene_(make_scene(scene, {seed, 0.1 * (first + kAfterwards + 1), true})),
+      : SimulatedStart(scene, seed, first, named_model(sensor)) {}
+  SimulatedStart(const std::string& scene, std::uint64_t seed, int first, const LidarModel& sensor)
+      : scene_(make_scene(scene, {seed, (first + kAfterwards + 1) / sensor.rotation_rate_hz, true})),
         truth_(std::make_shared<const SampledTrajectory>(scene_.poses, Duration(), "scene")),
         world_(scene_.world),
-        sensor_(std::make_shared<const LidarModel>(named_model(sensor)), truth_, world_, {0.02, true, seed}) {
+        sensor_(std::make_shared<const LidarModel>(sensor), truth_, world_, {0.02, true, seed}) {
     for (int k = 0; k < kAfterwards; ++k) process(first + k);
   }
 
@@ -61,6 +63,14 @@ class SimulatedStart {
   SimulatedWorld world_;
   SimulatedSensor sensor_;
 };
+
+// The sensor at five turns a second, with as many firings a second.
+LidarModel at_5_hz(const std::string& sensor) {
+  LidarModel out = named_model(sensor);
+  out.rotation_rate_hz /= 2;
+  out.columns *= 2;
+  return out;
+}
 
 void expect_right(const SimulatedStart& start) {
   ASSERT_TRUE(start.odometry.started());
@@ -144,6 +154,24 @@ TEST(StartUp, FiveScansAreEnoughInATown) {
   const SimulatedStart town("town1", 601, 0);
   EXPECT_EQ(town.started_with, 5);
   expect_right(town);
+}
+
+// At 5 Hz. On the motorway two scans are 6 m apart, 12 m from rest; a person makes a step in two scans, and
+// swings the sensor by 20 degrees within one.
+TEST(StartUp, AMotorwayAtFiveTurnsASecond) {
+  expect_right(SimulatedStart("highway", 30101, 0, at_5_hz("VLP-16")));
+}
+
+TEST(StartUp, CarriedAtFiveTurnsASecond) {
+  expect_right(SimulatedStart("tunnel", 30112, 0, at_5_hz("VLP-16")));
+  const SimulatedStart forest("forest", 30101, 0, at_5_hz("HDL-64E-S2"));
+  for (std::size_t k = 0; k + 1 < forest.starts.size(); ++k)
+    EXPECT_LT(forest.turn_error_deg(forest.starts[k], forest.starts[k + 1]), 0.5) << "from scan " << k;
+}
+
+// The hand turns back at 7 rad/s^2, which at the end of a scan is 8 degrees from the prediction.
+TEST(StartUp, ATurnThatEndsWithinALongScanIsFollowed) {
+  expect_right(SimulatedStart("tunnel", 30112, 11, at_5_hz("HDL-64E-S2")));
 }
 
 }  // namespace MAPLESS_FILE

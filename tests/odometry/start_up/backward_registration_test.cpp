@@ -1,0 +1,95 @@
+#include "odometry/start_up/backward_registration.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace mapless {
+namespace MAPLESS_FILE {
+
+constexpr int kLasers = 40, kColumns = 600, kAxes = 3;
+constexpr double kScan_s = 0.2;
+const Eigen::Vector3d kHalfRoom_m(9, 7, 5);
+const RegistrationSettings kSettings = {{0.03, 0.5}, {0.5, 2.5}, 0.02, 1e-4, 15};
+
+// A sensor that turns about z, faster and faster, in the middle of a room.
+double angle_at(double t) { return 1.5 * t + 0.75 * t * t; }
+Vector6d varpi_at(double t) {
+  Vector6d out = Vector6d::Zero();
+  out[5] = 1.5 + 1.5 * t;
+  return out;
+}
+SE3 pose_at(double t) { return SE3::exp(angle_at(t) * Vector6d::Unit(5)); }
+
+TrajectoryKnot knot_at(int k) {
+  return {Time::from_seconds(kScan_s * k), pose_at(kScan_s * k), varpi_at(kScan_s * k)};
+}
+
+// The scan after knot k.
+UsableScan scan_of(int k) {
+  std::vector<ScanPoint> points, keypoints;
+  for (int column = 0; column < kColumns; ++column) {
+    const double azimuth = 2 * std::numbers::pi * column / kColumns,
+                 since_start = kScan_s * column / kColumns;
+    const Eigen::Matrix3d to_room = pose_at(kScan_s * k + since_start).inverse().rotation();
+    for (int laser = 0; laser < kLasers; ++laser) {
+      const double elevation = 0.04 * (laser - kLasers / 2.0 + 0.5);
+      const Eigen::Vector3d ray(std::cos(elevation) * std::cos(azimuth),
+                                std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
+      const Eigen::Vector3d in_room = to_room * ray;
+      double range_m = 1e9;
+      for (int axis = 0; axis < kAxes; ++axis)
+        range_m = std::min(range_m, kHalfRoom_m[axis] / std::max(std::abs(in_room[axis]), 1e-9));
+      points.push_back({(range_m * ray).cast<float>(), static_cast<float>(range_m),
+                        static_cast<std::int32_t>(1e9 * since_start), laser, 0});
+      if ((laser + 7 * column) % 5 == 0) keypoints.push_back(points.back());
+    }
+  }
+  const Time start = Time::from_seconds(kScan_s * k);
+  TimeBins bins(keypoints, start, Time());
+  return {std::move(points), std::move(bins), {}, start, static_cast<std::size_t>(k)};
+}
+
+double turn_error_deg(const TrajectoryKnot& a, const TrajectoryKnot& b, int from, int to) {
+  const SE3 moved = b.T_v0 * a.T_v0.inverse(),
+            truth = pose_at(kScan_s * to) * pose_at(kScan_s * from).inverse();
+  return (moved * truth.inverse()).log().norm() * 180 / std::numbers::pi;
+}
+
+// The first scan is said to turn the other way, and the second half as fast. The third is missing: its
+// interval has no scan.
+TEST(BackwardRegistration, CorrectsTheFirstScansAndKeepsTheLastTwo) {
+  std::vector<TrajectoryKnot> knots;
+  for (int k = 0; k <= 6; ++k) knots.push_back(knot_at(k));
+  const SE3 wrong = SE3::exp(0.12 * Vector6d::Unit(5) + 0.1 * Vector6d::Unit(0));
+  for (std::size_t k = 0; k < 2; ++k) {
+    knots[k].T_v0 = wrong * knots[k].T_v0;
+    knots[k].varpi *= k == 0 ? -1 : 0.5;
+  }
+  const std::vector<UsableScan> scans = {scan_of(0), scan_of(1), scan_of(3), scan_of(4), scan_of(5)};
+  const auto found = follow_backwards(knots, scans, kSettings);
+  ASSERT_TRUE(found);
+  ASSERT_EQ(found->size(), knots.size());
+  EXPECT_LT((found->front().T_v0 * knots.front().T_v0.inverse()).log().norm(), 1e-12) << "the first pose";
+  for (int k = 0; k < 6; ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    EXPECT_EQ((*found)[i].time, knots[i].time);
+    EXPECT_LT(turn_error_deg((*found)[i], (*found)[i + 1], k, k + 1), k < 4 ? 0.1 : 1e-4) << k;
+    EXPECT_NEAR((*found)[i].varpi[5], varpi_at(kScan_s * k)[5], k < 5 ? 0.1 : 1e-12) << k;
+  }
+}
+
+TEST(BackwardRegistration, NoSolutionGivesNone) {
+  std::vector<TrajectoryKnot> knots;
+  for (int k = 0; k <= 3; ++k) knots.push_back(knot_at(k));
+  const std::vector<UsableScan> scans = {scan_of(0), scan_of(1), scan_of(2)};
+  RegistrationSettings settings = kSettings;
+  settings.density = {1e-30, 1e-30};  // a prior that no computer can solve for
+  EXPECT_FALSE(follow_backwards(knots, scans, settings));
+}
+
+}  // namespace MAPLESS_FILE
+}  // namespace mapless
