@@ -24,12 +24,13 @@ constexpr double kLargestDiagonal_m = 7;
 // Distance travelled between two removals of the map's edge. Chosen: a tenth of the default map radius; every
 // removal visits all cubes.
 constexpr double kForgetEvery_m = 10;
-// A correction of the prediction by more is a wrong association; a scan that lasts longer than 0.1 s may be
-// corrected by as many times more. Chosen: 10 m in 0.1 s is a change of speed by 100 m/s, 1.2 rad one of the
-// turn rate by 690 deg/s; and the start, which predicts rest, moves by 9 m in two scans at 45 m/s.
+// A correction of the prediction by more is a wrong association; over longer intervals than 0.1 s the limits
+// grow in proportion, up to twice. Chosen: 10 m in 0.1 s is a change of speed by 100 m/s, 1.2 rad one of the
+// turn rate by 690 deg/s; and the start, which predicts rest, moves by 9 m in two such scans at 45 m/s.
 constexpr double kMaxCorrection_m = 10;
 constexpr double kMaxCorrection_rad = 1.2;
 constexpr double kCorrectionIn_s = 0.1;
+constexpr double kMostTimesLonger = 2;
 // Scans are missing if the last knot is earlier than this part of a scan before the start of the next.
 constexpr double kMaxGapRatio = 0.5;
 
@@ -59,9 +60,9 @@ WindowPrior origin_prior(const TrajectoryKnot& knot) {
   return prior_of(knot, sigma.cwiseInverse().cwiseAbs2().asDiagonal());
 }
 
-bool is_plausible(const TrajectoryKnot& found, const TrajectoryKnot& prediction, double scan_s) {
-  const Vector6d correction =
-      (found.T_v0 * prediction.T_v0.inverse()).log() / std::max(1.0, scan_s / kCorrectionIn_s);
+bool is_plausible(const TrajectoryKnot& found, const TrajectoryKnot& prediction, double interval_s) {
+  const Vector6d correction = (found.T_v0 * prediction.T_v0.inverse()).log() /
+                              std::clamp(interval_s / kCorrectionIn_s, 1.0, kMostTimesLonger);
   return correction.allFinite() && found.varpi.allFinite() &&
          correction.head<3>().norm() < kMaxCorrection_m && correction.tail<3>().norm() < kMaxCorrection_rad;
 }

@@ -39,9 +39,10 @@ struct InsertedScan {
 /// `knot` moved to time `t` with constant velocity.
 [[nodiscard]] TrajectoryKnot predicted(const TrajectoryKnot& knot, Time t);
 
-/// False if a registration is so far from the prediction that its association must be wrong. `scan_s`: the
-/// duration of the scan.
-[[nodiscard]] bool is_plausible(const TrajectoryKnot& found, const TrajectoryKnot& prediction, double scan_s);
+/// False if a registration is so far from the prediction that its association must be wrong. `interval_s`:
+/// the time from the knot before, mostly the duration of a scan.
+[[nodiscard]] bool is_plausible(const TrajectoryKnot& found, const TrajectoryKnot& prediction,
+                                double interval_s);
 
 /// A trajectory and the map built along it: a sliding window of open knots, all older ones final.
 struct MappedTrajectory {

@@ -65,9 +65,9 @@ struct Registration {
                                      const RegistrationSettings& settings, std::vector<CachedPlane>& planes,
                                      Registration& registration);
 
-/// Iterates until convergence, at most `max_iterations` times, for a scan of more than .15 s after the same
-/// for its first half. `knots` are the initial guess; their last interval is that of the scan. None if there
-/// is no solution.
+/// Iterates until convergence, at most `max_iterations` times. `knots` are the initial guess; their last
+/// interval is that of the scan. If it lasts more than .15 s, the points of its first half are registered
+/// first, in as many iterations of their own. None if there is no solution.
 [[nodiscard]] std::optional<Registration> register_scan(std::vector<TrajectoryKnot> knots,
                                                         const WindowPrior& prior, const TimeBins& bins,
                                                         const PlaneSource& map,

@@ -7,11 +7,12 @@
 namespace mapless::inline v1 {
 namespace {
 
-// The bound of the density within an interval holds for so long: a scan at 10 Hz, with room for motors that
-// turn slower. Derived for longer intervals: with n knots in place of one, at each of which the velocity
-// changes freely, the part e_p / dt - e_v / 2 of the whole interval would have 1 - 1 / n^2 of the free
-// density (n = 2: 3/4), and 1 / n^2 of the bounded one. Measured at 5 Hz, where a step of a person takes two
-// scans: forests err by .6 to 1 cm a scan for .9 to 2.4 (docs/notebook/odometry.md, "Five turns a second").
+// The bound of the density within an interval holds in full up to this duration: a scan at 10 Hz, with room
+// for motors that turn slower. Derived for longer intervals: with n knots in place of one, at each of which
+// the velocity changes freely, the part e_p / dt - e_v / 2 of the whole interval would have 1 - 1 / n^2 of
+// the free density (n = 2: 3/4), and 1 / n^2 of the bounded one. Measured at 5 Hz, where a step of a person
+// takes two scans: forests err by .6 to 1 cm a scan for .9 to 2.4 (docs/notebook/odometry.md, "Five turns a
+// second").
 constexpr double kBoundedFor_s = 0.12;
 
 }  // namespace

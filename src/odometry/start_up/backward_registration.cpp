@@ -42,7 +42,7 @@ void move_first_to(const SE3& T_v0, std::vector<TrajectoryKnot>& knots) {
 std::optional<std::vector<TrajectoryKnot>> follow_backwards(const std::vector<TrajectoryKnot>& knots,
                                                             const std::vector<UsableScan>& scans,
                                                             RegistrationSettings settings) {
-  settings.measurements = nullptr;
+  settings.measurements = nullptr;  // their times are not reversed; the joint registration uses them
   std::vector<TrajectoryKnot> out = knots;
   std::size_t next = scans.size() - kKeptScans;  // scans from here on are in the map
   MappedTrajectory back(settings.point_sigma_m);

@@ -16,9 +16,9 @@ namespace mapless::inline v1 {
 /// out. No other part of the odometry changes its hypotheses.
 ///
 /// Two scans of few lasers often admit many motions (on a motorway the ground fits any speed). All of them
-/// are hypotheses, which three to eight more scans extend. The one with the best score is kept, and its first
-/// scans are registered again, jointly. If even the best motion of the first two scans has few inliers
-/// (sixteen lasers above a hill), eight scans are also registered jointly from rest
+/// are hypotheses, which three to eight more scans extend. The one with the best score is kept, and its scans
+/// are registered again: from the last back to the first, then jointly. If even the best motion of the first
+/// two scans has few inliers (sixteen lasers above a hill), eight scans are also registered jointly from rest
 /// (docs/notebook/odometry.md, "How it starts").
 class StartUp {
  public:

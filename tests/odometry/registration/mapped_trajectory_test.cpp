@@ -12,7 +12,7 @@ TrajectoryKnot moved_by(double metres, double radians) {
   return {Time(), SE3::exp(step), Vector6d::Zero()};
 }
 
-// At 45 m/s two scans are 9 m apart at 10 Hz and 18 m at 5 Hz; a start predicts rest.
+// In two scans a sensor at 45 m/s moves by 9 m at 10 Hz and by 18 m at 5 Hz; a start predicts rest.
 TEST(MappedTrajectory, ALongerScanMayBeCorrectedByMore) {
   const TrajectoryKnot rest = moved_by(0, 0);
   EXPECT_TRUE(is_plausible(moved_by(9, 0), rest, 0.1));
@@ -22,6 +22,7 @@ TEST(MappedTrajectory, ALongerScanMayBeCorrectedByMore) {
   EXPECT_FALSE(is_plausible(moved_by(0, 2), rest, 0.1));
   EXPECT_TRUE(is_plausible(moved_by(0, 2), rest, 0.2));
   EXPECT_FALSE(is_plausible(moved_by(21, 0), rest, 0.2));
+  EXPECT_FALSE(is_plausible(moved_by(0, 2.5), rest, 5));
 }
 
 }  // namespace MAPLESS_FILE

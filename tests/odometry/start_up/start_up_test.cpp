@@ -156,8 +156,8 @@ TEST(StartUp, FiveScansAreEnoughInATown) {
   expect_right(town);
 }
 
-// At 5 Hz. On the motorway two scans are 6 m apart, 12 m from rest; a person makes a step in two scans, and
-// swings the sensor by 20 degrees within one.
+// At 5 Hz. On the motorway the second scan ends 12 m from where a start at rest predicts it; a person makes a
+// step in two scans, and swings the sensor by 20 degrees within one.
 TEST(StartUp, AMotorwayAtFiveTurnsASecond) {
   expect_right(SimulatedStart("highway", 30101, 0, at_5_hz("VLP-16")));
 }
