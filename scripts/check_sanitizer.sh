@@ -23,9 +23,11 @@ asan) # All but whole scenes, most drives, statistics of many trials and compari
   GTEST_FILTER="$GTEST_FILTER:OnlineDetectorThreads.IsOdometry*:OnlineDetectorThreads.AnyNumber*:OnlineDetectorThreads.CatchingUp*"
   GTEST_FILTER="$GTEST_FILTER:OnlineDetectorThreads.SideBySideTheLabels*:OnlineDetectorThreads.AScanThat*"
   GTEST_FILTER="$GTEST_FILTER:OnlineDetector.ARecordingThat*:OnlineDetector.GoesOn*"
-  # The same code as StartUp.Unregistered*, StartUp.WherePlanes* and LidarOdometry.ATrajectorySnapshot*.
+  # The same code as StartUp.Unregistered*, StartUp.WherePlanes*, LidarOdometry.ATrajectorySnapshot* and, for
+  # long scans, BackwardRegistration.*.
   GTEST_FILTER="$GTEST_FILTER:StartUp.Joint*:StartUp.TheSteps*:StartUp.MotionsThat*:StartUp.DropsA*"
   GTEST_FILTER="$GTEST_FILTER:StartUp.APair*:StartUp.FiveScans*:StartUp.EdgesTell*:StartUp.AHill*"
+  GTEST_FILTER="$GTEST_FILTER:StartUp.AMotorwayAt*:StartUp.CarriedAt*:StartUp.ATurnThat*"
   GTEST_FILTER="$GTEST_FILTER:MotionMeasurements.DecidesThe*:WeakConstraint.*:HardPlaces.AnOpenField*:LidarOdometry.AnEmptyScan*"
   GTEST_FILTER="$GTEST_FILTER:RangeNoise.IsThat*:Detector.ForgetsScans*:PointcloudComparison.AgreesWith*"
   # The same code as the other tests of random scenes, of runs along own odometry, and of interrupts.
