@@ -111,7 +111,7 @@ std::optional<Registration> register_scan(std::vector<TrajectoryKnot> knots, con
                                           const RegistrationSettings& settings) {
   const Time start = knots[knots.size() - 2].time;
   const Duration scan = knots.back().time - start;
-  if (scan.seconds() > kLongScan_s) {
+  if (scan.seconds() > kLongScan_s && !bins.points().empty()) {
     const TimeBins half = bins.before(start + Duration::from_nanoseconds(scan.nanoseconds() / 2));
     auto found = register_annealed(knots, prior, half, map, settings, kFirstWidening, 1);
     if (found && found->inliers > 0) knots = std::move(found->knots);

@@ -13,7 +13,7 @@
 namespace mapless::inline v1 {
 namespace {
 
-// Edges of each scan that vote. Chosen: 25 turn rates x 400^2 pairs take some ten milliseconds (49 at 5 Hz).
+// Edges of each scan that vote. Chosen: 25 turn rates x 400^2 pairs take some ten milliseconds.
 constexpr std::size_t kVoters = 400;
 // Edges of the first scan that those of the second may coincide with. Chosen: so many take 0.2 ms a step.
 constexpr std::size_t kEdges = 4000;
@@ -41,16 +41,10 @@ constexpr double kDamping = 1e-5;
 constexpr double kStep_s = 1e-3;
 // Largest speed, 160 km/h.
 constexpr double kMaxSpeed_mps = 45;
-// Bins of the translation between the scans. Chosen: about EdgeGrid::kReach_m; kBins of either sign reach
-// kMaxSpeed_mps at 10 Hz.
+// Bins of the translation between the scans, of either sign: so many that they reach kMaxSpeed_mps, up to
+// those of 5 Hz. Chosen: about EdgeGrid::kReach_m; more bins, where scans are missing, would take megabytes.
 constexpr double kBin_m = 0.5;
-constexpr int kBins = 9;
-// Chosen: twice the steps take twice the time in votes and eight times the memory of the bins.
-constexpr int kMostFinerSteps = 2;
-// Turn rates, up to 3.4 rad/s (195 deg/s) about every axis of the sensor. Chosen: 0.085 rad per scan at 10
-// Hz.
-constexpr double kTurnRateStep_radps = 0.85;
-constexpr int kTurnRateSteps = 4;
+constexpr double kMostBins = 18;
 // Most translations of one turn rate. Chosen: the static world and two groups of moving objects.
 constexpr std::size_t kPeaks = 3;
 
@@ -86,7 +80,7 @@ class Votes {
  public:
   explicit Votes(double interval_s)
       : interval_s_(interval_s),
-        reach_(kBins * finer_steps(interval_s)),
+        reach_(static_cast<int>(std::lround(std::min(kMaxSpeed_mps * interval_s / kBin_m, kMostBins)))),
         side_(2 * reach_ + 1),
         bins_(static_cast<std::size_t>(side_ * side_ * side_)) {}
 
@@ -135,10 +129,9 @@ class Votes {
   std::vector<Bin> bins_;
 };
 
-std::vector<Eigen::Vector3d> turn_rates(int finer) {
+std::vector<Eigen::Vector3d> turn_rates() {
   std::vector<Eigen::Vector3d> out = {Eigen::Vector3d::Zero()};
-  for (int step = 1; step <= kTurnRateSteps * finer; ++step) {
-    const double turn_rate_radps = kTurnRateStep_radps * step / finer;
+  for (const double turn_rate_radps : {0.85, 1.7, 2.55, 3.4}) {
     for (Eigen::Index axis = 0; axis < 3; ++axis)
       for (const double sign : {1., -1.}) out.push_back(sign * turn_rate_radps * Eigen::Vector3d::Unit(axis));
   }
@@ -172,7 +165,7 @@ struct VotedVelocity {
 std::vector<VotedVelocity> voted_velocities(const std::vector<Edge>& first, const std::vector<Edge>& second,
                                             double interval_s) {
   std::vector<VotedVelocity> out;
-  for (const Eigen::Vector3d& turn_rate : turn_rates(finer_steps(interval_s))) {
+  for (const Eigen::Vector3d& turn_rate : turn_rates()) {
     for (const Bin& peak : peaks_at(turn_rate, first, second, interval_s)) {
       out.push_back({peak.votes, Vector6d::Zero()});
       out.back().varpi << peak.sum / peak.votes, turn_rate;
@@ -232,10 +225,6 @@ EdgeMotion refined(const Vector6d& start, const std::vector<Edge>& first, const 
 
 }  // namespace
 
-int finer_steps(double interval_s) {
-  return std::clamp(static_cast<int>(std::lround(std::min(interval_s, 1.0) / 0.1)), 1, kMostFinerSteps);
-}
-
 bool are_alike(const Vector6d& varpi_a, const Vector6d& varpi_b) {
   const Vector6d difference = varpi_a - varpi_b;
   return difference.head<3>().norm() < kAlikeSpeed_mps && difference.tail<3>().norm() < kAlikeTurnRate_radps;
@@ -248,7 +237,7 @@ std::vector<EdgeMotion> edge_motions(const UsableScan& first, const UsableScan& 
   const double interval_s = (second.start - first.start).seconds();
   std::vector<VotedVelocity> voted =
       voted_velocities(edges_of(first, first.start, kVoters), later, interval_s);
-  voted.resize(std::min(voted.size(), kRefined * static_cast<std::size_t>(finer_steps(interval_s))));
+  voted.resize(std::min(voted.size(), kRefined));
   std::vector<EdgeMotion> found(voted.size());
   tbb::parallel_for(std::size_t{0}, voted.size(),
                     [&](std::size_t i) { found[i] = refined(voted[i].varpi, earlier, later, interval_s); });

@@ -10,11 +10,6 @@ namespace mapless::inline v1 {
 /// twice.
 [[nodiscard]] bool are_alike(const Vector6d& varpi_a, const Vector6d& varpi_b);
 
-/// The start searches speeds and turn rates in steps that suit two scans 0.1 s apart. For scans `interval_s`
-/// apart so many steps take the place of one: 2 at 5 Hz, so that a step still moves the points as far. Never
-/// more: at slower rates, or after a gap, the votes reach 9 m between the scans.
-[[nodiscard]] int finer_steps(double interval_s);
-
 /// A constant velocity under which the edges of two scans coincide.
 struct EdgeMotion {
   Vector6d varpi;

@@ -12,7 +12,7 @@ namespace mapless::inline v1 {
 namespace {
 
 // Points of the first scan in the maps of the coarse registrations. Chosen: half of max_scan_points, because
-// each step of the 37 coarse registrations (73 at 5 Hz) builds a map.
+// each step of the 37 coarse registrations builds a map.
 constexpr std::size_t kCoarsePoints = 8000;
 // Without the coarsest grid of PlaneMap, in which the ground alone constrains the motion.
 constexpr std::size_t kGrids = PlaneMap::kGrids - 1;
@@ -53,21 +53,21 @@ constexpr int kSpeedSteps = 15;
 
 // Rest, and speeds up to 40 m/s and turn rates up to 3.4 rad/s (195 deg/s) along every axis of the sensor: no
 // axis is assumed to point up or ahead.
-std::vector<Vector6d> initial_velocities(int finer) {
+std::vector<Vector6d> initial_velocities() {
   std::vector<Vector6d> out = {Vector6d::Zero()};
   const auto add = [&](double amount, Eigen::Index first) {
     for (Eigen::Index axis = first; axis < first + 3; ++axis)
       for (const double sign : {1., -1.}) out.push_back(sign * amount * Vector6d::Unit(axis));
   };
-  for (int step = 1; step <= 4 * finer; ++step) add(10. * step / finer, 0);
-  for (int step = 1; step <= 2 * finer; ++step) add(1.7 * step / finer, 3);
+  for (const double speed_mps : {10., 20., 30., 40.}) add(speed_mps, 0);
+  for (const double turn_rate_radps : {1.7, 3.4}) add(turn_rate_radps, 3);
   return out;
 }
 
 // The same with what other sensors measure in its place, no two alike.
-std::vector<Vector6d> initial_velocities(const KnownMotion& known, int finer) {
+std::vector<Vector6d> initial_velocities(const KnownMotion& known) {
   std::vector<Vector6d> out;
-  for (const Vector6d& varpi : initial_velocities(finer)) {
+  for (const Vector6d& varpi : initial_velocities()) {
     const Vector6d applied = known.applied_to(varpi);
     if (std::none_of(out.begin(), out.end(), [&](const Vector6d& one) { return one.isApprox(applied); }))
       out.push_back(applied);
@@ -77,7 +77,7 @@ std::vector<Vector6d> initial_velocities(const KnownMotion& known, int finer) {
 
 // Speeds along `direction` to try, `varpi` being the best motion.
 std::vector<double> speeds_along(const Eigen::Vector3d& direction, const Vector6d& varpi,
-                                 const KnownMotion& known, int finer) {
+                                 const KnownMotion& known) {
   if (known.velocity) return {direction.dot(*known.velocity)};
   if (known.speed) {
     const Eigen::Vector3d v = varpi.head<3>();
@@ -86,8 +86,7 @@ std::vector<double> speeds_along(const Eigen::Vector3d& direction, const Vector6
     return {along, -along};
   }
   std::vector<double> out;
-  for (int step = -kSpeedSteps * finer; step <= kSpeedSteps * finer; ++step)
-    out.push_back(kSpeedStep_mps * step / finer);
+  for (int step = -kSpeedSteps; step <= kSpeedSteps; ++step) out.push_back(kSpeedStep_mps * step);
   return out;
 }
 
@@ -163,8 +162,7 @@ PairOfScans::PairOfScans(std::vector<TrajectoryKnot> knots, WindowPrior prior, c
       second_(second),
       first_interval_(first.interval - first_knot),
       settings_(settings),
-      coarse_points_(evenly_sampled(first.points, kCoarsePoints)),
-      finer_(finer_steps((second.start - first.start).seconds())) {}
+      coarse_points_(evenly_sampled(first.points, kCoarsePoints)) {}
 
 WindowPrior PairOfScans::velocity_prior(const Vector6d& varpi, double speed_sigma,
                                         double turn_rate_sigma) const {
@@ -241,9 +239,8 @@ std::optional<Registration> PairOfScans::register_coarsely(const Vector6d& varpi
 }
 
 std::vector<Registration> PairOfScans::coarse_registrations() const {
-  std::vector<Registration> found =
-      transform_parallel(initial_velocities(known_motion(), finer_),
-                         [&](const Vector6d& varpi) { return register_coarsely(varpi); });
+  std::vector<Registration> found = transform_parallel(
+      initial_velocities(known_motion()), [&](const Vector6d& varpi) { return register_coarsely(varpi); });
   std::stable_sort(found.begin(), found.end(), has_more_inliers);
   std::vector<Registration> distinct;
   for (Registration& registration : found) {
@@ -278,7 +275,7 @@ void PairOfScans::add_along_weak_directions(std::vector<Registration>& all) cons
     const Eigen::Vector3d direction = degeneracy.directions_v.col(i);
     const double speed_along = direction.dot(best.knots.back().varpi.head<3>());
     std::vector<Vector6d> velocities;
-    for (const double speed : speeds_along(direction, best.knots.back().varpi, known_motion(), finer_)) {
+    for (const double speed : speeds_along(direction, best.knots.back().varpi, known_motion())) {
       velocities.push_back(best.knots.back().varpi);
       velocities.back().head<3>() += (speed - speed_along) * direction;
     }

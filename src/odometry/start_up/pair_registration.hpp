@@ -74,7 +74,6 @@ class PairOfScans {
   std::size_t first_interval_;
   const RegistrationSettings& settings_;
   std::vector<ScanPoint> coarse_points_;  // of the first scan
-  int finer_;                             // finer_steps() of the two scans
 };
 
 /// Keeps the elements for which `agrees` is true, all of them if it is true for none.

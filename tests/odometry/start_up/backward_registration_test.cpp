@@ -1,18 +1,15 @@
 #include "odometry/start_up/backward_registration.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <numbers>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "odometry/start_up/room_scan.hpp"
+
 namespace mapless {
 namespace MAPLESS_FILE {
 
-constexpr int kLasers = 40, kColumns = 600, kAxes = 3;
 constexpr double kScan_s = 0.2;
-const Eigen::Vector3d kHalfRoom_m(9, 7, 5);
 const RegistrationSettings kSettings = {{0.03, 0.5}, {0.5, 2.5}, 0.02, 1e-4, 15};
 
 // A sensor that turns about z, faster and faster, in the middle of a room.
@@ -29,29 +26,7 @@ TrajectoryKnot knot_at(int k) {
 }
 
 // The scan after knot k.
-UsableScan scan_of(int k) {
-  std::vector<ScanPoint> points, keypoints;
-  for (int column = 0; column < kColumns; ++column) {
-    const double azimuth = 2 * std::numbers::pi * column / kColumns,
-                 since_start = kScan_s * column / kColumns;
-    const Eigen::Matrix3d to_room = pose_at(kScan_s * k + since_start).inverse().rotation();
-    for (int laser = 0; laser < kLasers; ++laser) {
-      const double elevation = 0.04 * (laser - kLasers / 2.0 + 0.5);
-      const Eigen::Vector3d ray(std::cos(elevation) * std::cos(azimuth),
-                                std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
-      const Eigen::Vector3d in_room = to_room * ray;
-      double range_m = 1e9;
-      for (int axis = 0; axis < kAxes; ++axis)
-        range_m = std::min(range_m, kHalfRoom_m[axis] / std::max(std::abs(in_room[axis]), 1e-9));
-      points.push_back({(range_m * ray).cast<float>(), static_cast<float>(range_m),
-                        static_cast<std::int32_t>(1e9 * since_start), laser, 0});
-      if ((laser + 7 * column) % 5 == 0) keypoints.push_back(points.back());
-    }
-  }
-  const Time start = Time::from_seconds(kScan_s * k);
-  TimeBins bins(keypoints, start, Time());
-  return {std::move(points), std::move(bins), {}, start, static_cast<std::size_t>(k)};
-}
+UsableScan scan_of(int k) { return test::room_scan(k, kScan_s, pose_at); }
 
 double turn_error_rad(const TrajectoryKnot& a, const TrajectoryKnot& b, int from, int to) {
   const SE3 moved = b.T_v0 * a.T_v0.inverse(),

