@@ -16,8 +16,8 @@ constexpr double kSmallRotation_rad = 1e-4;
 constexpr double kFirstWidening = 8;
 // The first half of a scan that lasts longer is registered first, alone: at its end the prediction errs by a
 // quarter of what it errs at the end of the scan. Measured at 5 Hz: of 63 recordings a tunnel, where a hand
-// turns the sensor back at 7 rad/s^2, and a random place lose their motion without; the mean drift is .5
-// instead of 1.8 % (docs/notebook/odometry.md, "Five turns a second").
+// turns the sensor back at 7 rad/s^2, and a random place lose their motion without; the mean drift is .6
+// instead of 2.1 % (docs/notebook/odometry.md, "Five turns a second").
 constexpr double kLongScan_s = 0.15;
 // For an unexpected motion: the gate begins this much wider, 2 m at first, and the density of the prior is
 // larger. Chosen: 30 times the density allows sqrt(30) = 5.5 times the change of velocity.
