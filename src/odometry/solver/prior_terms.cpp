@@ -11,8 +11,8 @@ namespace {
 // for motors that turn slower. Derived for longer intervals: with n knots in place of one, at each of which
 // the velocity changes freely, the part e_p / dt - e_v / 2 of the whole interval would have 1 - 1 / n^2 of
 // the free density (n = 2: 3/4), and 1 / n^2 of the bounded one. Measured at 5 Hz, where a step of a person
-// takes two scans: forests err by .6 to 1.3 cm a scan, not .9 to 2.4 (docs/notebook/odometry.md, "Five turns a
-// second").
+// takes two scans: forests err by .6 to 1.3 cm a scan, not .9 to 2.4 (docs/notebook/odometry.md, "Five turns
+// a second").
 constexpr double kBoundedFor_s = 0.12;
 
 }  // namespace
