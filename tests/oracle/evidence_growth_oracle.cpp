@@ -199,14 +199,17 @@ double EvidenceGrowthOracle::displacement_m(const std::vector<PointEvidence>& vo
   return 2 * radius * recent / count;
 }
 
-// Votes count half where a scan saw a surface; each row is scaled down to the most it may count.
+// Votes count half where a scan saw a surface, and as the cosine of the elevation; each row is scaled down to
+// the most it may count.
 int EvidenceGrowthOracle::weighted_votes(const std::vector<PointEvidence>& votes,
                                          const std::vector<std::size_t>& object) const {
   std::map<int, std::pair<double, double>> rows;  // votes of each, as they are and weighted
   for (const std::size_t i : object) {
-    auto& [all, weighted] = rows[scan_.returns[i].laser];
-    all += votes[i].total();
-    weighted += votes[i].surface_seen ? 0.5 * votes[i].total() : votes[i].total();
+    const int laser = scan_.returns[i].laser;
+    const double cosine = std::cos(scan_.model->lasers[static_cast<std::size_t>(laser)].elevation_rad);
+    auto& [all, weighted] = rows[laser];
+    all += cosine * votes[i].total();
+    weighted += cosine * (votes[i].surface_seen ? 0.5 : 1.0) * votes[i].total();
   }
   double sum = 0;
   for (const auto& [row, of_row] : rows) {

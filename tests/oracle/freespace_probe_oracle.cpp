@@ -68,16 +68,24 @@ double FreespaceProbeOracle::tolerance_m(const Sighting& s) const {
          std::min(inclined_m, parameters_.tolerance_spacings * spacing_rad(s.laser) * s.range_m);
 }
 
-bool FreespaceProbeOracle::in_window(int beside, double width_deg) const {
-  const double aside_deg = std::abs(beside) * 360.0 / reference_.model->columns;
-  return std::abs(beside) <= parameters_.window_columns / 2 || aside_deg <= width_deg / 2;
+// The angle between two firings of a laser, about.
+double FreespaceProbeOracle::aside_rad(const Sighting& s, int column) const {
+  const double elevation_rad = reference_.model->lasers[static_cast<std::size_t>(s.laser)].elevation_rad;
+  const double column_rad = 2 * std::numbers::pi / reference_.model->columns;
+  return std::abs(column - s.column) * column_rad * std::cos(elevation_rad);
+}
+
+bool FreespaceProbeOracle::in_window(const Sighting& s, int column, double width_deg) const {
+  const double column_rad = 2 * std::numbers::pi / reference_.model->columns;
+  const double half_rad =
+      std::max(parameters_.window_columns / 2 * column_rad, width_deg / 2 * std::numbers::pi / 180);
+  return aside_rad(s, column) <= half_rad + 1e-9;
 }
 
 bool FreespaceProbeOracle::surface_beside(const Vector3d& q_0) const {
   for (const Sighting& s : around(q_0, 0, reference_.columns)) {
     for (int c = 0; c < reference_.columns; ++c) {
-      const int beside = c - s.column;
-      if (in_window(beside, parameters_.window_deg) || !in_window(beside, parameters_.beside_window_deg))
+      if (in_window(s, c, parameters_.window_deg) || !in_window(s, c, parameters_.beside_window_deg))
         continue;
       if (std::abs(ray(s.laser, c).range_m - s.range_m) <= tolerance_m(s)) return true;
     }
@@ -91,12 +99,11 @@ FreespaceVerdict FreespaceProbeOracle::classify(const std::vector<Sighting>& aro
   for (const Sighting& s : around) {
     const double tolerance = tolerance_m(s);
     for (int c = 0; c < reference_.columns; ++c) {
-      if (!in_window(c - s.column, parameters_.window_deg)) continue;
+      if (!in_window(s, c, parameters_.window_deg)) continue;
       const double beyond = ray(s.laser, c).range_m - s.range_m;
       ends_here = ends_here || std::abs(beyond) <= tolerance;
       const double column_rad = 2 * std::numbers::pi / reference_.model->columns;
-      const int beside = std::abs(c - s.column);
-      const bool hides = beside <= 1 || beside * column_rad * s.range_m <= 0.12;
+      const bool hides = aside_rad(s, c) <= column_rad + 1e-9 || aside_rad(s, c) * s.range_m <= 0.12;
       ends_short = ends_short || (hides && beyond < -tolerance);
     }
   }

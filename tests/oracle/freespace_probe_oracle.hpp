@@ -64,8 +64,9 @@ class FreespaceProbeOracle {
   // Of the lasers above and below q the firings that pass nearest.
   [[nodiscard]] std::vector<Sighting> around(const Eigen::Vector3d& q_0, int first, int end) const;
   [[nodiscard]] double spacing_rad(int laser) const;
+  [[nodiscard]] double aside_rad(const Sighting& s, int column) const;
   [[nodiscard]] double tolerance_m(const Sighting& s) const;
-  [[nodiscard]] bool in_window(int beside, double width_deg) const;
+  [[nodiscard]] bool in_window(const Sighting& s, int column, double width_deg) const;
   [[nodiscard]] FreespaceVerdict classify(const std::vector<Sighting>& around, const Sighting& nearest) const;
   [[nodiscard]] double hub_angle_to(const Eigen::Vector3d& q_0, int column) const;
 

@@ -39,12 +39,11 @@ int rounded(float x) {
   return static_cast<int>(above);
 }
 
-// Columns of a window on either side of the nearest ray. Its width is an angle: of fewer turns a second each
-// has more columns, but the leaves and edges beside a point are where they were.
-int half_window(double width_deg, const LidarModel& model, int at_least) {
+// Columns of a window on either side of the nearest ray, of a horizontal beam. Its width is an angle: of
+// fewer turns a second each has more columns, but the leaves and edges beside a point are where they were.
+float half_window(double width_deg, const LidarModel& model, float at_least) {
   const double columns = width_deg * model.columns / 360;
-  const int widest = static_cast<int>(RayImage::kBeside) - 1;
-  return std::clamp(static_cast<int>(columns / 2), at_least, widest);
+  return std::max(static_cast<float>(columns / 2), at_least);
 }
 
 }  // namespace
@@ -54,7 +53,8 @@ FreespaceProbe::FreespaceProbe(const RayImage& image, const Vector3d& origin_0,
     : image_(image),
       tolerance_at_0_m_(static_cast<float>(parameters.tolerance_m)),
       tolerance_spacings_(static_cast<float>(parameters.tolerance_spacings)),
-      half_window_(half_window(parameters.window_deg, image.model(), parameters.window_columns / 2)),
+      half_window_(half_window(parameters.window_deg, image.model(),
+                               static_cast<float>(parameters.window_columns / 2))),
       half_beside_(half_window(parameters.beside_window_deg, image.model(), half_window_)),
       reach_at_0_m_(static_cast<float>(parameters.max_ray_distance_m)),
       reach_spacings_(static_cast<float>(parameters.max_ray_distance_spacings)),
@@ -152,19 +152,25 @@ float FreespaceProbe::max_distance_m(const Sighting& nearest) const {
   return reach_at_0_m_ + reach_spacings_ * nearest.beam->spacing_rad * nearest.range_m;
 }
 
+// The firings of a beam that rises lie closer together.
+int FreespaceProbe::columns_within(float half_window, float elevation_cosine) {
+  constexpr auto kMost = static_cast<float>(RayImage::kBeside - 1);
+  return static_cast<int>(std::min(half_window / elevation_cosine, kMost));
+}
+
 void FreespaceProbe::add_window(const Sighting& s, bool is_nearest, SurfaceSlopes slopes,
                                 Window& window) const {
   const float inclined_m = slopes.up * std::abs(s.height_m) + slopes.left * std::abs(s.left_m);
   const float tolerance =
       tolerance_at_0_m_ + std::min(inclined_m, tolerance_spacings_ * s.beam->spacing_rad * s.range_m);
-  for (int c = s.column - half_beside_; c <= s.column + half_beside_; ++c) {
+  const int widest = columns_within(half_beside_, s.beam->cosine);
+  for (int c = s.column - widest; c <= s.column + widest; ++c) {
     const FreespaceVerdict found = compare_ranges(image_.range_m(s.beam->laser, c), s.range_m, tolerance);
-    const int beside = std::abs(c - s.column);
+    const float beside = static_cast<float>(std::abs(c - s.column)) * s.beam->cosine;
     if (beside > half_window_) {
       window.surface_beside |= found == FreespaceVerdict::border;
     } else if (found == FreespaceVerdict::outside) {
-      if (beside <= 1 || static_cast<float>(beside) * s.range_m <= hides_within_columns_m())
-        window.hides = true;
+      if (beside <= 1 || beside * s.range_m <= hides_within_columns_m()) window.hides = true;
     } else if (found == FreespaceVerdict::border) {
       window.border = true;
     }

@@ -168,11 +168,12 @@ class FreespaceProbe {
                                float columns_per_m) const;
   [[nodiscard]] Bracket bracket(const Eigen::Vector3f& q, float column, const Eigen::Vector3f& q_h) const;
   [[nodiscard]] float max_distance_m(const Sighting& nearest) const;
+  [[nodiscard]] static int columns_within(float half_window, float elevation_cosine);
   void add_window(const Sighting& s, bool is_nearest, SurfaceSlopes slopes, Window& window) const;
 
   const RayImage& image_;
   float tolerance_at_0_m_, tolerance_spacings_;
-  int half_window_, half_beside_;  // columns
+  float half_window_, half_beside_;  // columns of a horizontal beam
   float reach_at_0_m_, reach_spacings_;
   // A firing more columns aside than this does not observe the point. Chosen: the nearest firing is at most
   // half a column aside, and 1.25 more near the seam, where the next laser may have fired a turn earlier.

@@ -24,6 +24,10 @@ constexpr int kFillRounds = 2, kTangentialRounds = 6;
 // .001 less with 64, and takes a fifth more time.
 constexpr std::size_t kFaintPoints = 2;
 
+// Faint clusters this near to an object's centre are clutter about it: what one may take for the same thing
+// in the next scan, at 30 m/s and ten scans a second. Measured: docs/notebook/detection.md, "Clutter".
+constexpr float kClutterReach_m = 3;
+
 constexpr std::size_t kReservedCandidates = 8192;  // room for a typical scan, allocated at once
 constexpr std::size_t kPointsPerTask = 4096;  // chosen: many tasks a scan, each of several rows of points
 
@@ -53,6 +57,7 @@ class EvidenceGrowth {
     if (parameters_.grow && any_static() && add_tangential_surfaces()) number_objects();
     collect_evidence();
     collect_faint();
+    count_clutter();
     return std::move(result_);
   }
 
@@ -258,6 +263,24 @@ class EvidenceGrowth {
       for (const std::int32_t j : front_) taken[static_cast<std::size_t>(j)] = true;
       if (front_.size() >= kFaintPoints) result_.faint.push_back(front_);
     }
+  }
+
+  void count_clutter() {
+    std::vector<Eigen::Vector3f> faint;
+    for (const std::vector<std::int32_t>& cluster : result_.faint) faint.push_back(centre(cluster));
+    for (std::size_t n = 0; n < ends_.size(); ++n) {
+      const Eigen::Vector3f of_object = centre(object(n));
+      result_.evidence[n].clutter =
+          static_cast<int>(std::count_if(faint.begin(), faint.end(), [&](const Eigen::Vector3f& one) {
+            return (one - of_object).squaredNorm() < kClutterReach_m * kClutterReach_m;
+          }));
+    }
+  }
+
+  [[nodiscard]] Eigen::Vector3f centre(std::span<const std::int32_t> returns) const {
+    Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+    for (const std::int32_t i : returns) sum += points_.points[static_cast<std::size_t>(i)];
+    return sum / static_cast<float>(returns.size());
   }
 
   const LidarScan& scan_;

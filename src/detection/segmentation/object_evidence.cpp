@@ -58,8 +58,12 @@ ObjectEvidenceCollector::ObjectEvidenceCollector(const LidarScan& scan, const Lo
 ObjectEvidence ObjectEvidenceCollector::collect(std::span<const std::int32_t> object) {
   const Tally all = tally(object);
   const Eigen::Vector3f line = all.surface_seen ? line_0(object) : Eigen::Vector3f::Zero();
-  return {static_cast<float>(displacement_m(object)), all.votes, body(object, all.rows, !line.isZero()),
-          log_odds_of_mover(all.rays), line};
+  return {static_cast<float>(displacement_m(object)),
+          all.votes,
+          body(object, all.rows, !line.isZero()),
+          log_odds_of_mover(all.rays),
+          line,
+          0};
 }
 
 Eigen::Vector3f ObjectEvidenceCollector::line_0(std::span<const std::int32_t> object) const {
@@ -110,7 +114,7 @@ ObjectEvidenceCollector::Tally ObjectEvidenceCollector::tally(std::span<const st
     const RowTally row = std::exchange(row_of(j), {});
     if (row.points == 0) continue;
     ++rows;
-    sum += weighted(row);
+    sum += weighted(row, elevation_cosine(j));
     add_rays(row, rays);
   }
   return {rows, static_cast<int>(std::lround(sum)), rays, surface_seen};
@@ -150,9 +154,15 @@ Body ObjectEvidenceCollector::body(std::span<const std::int32_t> object, int row
   return on_line ? Body::line : Body::unclear;
 }
 
-double ObjectEvidenceCollector::weighted(const RowTally& row) const {
-  const double counted = (row.all + row.uncontradicted) / 2.0;
-  return row.all > max_of_row_ ? counted * max_of_row_ / row.all : counted;
+double ObjectEvidenceCollector::elevation_cosine(std::int32_t i) const {
+  const int laser = scan_.returns[static_cast<std::size_t>(i)].laser;
+  return std::cos(scan_.model->lasers[static_cast<std::size_t>(laser)].elevation_rad);
+}
+
+double ObjectEvidenceCollector::weighted(const RowTally& row, double elevation_cosine) const {
+  const double all = row.all * elevation_cosine;
+  const double counted = (row.all + row.uncontradicted) * elevation_cosine / 2;
+  return all > max_of_row_ ? counted * max_of_row_ / all : counted;
 }
 
 }  // namespace mapless

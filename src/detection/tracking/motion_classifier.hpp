@@ -26,6 +26,7 @@ struct TrackMotion {
   bool stood = false;           ///< in some scan since it last moved its velocity was known, and slow
   bool velocity_known = false;  ///< in some scan, see MotionClassifier
   double evidence = 0;          ///< votes of the last scan, plus those of earlier ones halved per scan
+  double clutter = 0;           ///< mean of ObjectEvidence::clutter and of `clutter` in the scan before
   double log_odds = 0;          ///< ObjectEvidence::log_odds, summed likewise, within +-kMostLogOdds
   int age = 0;                  ///< TrackedObject::age
   Time seen;                    ///< start of its last scan
@@ -67,7 +68,7 @@ class MotionClassifier {
                                    const ObjectEvidence& evidence, Time now, bool on_path = false) const;
 
  private:
-  [[nodiscard]] double required_evidence(const TrackedObject& object) const;
+  [[nodiscard]] double required_evidence(const TrackedObject& object, double clutter) const;
 
   VotingParameters parameters_;
 };

@@ -272,6 +272,22 @@ TEST(FreespaceProbe, TellsASurfaceBesideTheWindow) {
   }
 }
 
+// At 61 degrees of elevation columns of 0.2 degrees are 0.097 apart: five are half a degree, ten are a
+// degree. The edge of a pole 5 m away is at an azimuth of 0.58 degrees, the points are at 1.39, 1.85, 2.31
+// and 3.01.
+TEST(FreespaceProbe, LooksAsFarBesideAPointWhereBeamsRise) {
+  LidarModel steep = named_model("VLP-16");
+  for (Laser& laser : steep.lasers) laser.elevation_rad += 60 * kDegree;
+  const Seen pole(steep, {test::toy_cylinder({5, 0, 0}, 0.05, 30)});
+  const double up_m = 4.95 * std::tan(61 * kDegree);
+  for (const double side : {-1.0, 1.0}) {
+    EXPECT_EQ(pole.at({4.95, side * 0.12, up_m}), FreespaceVerdict::border);
+    EXPECT_EQ(pole.at({4.95, side * 0.16, up_m}), FreespaceVerdict::inside);
+    EXPECT_TRUE(pole.surface_beside({4.95, side * 0.2, up_m}));
+    EXPECT_FALSE(pole.surface_beside({4.95, side * 0.26, up_m}));
+  }
+}
+
 // A ray that ends short two columns beside a point, 0.1 m off at 14 m, may be at the object's own edge; at 25
 // m, 0.17 m off, it is on something in front: rays pass on both sides of a pole, a column nearer to it.
 TEST(FreespaceProbe, FarAwayARayTwoColumnsBesideDoesNotHide) {

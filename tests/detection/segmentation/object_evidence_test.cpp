@@ -117,5 +117,45 @@ TEST_F(PointsOnALine, AreNoneWhereNoScanSawASurface) {
   EXPECT_TRUE(collect(40, 0.05F, 0, false).line_0.isZero());
 }
 
+class VotesOfAnObject : public test::EvidenceImage {};
+
+// Two rows of 40 and 20 votes: half of a row where a surface was seen.
+TEST_F(VotesOfAnObject, ContradictedVotesCountHalf) {
+  parameters_.grow = false;
+  for (int c = 2; c < 6; ++c) set(0, c, 10);
+  for (int c = 2; c < 6; ++c) set(1, c, 5);
+  const auto seen = [&](bool below, bool above) {
+    for (int c = 2; c < 6; ++c) {
+      votes_[at(0, c)].surface_seen = below;
+      votes_[at(1, c)].surface_seen = above;
+    }
+    return grow().evidence.at(0).votes;
+  };
+  EXPECT_EQ(seen(false, false), 60);
+  EXPECT_EQ(seen(true, false), 40);
+  EXPECT_EQ(seen(false, true), 50);
+  EXPECT_EQ(seen(true, true), 30);
+}
+
+// A row of 40 votes counts 26, or half of that; the one of 20 counts in full.
+TEST_F(VotesOfAnObject, OneRowCountsAtMostMinEvidence) {
+  parameters_.grow = false;
+  parameters_.min_evidence = 26;
+  for (int c = 2; c < 6; ++c) set(0, c, 10);
+  for (int c = 2; c < 6; ++c) set(1, c, 5);
+  for (int c = 2; c < 6; ++c) votes_[at(0, c)].surface_seen = votes_[at(1, c)].surface_seen = false;
+  EXPECT_EQ(grow().evidence.at(0).votes, 46);
+  for (int c = 2; c < 6; ++c) votes_[at(0, c)].surface_seen = true;
+  EXPECT_EQ(grow().evidence.at(0).votes, 33);
+}
+
+// At 60 degrees firings are half as far apart, and 40 votes count 20.
+TEST_F(VotesOfAnObject, PointsOfABeamThatRisesCountLess) {
+  parameters_.grow = false;
+  for (int c = 2; c < 6; ++c) set(0, c, 10);
+  test::raise_by_60_degrees(scan_);
+  EXPECT_EQ(grow().evidence.at(0).votes, 20);
+}
+
 }  // namespace MAPLESS_FILE
 }  // namespace mapless

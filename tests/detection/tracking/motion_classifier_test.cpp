@@ -84,6 +84,29 @@ TEST(MotionClassifier, WhatRaysKeepBesideTakesMoreEvidenceToBegin) {
   EXPECT_TRUE(next_with(moving(), -100, kVotes).moves);
 }
 
+// Three faint clusters about it in the mean over scans, each counted half as much as the next: twice the
+// evidence.
+TEST(MotionClassifier, ClutterTakesMoreEvidence) {
+  const auto next_among = [](TrackMotion last, int clutter, int votes, double std_mps = kWell_mps) {
+    ObjectEvidence evidence{kDisplaced_m, votes};
+    evidence.clutter = clutter;
+    TrackedObject o = object(5, std_mps);
+    o.age = last.age + 1;
+    return MotionClassifier(parameters()).update(last, o, evidence, kStart + Duration::from_seconds(0.1));
+  };
+  EXPECT_FALSE(next_among({}, 3, 2 * kVotes - 1).moves);
+  EXPECT_TRUE(next_among({}, 3, 2 * kVotes).moves);
+  TrackMotion before = standing();
+  before.clutter = 6;
+  EXPECT_FALSE(next_among(before, 0, 2 * kVotes - 1).moves);
+  EXPECT_TRUE(next_among(before, 0, 2 * kVotes).moves);
+  EXPECT_EQ(next_among(before, 2, 0).clutter, 4);
+  // What moves goes on with a third of it, if its velocity is known no better than to 0.5 m/s or clutter is
+  // there.
+  EXPECT_TRUE(next_among(moving(), 6, 67).moves);
+  EXPECT_FALSE(next_among(moving(), 6, 66).moves);
+}
+
 // Without evidence, slower than 0.5 m/s: both for one that stood and one that moved.
 TEST(MotionClassifier, WhatIsOnAStraightPathMoves) {
   const MotionClassifier classifier(parameters());

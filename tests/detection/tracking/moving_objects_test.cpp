@@ -104,10 +104,10 @@ TEST(MovingObjects, AnObjectUnseenForMoreThanASecondIsNew) {
     SCOPED_TRACE(again);
     MovingObjects moving{DetectorParameters{}};
     const auto objects = [&](int k) {
-      return moving.classify(propose(scene, k, kDisplacement_m, 75)).objects;
+      return moving.classify(propose(scene, k, kDisplacement_m, 45)).objects;
     };
-    EXPECT_EQ(objects(0), 0);  // 75 votes of 100
-    EXPECT_EQ(objects(1), 1);  // 112
+    EXPECT_EQ(objects(0), 0);  // 45 votes of 60
+    EXPECT_EQ(objects(1), 1);  // 67
     EXPECT_EQ(objects(again), again == 11 ? 1 : 0);
     EXPECT_EQ(objects(again + 1), 1);
   }

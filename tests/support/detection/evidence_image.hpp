@@ -1,5 +1,8 @@
 #pragma once
 
+#include <memory>
+#include <numbers>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -13,6 +16,13 @@ inline LocalPoints points_of(const LidarScan& scan) {
   LocalPoints points{Eigen::Vector3d::Zero(), {}};
   for (const LidarReturn& r : scan.returns) points.points.push_back(r.position_v);
   return points;
+}
+
+/// Every beam of the scan's sensor; its points stay where they are.
+inline void raise_by_60_degrees(LidarScan& scan) {
+  auto raised = std::make_shared<LidarModel>(*scan.model);
+  for (Laser& laser : raised->lasers) laser.elevation_rad += std::numbers::pi / 3;
+  scan.model = std::move(raised);
 }
 
 /// A scan of five lasers and 24 columns at 5 m, each return linked to all others of its window unless a test
