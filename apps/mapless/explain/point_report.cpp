@@ -53,6 +53,7 @@ Figures figures_of(const PointDecision& p) {
 Figures figures_of(const ObjectDecision& d) {
   return {{"evidence", number(d.evidence, 0)},
           {"required", number(d.required, 0)},
+          {"clutter", number(d.clutter, 0)},
           {"displacement", number(d.displacement_m)},
           {"speed", number(d.object.velocity_0.norm())},
           {"std", number(d.object.velocity_std_0().maxCoeff())}};
@@ -100,6 +101,7 @@ Json decision_json(std::size_t scan, const ObjectDecision& d, const Figures& lim
           {"votes", d.votes},
           {"evidence", rounded(d.evidence)},
           {"required", rounded(d.required)},
+          {"clutter", rounded(d.clutter)},
           {"displacement_m", rounded(d.displacement_m)}};
 }
 

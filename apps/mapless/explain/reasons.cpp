@@ -78,7 +78,10 @@ const std::array<ReasonText, kTrackReasons> kTrackTexts = {{
     {"not confirmed",
      "It was seen to stand, and the displacement that the rays show, {displacement} m, does not "
      "confirm its velocity of {speed} m/s."},
-    {"little evidence", "Its evidence is {evidence}, and to begin it needs {required}."},
+    {"little evidence",
+     "Its evidence is {evidence}, and to begin it needs {required}; around it are {clutter} sets of points "
+     "that "
+     "are too faint for objects, and the more, the more it needs."},
     {"stops: slow",
      "It stops: {speed} +- {std} m/s, where {min_speed} m/s are needed, or a displacement if no velocity "
      "is known (the rays show {displacement} m)."},

@@ -48,6 +48,7 @@ Json decisions_json(const ScanExplanation& e) {
                        {"reason", static_cast<int>(d.reason)},
                        {"evidence", std::round(d.evidence)},
                        {"required", std::round(d.required)},
+                       {"clutter", std::round(d.clutter)},
                        {"displacement", rounded(d.displacement_m)},
                        {"speed", rounded(d.object.velocity_0.norm())},
                        {"std", rounded(d.object.velocity_std_0().maxCoeff())},

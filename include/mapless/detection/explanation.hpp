@@ -77,6 +77,7 @@ struct ObjectDecision {
   int votes = 0;              ///< of its points in this scan, weighted (ObjectEvidence::votes)
   double evidence = 0;        ///< of this scan, plus that of earlier ones, halved per scan
   double required = 0;        ///< evidence it takes to begin
+  double clutter = 0;         ///< sets of points within 3 m, too faint for objects; mean over its scans
   double displacement_m = 0;  ///< shown by the rays
 };
 

@@ -236,8 +236,7 @@ struct VotingParameters {
                 "evidence a track needs before it is labelled dynamic: the sum of its points' votes (x 0.5 "
                 "where a scan observed a surface; capped at this value per laser row), plus past evidence "
                 "halved per scan; half for rigid bodies and velocities that the rays confirm, more for what "
-                "stood "
-                "there before and for uncertain velocities",
+                "stood there before, for uncertain velocities, and among many faint clusters, as of leaves",
                 "method.md 7"),
     };
   }

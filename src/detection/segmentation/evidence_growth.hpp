@@ -53,7 +53,7 @@ struct EvidenceGrowthResult {
 ///    the 3 x 5 window. Six more rounds fill points with at least -4 votes (kTangentialVotes).
 /// 4. Linked points are one object. Surfaces that slide along themselves join it (TangentialSurfaces).
 /// 5. Objects are numbered by their lowest return; their evidence is summed (ObjectEvidenceCollector).
-/// Without `grow`, only steps 1 and 5. Then faint clusters are collected.
+/// Without `grow`, only steps 1 and 5. Then faint clusters are collected, and counted about each object.
 [[nodiscard]] EvidenceGrowthResult grow_evidence(const LidarScan& scan, const LocalPoints& points,
                                                  const std::vector<PointEvidence>& votes,
                                                  const std::vector<FilterVerdict>& seeds,

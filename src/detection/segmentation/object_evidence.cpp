@@ -58,12 +58,8 @@ ObjectEvidenceCollector::ObjectEvidenceCollector(const LidarScan& scan, const Lo
 ObjectEvidence ObjectEvidenceCollector::collect(std::span<const std::int32_t> object) {
   const Tally all = tally(object);
   const Eigen::Vector3f line = all.surface_seen ? line_0(object) : Eigen::Vector3f::Zero();
-  return {static_cast<float>(displacement_m(object)),
-          all.votes,
-          body(object, all.rows, !line.isZero()),
-          log_odds_of_mover(all.rays),
-          line,
-          0};
+  return {static_cast<float>(displacement_m(object)), all.votes, body(object, all.rows, !line.isZero()),
+          log_odds_of_mover(all.rays), line};
 }
 
 Eigen::Vector3f ObjectEvidenceCollector::line_0(std::span<const std::int32_t> object) const {

@@ -29,7 +29,7 @@ struct ObjectEvidence {
   double log_odds = 0;
   Eigen::Vector3f line_0 = Eigen::Vector3f::Zero();  ///< unit vector along the straight line on
                                                      ///< which its points lie, frame 0; 0: on none
-  int clutter = 0;  ///< faint clusters about it, of one scan: EvidenceGrowthResult::faint
+  int clutter = 0;  ///< EvidenceGrowthResult::faint within 3 m of its centre; counted by grow_evidence
 };
 
 /// Sums the evidence of the points of each object of one scan.
@@ -38,8 +38,7 @@ struct ObjectEvidence {
 ///   was not. Measured with full votes on 18 recordings of `mapless benchmark`: IoU -.006 (HDL-64E-S2) and
 ///   -.027 (VLP-16), false objects a scan +.4 and +.7.
 /// - A point counts as the cosine of its beam's elevation: the firings of a beam that rises lie closer
-/// together,
-///   and all that see one leaf err alike.
+///   together, and all that see one leaf err alike.
 /// - The points of one row count at most `max_of_row` votes together: their errors are correlated, as one
 ///   laser's beam grazes an edge.
 /// - Rails, kerbs and edges between two lasers are hit by neither: rays pass beside them in scan after scan,

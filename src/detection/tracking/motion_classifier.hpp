@@ -48,13 +48,16 @@ struct TrackMotion {
 /// - its evidence reaches min_evidence, times the standard deviation of its velocity over 0.5 m/s from its
 ///   third scan on. A body that stood there before, or is a line, takes twice as much. Half suffices for a
 ///   rigid one, and where the velocity differs from zero by more than 2 sigma and the rays show half of that
-///   path. Where rays keep beside it as beside a rail (`log_odds`), it takes that much more.
+///   path. Where rays keep beside it as beside a rail (`log_odds`), it takes that much more; and in clutter,
+///   as among leaves: twice as much with three faint clusters about it, in the mean over its scans.
 ///
 /// What is on a straight path (StraightPaths) moves, whatever else holds, until StandingTest says otherwise.
 ///
 /// A moving track stops if any of these holds (or if StandingTest says so, which MovingObjects asks):
 /// - its speed is below min_speed_mps;
-/// - its velocity is known worse than to 0.5 m/s and its evidence falls below a third of what that takes.
+/// - its velocity is known worse than to 0.5 m/s, or it is in clutter, and its evidence falls below a third
+/// of
+///   what that takes.
 ///
 /// Where the velocity is not known (a wall, which slides along itself at any speed), `slow` is the absence of
 /// a displacement instead.

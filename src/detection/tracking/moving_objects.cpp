@@ -83,7 +83,8 @@ void MovingObjects::explain(const std::vector<ObjectEvidence>& evidence, const s
     const TrackMotion& state = states_.at(object.id);
     const ObjectEvidence& e = evidence[object.number - 1U];
     detection.explanation->objects.push_back({object, object.id, state.moves, moved[k], state.reason, e.votes,
-                                              state.evidence, state.required, e.displacement_m});
+                                              state.evidence, state.required, state.clutter,
+                                              e.displacement_m});
   }
 }
 

@@ -101,8 +101,7 @@ TEST(MotionClassifier, ClutterTakesMoreEvidence) {
   EXPECT_FALSE(next_among(before, 0, 2 * kVotes - 1).moves);
   EXPECT_TRUE(next_among(before, 0, 2 * kVotes).moves);
   EXPECT_EQ(next_among(before, 2, 0).clutter, 4);
-  // What moves goes on with a third of it, if its velocity is known no better than to 0.5 m/s or clutter is
-  // there.
+  // What moves goes on with a third of what it would take to begin, which is 200.
   EXPECT_TRUE(next_among(moving(), 6, 67).moves);
   EXPECT_FALSE(next_among(moving(), 6, 66).moves);
 }
