@@ -41,9 +41,9 @@ int rounded(float x) {
 
 // Columns of a window on either side of the nearest ray, of a horizontal beam. Its width is an angle: of
 // fewer turns a second each has more columns, but the leaves and edges beside a point are where they were.
-float half_window(double width_deg, const LidarModel& model, float at_least) {
+float half_window(double width_deg, const LidarModel& model, int at_least) {
   const double columns = width_deg * model.columns / 360;
-  return std::max(static_cast<float>(columns / 2), at_least);
+  return std::max(static_cast<float>(columns / 2), static_cast<float>(at_least));
 }
 
 }  // namespace
@@ -53,9 +53,8 @@ FreespaceProbe::FreespaceProbe(const RayImage& image, const Vector3d& origin_0,
     : image_(image),
       tolerance_at_0_m_(static_cast<float>(parameters.tolerance_m)),
       tolerance_spacings_(static_cast<float>(parameters.tolerance_spacings)),
-      half_window_(half_window(parameters.window_deg, image.model(),
-                               static_cast<float>(parameters.window_columns / 2))),
-      half_beside_(half_window(parameters.beside_window_deg, image.model(), half_window_)),
+      half_window_(half_window(parameters.window_deg, image.model(), parameters.window_columns / 2)),
+      half_beside_(std::max(half_window(parameters.beside_window_deg, image.model(), 0), half_window_)),
       reach_at_0_m_(static_cast<float>(parameters.max_ray_distance_m)),
       reach_spacings_(static_cast<float>(parameters.max_ray_distance_spacings)),
       origin_((origin_0 - image.origin_0()).cast<float>()),
