@@ -79,9 +79,8 @@ const std::array<ReasonText, kTrackReasons> kTrackTexts = {{
      "It was seen to stand, and the displacement that the rays show, {displacement} m, does not "
      "confirm its velocity of {speed} m/s."},
     {"little evidence",
-     "Its evidence is {evidence}, and to begin it needs {required}; around it are {clutter} sets of points "
-     "that "
-     "are too faint for objects, and the more, the more it needs."},
+     "Its evidence is {evidence}, and to begin it needs {required}. Within 3 m of it are {clutter} sets of "
+     "points that are too faint for objects; it needs more where there are more."},
     {"stops: slow",
      "It stops: {speed} +- {std} m/s, where {min_speed} m/s are needed, or a displacement if no velocity "
      "is known (the rays show {displacement} m)."},

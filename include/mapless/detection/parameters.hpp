@@ -185,10 +185,12 @@ struct VotingParameters {
                 "method.md 7"),
         declare(&P::max_ray_distance_spacings, "max_ray_distance_spacings", "laser spacings", 0.0, 100.0,
                 "see max_ray_distance_m", "method.md 7"),
-        declare_odd(&P::window_columns, "window_columns", "columns", 1, 31,
-                    "least width of the window of rays of the lasers above and below a point; where one of "
-                    "them ended at its range, a surface was seen",
-                    "method.md 7"),
+        declare_odd(
+            &P::window_columns, "window_columns", "columns", 1, 31,
+            "least width of the window of rays of the lasers above and below a point, as an angle that "
+            "so many columns of a horizontal beam make; where one of them ended at its range, a "
+            "surface was seen",
+            "method.md 7"),
         declare(&P::window_deg, "window_deg", "deg", 0.0, 10.0,
                 "the window has at least as many columns as lie within this angle, up to 31", "method.md 7"),
         declare(
@@ -233,8 +235,9 @@ struct VotingParameters {
                 "displacement",
                 "method.md 7"),
         declare(&P::min_evidence, "min_evidence", "votes", 0, 100000,
-                "evidence a track needs before it is labelled dynamic: the sum of its points' votes (x 0.5 "
-                "where a scan observed a surface; capped at this value per laser row), plus past evidence "
+                "evidence a track needs before it is labelled dynamic: the sum of its points' votes (x the "
+                "cosine of the beam's elevation; x 0.5 where a scan observed a surface; capped at this value "
+                "per laser row), plus past evidence "
                 "halved per scan; half for rigid bodies and velocities that the rays confirm, more for what "
                 "stood there before, for uncertain velocities, and among many faint clusters, as of leaves",
                 "method.md 7"),

@@ -267,20 +267,15 @@ class EvidenceGrowth {
 
   void count_clutter() {
     std::vector<Eigen::Vector3f> faint;
-    for (const std::vector<std::int32_t>& cluster : result_.faint) faint.push_back(centre(cluster));
+    for (const std::vector<std::int32_t>& cluster : result_.faint)
+      faint.push_back(centroid(points_, cluster));
     for (std::size_t n = 0; n < ends_.size(); ++n) {
-      const Eigen::Vector3f of_object = centre(object(n));
+      const Eigen::Vector3f of_object = centroid(points_, object(n));
       result_.evidence[n].clutter =
           static_cast<int>(std::count_if(faint.begin(), faint.end(), [&](const Eigen::Vector3f& one) {
             return (one - of_object).squaredNorm() < kClutterReach_m * kClutterReach_m;
           }));
     }
-  }
-
-  [[nodiscard]] Eigen::Vector3f centre(std::span<const std::int32_t> returns) const {
-    Eigen::Vector3f sum = Eigen::Vector3f::Zero();
-    for (const std::int32_t i : returns) sum += points_.points[static_cast<std::size_t>(i)];
-    return sum / static_cast<float>(returns.size());
   }
 
   const LidarScan& scan_;

@@ -46,6 +46,12 @@ double laser_spacing_columns(const LidarScan& scan) {
 
 }  // namespace
 
+Eigen::Vector3f centroid(const LocalPoints& points, std::span<const std::int32_t> returns) {
+  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+  for (const std::int32_t i : returns) sum += points.points[static_cast<std::size_t>(i)];
+  return sum / static_cast<float>(returns.size());
+}
+
 ObjectEvidenceCollector::ObjectEvidenceCollector(const LidarScan& scan, const LocalPoints& points,
                                                  const std::vector<PointEvidence>& votes, int max_of_row)
     : scan_(scan),
@@ -76,19 +82,14 @@ Eigen::Vector3f ObjectEvidenceCollector::line_0(std::span<const std::int32_t> ob
 }
 
 double ObjectEvidenceCollector::displacement_m(std::span<const std::int32_t> object) const {
-  Eigen::Vector3f centre = Eigen::Vector3f::Zero();
+  const Eigen::Vector3f centre = centroid(points_, object);
   std::size_t recent = 0;
-  for (const std::int32_t j : object) {
-    centre += points_.points[static_cast<std::size_t>(j)];
-    recent += votes_[static_cast<std::size_t>(j)].recently_free ? 1 : 0;
-  }
-  const auto count = static_cast<float>(object.size());
-  centre /= count;
   float radius2 = 0;
   for (const std::int32_t j : object) {
+    recent += votes_[static_cast<std::size_t>(j)].recently_free ? 1 : 0;
     radius2 = std::max(radius2, (points_.points[static_cast<std::size_t>(j)] - centre).squaredNorm());
   }
-  return 2 * std::sqrt(radius2) * static_cast<float>(recent) / count;
+  return 2 * std::sqrt(radius2) * static_cast<float>(recent) / static_cast<float>(object.size());
 }
 
 ObjectEvidenceCollector::Tally ObjectEvidenceCollector::tally(std::span<const std::int32_t> object) {

@@ -32,6 +32,9 @@ struct ObjectEvidence {
   int clutter = 0;  ///< EvidenceGrowthResult::faint within 3 m of its centre; counted by grow_evidence
 };
 
+/// The mean of these points of the scan [m], about LocalPoints::origin_0. At least one.
+[[nodiscard]] Eigen::Vector3f centroid(const LocalPoints& points, std::span<const std::int32_t> returns);
+
 /// Sums the evidence of the points of each object of one scan.
 ///
 /// - Votes of a point count half if some scan saw a surface there: a porous object was there, a moving one

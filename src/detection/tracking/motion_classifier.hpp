@@ -28,7 +28,7 @@ struct TrackMotion {
   bool velocity_known = false;  ///< in some scan, see MotionClassifier
   double evidence = 0;          ///< votes of the last scan, plus those of earlier ones halved per scan
   std::optional<Eigen::Vector3d> sure_velocity_0;  ///< the last that was known to 0.5 m/s per axis
-  double clutter = 0;   ///< mean of ObjectEvidence::clutter and of `clutter` in the scan before
+  double clutter = 0;   ///< ObjectEvidence::clutter, averaged with that of the scan before
   double log_odds = 0;  ///< ObjectEvidence::log_odds, summed likewise, within +-kMostLogOdds
   int age = 0;          ///< TrackedObject::age
   Time seen;            ///< start of its last scan
@@ -57,9 +57,8 @@ struct TrackMotion {
 ///
 /// A moving track stops if any of these holds (or if StandingTest says so, which MovingObjects asks):
 /// - its speed is below min_speed_mps;
-/// - its velocity is known worse than to 0.5 m/s, or it is in clutter, and its evidence falls below a third
-/// of
-///   what that takes.
+/// - it is in clutter, or its velocity is known worse than to 0.5 m/s, and its evidence falls below a third
+///   of what that takes.
 ///
 /// Where the velocity is not known (a wall, which slides along itself at any speed), `slow` is the absence of
 /// a displacement instead.

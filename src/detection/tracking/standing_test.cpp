@@ -123,7 +123,7 @@ bool StandingTest::stands(std::span<const std::int32_t> object, const Eigen::Vec
     return explained >=
            kStandsBetter + share(moving.surface, static_cast<std::size_t>(std::max(moving.all(), 1)));
   };
-  return better_than(velocity) && better_than(sure_velocity_0);
+  return better_than(velocity) && (sure_velocity_0 == velocity_0 || better_than(sure_velocity_0));
 }
 
 std::optional<SlowMotion> StandingTest::measured_by_rays(const Sample& sample) const {
