@@ -23,7 +23,7 @@ import sys
 
 from PIL import Image
 
-frames = [Image.open(f).convert("RGB").resize((800, 450), Image.Resampling.LANCZOS) for f in sorted(pathlib.Path(sys.argv[1]).glob("*.png"))]
-frames[0].save(sys.argv[2], save_all=True, append_images=frames[1:], duration=110, loop=0, quality=42, method=4)
+frames = [Image.open(f).convert("RGB").resize((720, 405), Image.Resampling.LANCZOS) for f in sorted(pathlib.Path(sys.argv[1]).glob("*.png"))[::2]]
+frames[0].save(sys.argv[2], save_all=True, append_images=frames[1:], duration=220, loop=0, quality=34, method=6)
 PYTHON
 ls -l docs/images/drive.webp

@@ -90,8 +90,6 @@ TrackMotion MotionClassifier::update(const TrackMotion& last, const TrackedObjec
   next.seen = now;
   next.age = object.age;
   next.velocity_known = last.velocity_known || known;
-  const bool sure = object.velocity_std_0().maxCoeff() <= kKnownStd_mps;
-  next.sure_velocity_0 = sure ? object.velocity_0 : last.sure_velocity_0;
   next.evidence = std::ldexp(last.evidence, last.age - object.age) + std::max(evidence.votes, 0);
   next.clutter = last.age > 0 ? (last.clutter + evidence.clutter) / 2 : evidence.clutter;
   next.log_odds = std::clamp(std::ldexp(last.log_odds, last.age - object.age) + evidence.log_odds,

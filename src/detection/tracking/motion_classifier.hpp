@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <map>
-#include <optional>
 
 #include <Eigen/Core>
 
@@ -27,11 +26,10 @@ struct TrackMotion {
   bool stood = false;           ///< in some scan since it last moved its velocity was known, and slow
   bool velocity_known = false;  ///< in some scan, see MotionClassifier
   double evidence = 0;          ///< votes of the last scan, plus those of earlier ones halved per scan
-  std::optional<Eigen::Vector3d> sure_velocity_0;  ///< the last that was known to 0.5 m/s per axis
-  double clutter = 0;   ///< ObjectEvidence::clutter, averaged with that of the scan before
-  double log_odds = 0;  ///< ObjectEvidence::log_odds, summed likewise, within +-kMostLogOdds
-  int age = 0;          ///< TrackedObject::age
-  Time seen;            ///< start of its last scan
+  double clutter = 0;           ///< ObjectEvidence::clutter, averaged with that of the scan before
+  double log_odds = 0;          ///< ObjectEvidence::log_odds, summed likewise, within +-kMostLogOdds
+  int age = 0;                  ///< TrackedObject::age
+  Time seen;                    ///< start of its last scan
   TrackReason reason = TrackReason::begins;  ///< why it moves, or does not
   double required = 0;                       ///< evidence that it takes to begin
 };

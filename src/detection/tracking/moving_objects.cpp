@@ -132,8 +132,7 @@ void MovingObjects::stop_standing(const ObjectProposals& proposed, const Detecti
     const TrackedObject& object = detection.tracked[k];
     TrackMotion& state = states_.at(object.id);
     if (!state.moves ||
-        !test.stands(members.of(object.number), object.velocity_0, object.velocity_std_0().maxCoeff(),
-                     state.sure_velocity_0.value_or(object.velocity_0)))
+        !test.stands(members.of(object.number), object.velocity_0, object.velocity_std_0().maxCoeff()))
       return;
     state.moves = false;
     state.reason = TrackReason::stopped_by_rays;

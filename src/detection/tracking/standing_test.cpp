@@ -92,7 +92,7 @@ StandingTest::StandingTest(const LidarScan& scan, const LocalPoints& points,
 }
 
 bool StandingTest::stands(std::span<const std::int32_t> object, const Eigen::Vector3d& velocity_0,
-                          double std_mps, const Eigen::Vector3d& sure_velocity_0) const {
+                          double std_mps) const {
   if (recent_.empty() || object.empty()) return false;
   Sample sample;
   const std::size_t stride = (object.size() + kMaxTestedPoints - 1) / kMaxTestedPoints;
@@ -118,12 +118,9 @@ bool StandingTest::stands(std::span<const std::int32_t> object, const Eigen::Vec
     return false;
   const double explained = share(standing.surface, static_cast<std::size_t>(standing.all()));
   if (explained < (std_mps > kKnown_mps ? kExplainsAlone : kStandingExplains)) return false;
-  const auto better_than = [&](const Eigen::Vector3d& other) {
-    const Tally moving = recent_rays(sample, other);
-    return explained >=
-           kStandsBetter + share(moving.surface, static_cast<std::size_t>(std::max(moving.all(), 1)));
-  };
-  return better_than(velocity) && (sure_velocity_0 == velocity_0 || better_than(sure_velocity_0));
+  const Tally moving = recent_rays(sample, velocity);
+  return explained >=
+         kStandsBetter + share(moving.surface, static_cast<std::size_t>(std::max(moving.all(), 1)));
 }
 
 std::optional<SlowMotion> StandingTest::measured_by_rays(const Sample& sample) const {

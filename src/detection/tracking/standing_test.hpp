@@ -36,10 +36,9 @@ class StandingTest {
   ///   before them ended on them;
   /// - standing explains at least kStandingExplains of the rays of the next scan and those up to kRecentGap
   ///   before, kExplainsAlone where the standard deviation of the velocity, `std_mps`, is large;
-  /// - and at least kStandsBetter more of them than the velocity does [m/s], and than `sure_velocity_0`, the
-  ///   last that was sure: while a long side comes into view, its registered velocity errs.
+  /// - and at least kStandsBetter more of them than the velocity does [m/s].
   [[nodiscard]] bool stands(std::span<const std::int32_t> object, const Eigen::Vector3d& velocity_0,
-                            double std_mps, const Eigen::Vector3d& sure_velocity_0) const;
+                            double std_mps) const;
 
  private:
   struct Reference {

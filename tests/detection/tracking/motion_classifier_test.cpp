@@ -106,14 +106,6 @@ TEST(MotionClassifier, ClutterTakesMoreEvidence) {
   EXPECT_FALSE(next_among(moving(), 6, 66).moves);
 }
 
-TEST(MotionClassifier, RemembersTheLastVelocityThatWasSure) {
-  const TrackMotion sure = next(moving(), object(3, 0.5), 0);
-  ASSERT_TRUE(sure.sure_velocity_0);
-  EXPECT_EQ(*sure.sure_velocity_0, Vector3d(0, 3, 0));
-  EXPECT_EQ(next(sure, object(1, 0.51), 0).sure_velocity_0, sure.sure_velocity_0);
-  EXPECT_FALSE(next(moving(), object(1, 0.51), 0).sure_velocity_0);
-}
-
 // Without evidence, slower than 0.5 m/s: both for one that stood and one that moved.
 TEST(MotionClassifier, WhatIsOnAStraightPathMoves) {
   const MotionClassifier classifier(parameters());
