@@ -117,8 +117,7 @@ std::vector<char> EvidenceGrowthOracle::surfaces_of(const std::vector<std::size_
   for (bool changed = true; changed;) {
     changed = false;
     for (std::size_t i = 0; i < votes.size(); ++i) {
-      const PointEvidence& v = votes[i];
-      if (whole[i] || dynamic[i] || v.total() < -4 || (v.past == 0 && !v.seen_dynamic)) continue;
+      if (whole[i] || dynamic[i] || votes[i].total() < -4) continue;
       for (std::size_t j = 0; j < votes.size() && !whole[i]; ++j) {
         if (!whole[j] || !linked(i, j, 1, 2)) continue;
         whole[i] = surface[i] = 1;
@@ -179,8 +178,12 @@ EvidenceGrowthResult EvidenceGrowthOracle::grow(const std::vector<PointEvidence>
   for (int round = 0; parameters_.grow && round < 8; ++round)
     fill(votes, round < 2 ? -12 : -4, dynamic, result);
   const bool any_static = std::any_of(votes.begin(), votes.end(), [](auto& v) { return v.total() < -4; });
+  const std::vector<char> own = dynamic;
   if (parameters_.grow && any_static) add_surfaces(votes, dynamic, result);
-  number(votes, dynamic, result);
+  std::vector<PointEvidence> counted = votes;  // surfaces that slide: not at all
+  for (std::size_t i = 0; i < size; ++i)
+    if (dynamic[i] && !own[i]) counted[i].past = counted[i].future = 0;
+  number(counted, dynamic, result);
   return result;
 }
 

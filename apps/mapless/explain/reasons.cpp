@@ -56,8 +56,8 @@ const std::array<ReasonText, kPointSteps> kPointTexts = {{
      "It is filled in: {near} of its 14 neighbours are part of the object, {fill_neighbours} "
      "suffice, and its votes {votes} are not below {firmly_static}."},
     {"tangential surface",
-     "Its surface slides along itself: linked points of the object go on in it, so its "
-     "votes ({votes}) are not held against it."},
+     "Its surface slides along itself, or no scan saw it before: linked points of the object go on in it, so "
+     "its votes ({votes}) are not held against it."},
     {"body completed",
      "It lies within the radius of a dynamic object, at most 1.5 m, of one of its points, and its votes "
      "({votes}) are at least those of one scan that saw through it."},

@@ -190,17 +190,17 @@ class EvidenceGrowth {
 
   // Adds those of one object after another; returns whether there are any. The marks are on labelled points.
   bool add_tangential_surfaces() {
-    const std::size_t before = dynamic_.size();
     TangentialSurfaces surfaces(scan_, neighbours_, votes_, marks_);
     for (std::size_t n = 0; n < ends_.size(); ++n) {
       for (const std::int32_t i : surfaces.of(object(n))) {
         verdict(i) = GrowthVerdict::grown;
         marks_.mark(i);
         dynamic_.push_back(i);
+        sliding_.push_back(i);
       }
     }
     std::sort(dynamic_.begin(), dynamic_.end());
-    return dynamic_.size() != before;
+    return !sliding_.empty();
   }
 
   // Counts the added points at their unlabelled neighbours with at least `min_votes`; those that now have
@@ -242,6 +242,7 @@ class EvidenceGrowth {
     result_.objects = static_cast<int>(ends_.size());
     result_.evidence.reserve(ends_.size());
     ObjectEvidenceCollector evidence(scan_, points_, votes_, parameters_.min_evidence);
+    evidence.set_sliding(sliding_);
     for (std::size_t n = 0; n < ends_.size(); ++n) {
       result_.evidence.push_back(evidence.collect(object(n)));
     }
@@ -286,6 +287,7 @@ class EvidenceGrowth {
   EvidenceGrowthResult result_;
   MarkedReturns marks_;
   std::vector<std::int32_t> candidates_, dynamic_;  // increasing
+  std::vector<std::int32_t> sliding_;               // of dynamic_, by TangentialSurfaces
   std::vector<std::int32_t> front_;
   std::vector<std::int32_t> objects_;  // the points of one object after another
   std::vector<std::size_t> ends_;      // end of each object in objects_

@@ -59,7 +59,8 @@ ObjectEvidenceCollector::ObjectEvidenceCollector(const LidarScan& scan, const Lo
       votes_(votes),
       max_of_row_(max_of_row),
       alike_points_(laser_spacing_columns(scan)),
-      rows_(static_cast<std::size_t>(scan.rows())) {}
+      rows_(static_cast<std::size_t>(scan.rows())),
+      slides_(votes.size(), false) {}
 
 ObjectEvidence ObjectEvidenceCollector::collect(std::span<const std::int32_t> object) {
   const Tally all = tally(object);
@@ -92,14 +93,19 @@ double ObjectEvidenceCollector::displacement_m(std::span<const std::int32_t> obj
   return 2 * std::sqrt(radius2) * static_cast<float>(recent) / static_cast<float>(object.size());
 }
 
+void ObjectEvidenceCollector::set_sliding(std::span<const std::int32_t> returns) {
+  for (const std::int32_t i : returns) slides_[static_cast<std::size_t>(i)] = true;
+}
+
 ObjectEvidenceCollector::Tally ObjectEvidenceCollector::tally(std::span<const std::int32_t> object) {
   bool surface_seen = false;
   for (const std::int32_t j : object) {
     const PointEvidence& v = votes_[static_cast<std::size_t>(j)];
     surface_seen = surface_seen || v.surface_seen;
     ++row_of(j).points;
-    row_of(j).all += v.total();
-    if (!v.surface_seen) row_of(j).uncontradicted += v.total();
+    const int votes = slides_[static_cast<std::size_t>(j)] ? 0 : v.total();
+    row_of(j).all += votes;
+    if (!v.surface_seen) row_of(j).uncontradicted += votes;
     row_of(j).rays_through += v.rays_through;
     row_of(j).rays_beside += v.rays_beside;
     row_of(j).beside_m += v.beside_m;

@@ -49,11 +49,16 @@ struct ObjectEvidence {
 /// - An object that moves on by a part of its length uncovers that part of its points. The displacement is
 ///   the share of points seen through recently, times twice the distance of the farthest point from the
 ///   centroid.
+/// - Surfaces that slide along themselves (TangentialSurfaces) are seen at their place whether the object
+///   moves or not: their votes do not count.
 class ObjectEvidenceCollector {
  public:
   /// Keeps references.
   ObjectEvidenceCollector(const LidarScan& scan, const LocalPoints& points,
                           const std::vector<PointEvidence>& votes, int max_of_row);
+
+  /// From now on the votes of these returns do not count.
+  void set_sliding(std::span<const std::int32_t> returns);
 
   /// The evidence of an object, given by the indices of its returns, in any order.
   [[nodiscard]] ObjectEvidence collect(std::span<const std::int32_t> object);
@@ -94,6 +99,7 @@ class ObjectEvidenceCollector {
   int max_of_row_;
   double alike_points_;         // neighbours in a row nearer to one another than two lasers
   std::vector<RowTally> rows_;  // all zero between calls
+  std::vector<bool> slides_;    // by return
 };
 
 }  // namespace mapless

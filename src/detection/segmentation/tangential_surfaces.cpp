@@ -32,16 +32,11 @@ const std::vector<std::int32_t>& TangentialSurfaces::of(std::span<const std::int
 void TangentialSurfaces::reach(std::int32_t from) {
   const auto visit = [&](std::int32_t i) {
     const auto n = static_cast<std::size_t>(i);
-    if (reached_[n] != 0 || !is_candidate(votes_[n])) return;
+    if (reached_[n] != 0 || votes_[n].total() < kTangentialVotes) return;
     reached_[n] = 1;
     surface_.push_back(i);
   };
   neighbours_.for_each<LinkedNeighbours::Of::unmarked>(from, kSupportRows, kSupportColumns, moving_, visit);
-}
-
-// A point that only the later scan observed may have been uncovered by the object.
-bool TangentialSurfaces::is_candidate(const PointEvidence& votes) {
-  return votes.total() >= kTangentialVotes && (votes.past != 0 || votes.seen_dynamic);
 }
 
 bool TangentialSurfaces::belongs_to_object() const {

@@ -108,11 +108,24 @@ TEST_F(BusSide, NeedsNoVisibleEndBetweenTwoThatMove) {
   EXPECT_EQ(found(), kFound);  // 12 places of the rim of 36 points, and four static ones
 }
 
-TEST_F(BusSide, ExcludesPointsThatOnlyTheLaterScanObserved) {
-  for (int c = 10; c < 12; ++c) votes_[at(0, c)] = {0, -1, false, true, false, false, false};
-  EXPECT_EQ(found(), kAll - 2);
-  for (int c = 10; c < 12; ++c) votes_[at(0, c)].seen_dynamic = true;
+// Of its right half the first two rows were seen by the later scan alone, the others by none.
+TEST_F(BusSide, GoesOnWhereTheSensorLooksForTheFirstTime) {
+  show_left_end_only();
+  for (int l = 0; l < 5; ++l) {
+    for (int c = 11; c <= kLast; ++c)
+      votes_[at(l, c)] = {.future = static_cast<std::int16_t>(l < 2 ? -1 : 0)};
+  }
   EXPECT_EQ(found(), kAll);
+}
+
+// All of it is one object then, and each end by itself without.
+TEST_F(BusSide, AddsNoVotes) {
+  const int whole = grow().evidence.at(0).votes;
+  parameters_.grow = false;
+  const auto ends = grow().evidence;
+  ASSERT_EQ(ends.size(), 2U);
+  EXPECT_NEAR(whole, ends[0].votes + ends[1].votes, 1);
+  EXPECT_GT(whole, 0);
 }
 
 // 44 candidates are at most eight times the six labelled points, 47 more than eight times three.
