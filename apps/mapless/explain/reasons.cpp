@@ -56,7 +56,8 @@ const std::array<ReasonText, kPointSteps> kPointTexts = {{
      "It is filled in: {near} of its 14 neighbours are part of the object, {fill_neighbours} "
      "suffice, and its votes {votes} are not below {firmly_static}."},
     {"tangential surface",
-     "Its surface slides along itself, or no scan saw it before: linked points of the object go on in it, so "
+     "Its surface slides along itself, or no earlier scan observed it: linked points of the object go on in "
+     "it, so "
      "its votes ({votes}) are not held against it."},
     {"body completed",
      "It lies within the radius of a dynamic object, at most 1.5 m, of one of its points, and its votes "
@@ -80,7 +81,7 @@ const std::array<ReasonText, kTrackReasons> kTrackTexts = {{
      "confirm its velocity of {speed} m/s."},
     {"little evidence",
      "Its evidence is {evidence}, and to begin it needs {required}. Within 3 m of it are {clutter} sets of "
-     "points that are too faint for objects; it needs more where there are more."},
+     "points that are too faint for objects; each raises the evidence that it needs."},
     {"stops: slow",
      "It stops: {speed} +- {std} m/s, where {min_speed} m/s are needed, or a displacement if no velocity "
      "is known (the rays show {displacement} m)."},

@@ -187,9 +187,9 @@ struct VotingParameters {
                 "see max_ray_distance_m", "method.md 7"),
         declare_odd(
             &P::window_columns, "window_columns", "columns", 1, 31,
-            "least width of the window of rays of the lasers above and below a point, as an angle that "
-            "so many columns of a horizontal beam make; where one of them ended at its range, a "
-            "surface was seen",
+            "minimum width of the window of rays about a point, as an angle, in columns of a horizontal "
+            "beam; the window is on the two lasers above and below the point; if one of its rays ends "
+            "at the range of the point, the scan observed a surface there",
             "method.md 7"),
         declare(&P::window_deg, "window_deg", "deg", 0.0, 10.0,
                 "the window has at least as many columns as lie within this angle, up to 31", "method.md 7"),
@@ -238,8 +238,10 @@ struct VotingParameters {
                 "evidence a track needs before it is labelled dynamic: the sum of its points' votes (x the "
                 "cosine of the beam's elevation; x 0.5 where a scan observed a surface; capped at this value "
                 "per laser row), plus past evidence "
-                "halved per scan; half for rigid bodies and velocities that the rays confirm, more for what "
-                "stood there before, for uncertain velocities, and among many faint clusters, as of leaves",
+                "halved per scan; half for rigid bodies and for velocities that the rays confirm; more for "
+                "objects on "
+                "surfaces observed seconds ago, for uncertain velocities, and within 3 m of many clusters "
+                "too faint for objects, as in foliage",
                 "method.md 7"),
     };
   }

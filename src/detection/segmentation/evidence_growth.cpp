@@ -241,8 +241,7 @@ class EvidenceGrowth {
   void collect_evidence() {
     result_.objects = static_cast<int>(ends_.size());
     result_.evidence.reserve(ends_.size());
-    ObjectEvidenceCollector evidence(scan_, points_, votes_, parameters_.min_evidence);
-    evidence.set_sliding(sliding_);
+    ObjectEvidenceCollector evidence(scan_, points_, votes_, parameters_.min_evidence, sliding_);
     for (std::size_t n = 0; n < ends_.size(); ++n) {
       result_.evidence.push_back(evidence.collect(object(n)));
     }

@@ -51,7 +51,8 @@ struct EvidenceGrowthResult {
 ///    votes are at least -12 (kFirmlyStatic).
 /// 3. Two rounds fill holes: points with at least -12 votes and five or more labelled linked neighbours in
 ///    the 3 x 5 window. Six more rounds fill points with at least -4 votes (kTangentialVotes).
-/// 4. Linked points are one object. Surfaces that slide along themselves join it (TangentialSurfaces).
+/// 4. Linked points are one object. Surfaces that slide along themselves, or that no earlier scan observed,
+///    join it (TangentialSurfaces).
 /// 5. Objects are numbered by their lowest return; their evidence is summed (ObjectEvidenceCollector).
 /// Without `grow`, only steps 1 and 5. Then faint clusters are collected, and counted about each object.
 [[nodiscard]] EvidenceGrowthResult grow_evidence(const LidarScan& scan, const LocalPoints& points,

@@ -53,14 +53,17 @@ Eigen::Vector3f centroid(const LocalPoints& points, std::span<const std::int32_t
 }
 
 ObjectEvidenceCollector::ObjectEvidenceCollector(const LidarScan& scan, const LocalPoints& points,
-                                                 const std::vector<PointEvidence>& votes, int max_of_row)
+                                                 const std::vector<PointEvidence>& votes, int max_of_row,
+                                                 std::span<const std::int32_t> sliding)
     : scan_(scan),
       points_(points),
       votes_(votes),
       max_of_row_(max_of_row),
       alike_points_(laser_spacing_columns(scan)),
       rows_(static_cast<std::size_t>(scan.rows())),
-      slides_(votes.size(), false) {}
+      slides_(votes.size(), false) {
+  for (const std::int32_t i : sliding) slides_[static_cast<std::size_t>(i)] = true;
+}
 
 ObjectEvidence ObjectEvidenceCollector::collect(std::span<const std::int32_t> object) {
   const Tally all = tally(object);
@@ -91,10 +94,6 @@ double ObjectEvidenceCollector::displacement_m(std::span<const std::int32_t> obj
     radius2 = std::max(radius2, (points_.points[static_cast<std::size_t>(j)] - centre).squaredNorm());
   }
   return 2 * std::sqrt(radius2) * static_cast<float>(recent) / static_cast<float>(object.size());
-}
-
-void ObjectEvidenceCollector::set_sliding(std::span<const std::int32_t> returns) {
-  for (const std::int32_t i : returns) slides_[static_cast<std::size_t>(i)] = true;
 }
 
 ObjectEvidenceCollector::Tally ObjectEvidenceCollector::tally(std::span<const std::int32_t> object) {

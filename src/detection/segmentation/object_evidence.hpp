@@ -49,16 +49,14 @@ struct ObjectEvidence {
 /// - An object that moves on by a part of its length uncovers that part of its points. The displacement is
 ///   the share of points seen through recently, times twice the distance of the farthest point from the
 ///   centroid.
-/// - Surfaces that slide along themselves (TangentialSurfaces) are seen at their place whether the object
-///   moves or not: their votes do not count.
+/// - The votes of surfaces that slide along themselves (TangentialSurfaces) do not count: rays observe such a
+///   surface at the same place whether its object moves or not.
 class ObjectEvidenceCollector {
  public:
-  /// Keeps references.
+  /// Keeps references. The votes of the returns `sliding` do not count.
   ObjectEvidenceCollector(const LidarScan& scan, const LocalPoints& points,
-                          const std::vector<PointEvidence>& votes, int max_of_row);
-
-  /// From now on the votes of these returns do not count.
-  void set_sliding(std::span<const std::int32_t> returns);
+                          const std::vector<PointEvidence>& votes, int max_of_row,
+                          std::span<const std::int32_t> sliding = {});
 
   /// The evidence of an object, given by the indices of its returns, in any order.
   [[nodiscard]] ObjectEvidence collect(std::span<const std::int32_t> object);

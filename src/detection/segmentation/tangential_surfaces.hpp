@@ -17,13 +17,13 @@ inline constexpr int kTangentialVotes = -4;
 /// Surfaces of a moving object that slide along themselves (the aperture problem): the side of a passing bus
 /// is observed at the same place in consecutive scans, while both ends show that the bus moves.
 ///
-/// Candidates are the unlabelled points linked to the object that have at least kTangentialVotes votes; where
-/// a sensor looks for the first time they have none. Their rim decides: along it they continue into points of
-/// the object, continue into static points, or end freely, in front of something farther. A square of as many
-/// points has four sides. The candidates belong to the object if it takes one of them and they end freely at
-/// more than kPerStatic times as many places as they continue into static points, or if it takes two and the
-/// same holds of the places where they continue into it. The ground beside an object continues into static
-/// points, and where it is unknown touches the object at few.
+/// Candidates are the unlabelled points linked to the object that have at least kTangentialVotes votes.
+/// Points that no earlier scan observed are among them. Their rim decides: along it they continue into points
+/// of the object, continue into static points, or end freely, in front of something farther. A square of as
+/// many points has four sides. The candidates belong to the object if it takes one of them and they end
+/// freely at more than kPerStatic times as many places as they continue into static points, or if it takes
+/// two and the same holds of the places where they continue into it. The ground beside an object continues
+/// into static points, and where it is unknown touches the object at few.
 class TangentialSurfaces {
  public:
   /// Keeps references. `moving` marks the points labelled so far.
