@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdlib>
+#include <iterator>
 #include <optional>
 
 #include <Eigen/Geometry>
@@ -38,12 +39,30 @@ constexpr double kAgreeNot = 2, kElsewhere = 5, kAgree = 5, kMovingBeside = 20;
 constexpr double kLeastElsewhere = 0.2;
 // Poses that move by less have no direction: that of the sensor's x axis stands for it.
 constexpr double kNoWay_m = 0.02;
+// Edges that stay this near to their place in the sensor frame go with the sensor: the own vehicle. Chosen:
+// the distance of two firings on it, and noise. Only poses that move by kTold_m tell it from the world.
+constexpr double kStays_m = 0.1, kTold_m = kFewestSteps * kStep_m;
 
-std::vector<ScanPoint> some_edges(const LidarScan& scan) {
-  const std::vector<ScanPoint> all = select_edges(scan, OdometryParameters());
+std::vector<ScanPoint> thinned(const std::vector<ScanPoint>& all) {
   std::vector<ScanPoint> out;
   const std::size_t stride = all.size() / kMostEdges + 1;
   for (std::size_t i = 0; i < all.size(); i += stride) out.push_back(all[i]);
+  return out;
+}
+
+// Of `edges` those that are elsewhere in the sensor frame than all `others`.
+std::vector<ScanPoint> without_own_vehicle(const std::vector<ScanPoint>& edges,
+                                           const std::vector<ScanPoint>& others) {
+  std::vector<Eigen::Vector3d> positions_v;
+  for (const ScanPoint& o : others) positions_v.push_back(o.position_v.cast<double>());
+  EdgeGrid grid;
+  grid.insert(positions_v);
+  std::vector<ScanPoint> out;
+  std::copy_if(edges.begin(), edges.end(), std::back_inserter(out), [&](const ScanPoint& e) {
+    const Eigen::Vector3d p_v = e.position_v.cast<double>();
+    const Eigen::Vector3d* nearest = grid.nearest(p_v);
+    return !nearest || (*nearest - p_v).norm() > kStays_m;
+  });
   return out;
 }
 
@@ -134,30 +153,36 @@ class PoseEdges {
 
  private:
   struct Pair {
+    Pair(const LidarScan& first_scan, const LidarScan& second_scan);
     const LidarScan &first, &second;
-    std::vector<ScanPoint> first_edges, second_edges;
+    std::array<std::vector<ScanPoint>, 2> all, moved;  // of each scan; without those that go with the sensor
   };
   [[nodiscard]] static std::optional<Edges> under(const Pair& pair, const Motion& motion);
 
   std::vector<std::array<Pair, 2>> pairs_;  // of each place
 };
 
+PoseEdges::Pair::Pair(const LidarScan& first_scan, const LidarScan& second_scan)
+    : first(first_scan), second(second_scan) {
+  const std::vector<ScanPoint> edges = select_edges(second, OdometryParameters());
+  all = {select_edges(first, OdometryParameters()), thinned(edges)};
+  moved = {without_own_vehicle(all[0], edges), thinned(without_own_vehicle(edges, all[0]))};
+}
+
 PoseEdges::PoseEdges(const std::vector<std::shared_ptr<const Place>>& places) {
-  for (const auto& place : places) {
-    const std::vector<ScanPoint> first = select_edges(place->first, OdometryParameters());
-    pairs_.push_back({Pair{place->first, place->next, first, some_edges(place->next)},
-                      Pair{place->first, place->last, first, some_edges(place->last)}});
-  }
+  for (const auto& place : places)
+    pairs_.push_back({Pair(place->first, place->next), Pair(place->first, place->last)});
 }
 
 std::optional<Edges> PoseEdges::under(const Pair& pair, const Motion& motion) {
   const auto first = poses_of(pair.first, motion), second = poses_of(pair.second, motion);
-  if (std::min(pair.first_edges.size(), pair.second_edges.size()) < kMinEdges || !first || !second)
-    return std::nullopt;
+  if (!first || !second) return std::nullopt;
   Edges out;
-  out.first.insert(in_world(pair.first, pair.first_edges, *first));
-  out.second_0 = in_world(pair.second, pair.second_edges, *second);
   out.way_0 = second->T_0v.front().translation() - first->T_0v.front().translation();
+  const auto& [of_first, of_second] = out.way_0.norm() < kTold_m ? pair.all : pair.moved;
+  if (std::min(of_first.size(), of_second.size()) < kMinEdges) return std::nullopt;
+  out.first.insert(in_world(pair.first, of_first, *first));
+  out.second_0 = in_world(pair.second, of_second, *second);
   out.axes_0 = axes(first->T_0v.front(), out.way_0);
   return out;
 }
