@@ -33,8 +33,9 @@ constexpr int kMostSteps = 80;
 // support them. Where they rise by more than kMovingBeside on one side, things that move are on the other
 // one. Measured (docs/notebook/self_check.md, "Edges"): 90 right recordings have 3.6 and more (median 18),
 // wrong poses from -16 on; of 629 below 2, all but 11 have less than 20 on the one side. People who walk on
-// ahead in a bare aisle left right poses -4 and 1.7, on the one side 81 and 57.
-constexpr double kAgreeNot = 2, kElsewhere = 5, kAgree = 5, kMovingBeside = 20;
+// ahead in a bare aisle left right poses -4 and 1.7, on the one side 81 and 57. Above kSure they outvote a
+// registration that stands out: poses 1.5 times too fast in a town reach 7.
+constexpr double kAgreeNot = 2, kElsewhere = 5, kAgree = 5, kSure = 10, kMovingBeside = 20;
 // Fewer agreeing edges, as a part of all, may agree by chance: a pole with another one. As in RecentEdges.
 constexpr double kLeastElsewhere = 0.2;
 // Poses that move by less have no direction: that of the sensor's x axis stands for it.
@@ -234,7 +235,7 @@ EdgeFinding check_edges(const std::vector<std::shared_ptr<const Place>>& places,
   const Motion said = motion_of(given);
   const auto peak = edges.peak(said);
   if (!peak) return {};
-  EdgeFinding out{peak->above_both > kAgree,
+  EdgeFinding out{peak->above_both > kAgree, peak->above_both > kSure,
                   fmt::format("edges agree by {:.1f} standard deviations", peak->above_both), ""};
   if (peak->above_both > kAgreeNot || peak->above_lower > kMovingBeside) return out;
   const double elsewhere = edges.highest_elsewhere(said);

@@ -13,6 +13,7 @@ namespace mapless::inline v1 {
 /// roads, and in tunnels.
 struct EdgeFinding {
   bool agree = false;    ///< for the poses, beyond chance
+  bool sure = false;     ///< so far beyond it that they outvote every registration that is slower
   std::string measured;  ///< empty where there are too few edges
   std::string problem;   ///< where they agree elsewhere, and not under the poses: what may be the mistake
 };

@@ -79,6 +79,7 @@ struct PlaceFinding {
   double speed_mps = 0;          // by the poses
   bool at_jump = false;
   bool traffic = false;      // the registration may have found vehicles that move along
+  bool slower = false;       // it is in line with the poses, and slower by what edges tell apart
   bool one_vehicle = false;  // or one vehicle beside the sensor
   bool stirred = false;      // doubtful because the poses are at rest and what is seen is not: maybe a crowd
   bool supports = false;     // the poses stand out, or are sharp
@@ -107,14 +108,21 @@ std::vector<Vector6d> starts(const PosePair& pair, const std::optional<Vector6d>
   return out;
 }
 
-bool may_be_traffic(const Vector6d& found, const std::optional<Vector6d>& said, double apart_s) {
-  if (!said) return false;
+// Of the speed `found` as a part of that of the poses, below 0 where it is backwards; none where the poses
+// are slow, or too fast, or the motion found is not in line with them.
+std::optional<double> share_in_line(const Vector6d& found, const std::optional<Vector6d>& said,
+                                    double apart_s) {
+  if (!said) return std::nullopt;
   const Eigen::Vector3d slow = found.head<3>(), fast = said->head<3>();
-  if (fast.norm() <= kTraffic_mps || fast.norm() > kFastest_mps) return false;
+  if (fast.norm() <= kTraffic_mps || fast.norm() > kFastest_mps) return std::nullopt;
   const double along = slow.dot(fast.normalized()), sideways = slow.cross(fast.normalized()).norm();
-  const double ahead = std::max(kTrafficShare, 1 - kLorry_mps / fast.norm());
-  return slow.norm() < (along < 0 ? kOvertakenShare : ahead) * fast.norm() &&
-         sideways < std::max(kSideways * slow.norm(), kRest_m / apart_s);
+  if (sideways >= std::max(kSideways * slow.norm(), kRest_m / apart_s)) return std::nullopt;
+  return std::copysign(slow.norm() / fast.norm(), along);
+}
+
+bool may_be_traffic(double share, const Vector6d& said) {
+  const double ahead = std::max(kTrafficShare, 1 - kLorry_mps / said.head<3>().norm());
+  return share > -kOvertakenShare && share < ahead;
 }
 
 // Vehicles move along the way of the sensor: what differs across it is the static world.
@@ -170,13 +178,15 @@ void compare_with_registration(const Place& place, const PosePair& apart, const 
   const auto said_velocity = apart.mean_velocity(said);
   out.own_m = best.blur_m;
   if (out.own_m >= out.said_m) return;
-  out.traffic = best.apparent_rest || may_be_traffic(best.velocity, said_velocity, apart_s);
+  const auto share = share_in_line(best.velocity, said_velocity, apart_s);
+  out.traffic = best.apparent_rest || (share && may_be_traffic(*share, *said_velocity));
   const bool fits = best.blur_m < kFits_m;
   const auto peaks = apart.peaks(said, best.velocity);
   const auto flank = apart.flank(said, best.velocity);
   const bool contradicts = fits && peaks && peaks->said < kStandsOutNot &&
                            peaks->found > (out.at_jump ? kStandsOutNot : kStandsOut);
   const bool flanked = fits && flank && on_flank(*flank, best.velocity, said_velocity);
+  out.slower = share && *share > 0 && *share < 1 && flank && flank->apart_m > kFlank_m;
   const bool one_sided = apart.one_sided(said, best.velocity);
   const bool two_motions =
       contradicts && one_sided && out.supports && flank && flank->apart_m > kTwoMotions_m && !out.at_jump;
@@ -252,8 +262,8 @@ std::string likely_mistake(const std::vector<PlaceFinding>& findings,
 }
 
 struct Votes {
-  std::size_t checked = 0, wrong = 0, bad = 0, at_jumps = 0, traffic = 0, vehicles = 0, support = 0,
-              stirred = 0;
+  std::size_t checked = 0, wrong = 0, bad = 0, at_jumps = 0, traffic = 0, slower = 0, vehicles = 0,
+              support = 0, stirred = 0;
   const PlaceFinding* worst = nullptr;
 };
 
@@ -266,6 +276,7 @@ Votes count(const std::vector<PlaceFinding>& findings) {
     if (!found.at_jump && found.trust == Trust::wrong) ++out.wrong;
     if (bad) ++out.bad;
     if (bad && found.traffic) ++out.traffic;
+    if (bad && (found.traffic || found.slower)) ++out.slower;
     if (bad && (found.one_vehicle || found.stirred) && !found.traffic) ++out.vehicles;
     if (bad && found.stirred) ++out.stirred;
     if (!bad && found.supports) ++out.support;
@@ -316,8 +327,10 @@ CheckResult result_of(const std::vector<PlaceFinding>& findings, const Dataset& 
       findings.size(), votes.worst->said_m, votes.worst->own_m);
   if (!edges.measured.empty()) out.measured += "; " + edges.measured;
   const bool right_elsewhere = votes.bad < findings.size() && votes.support >= votes.vehicles;
-  const bool outvoted = votes.traffic + votes.vehicles == votes.bad && votes.at_jumps == 0 &&
-                        (right_elsewhere || (edges.agree && votes.vehicles == 0));
+  const bool by_places = votes.traffic + votes.vehicles == votes.bad && right_elsewhere;
+  const bool by_edges = edges.sure ? votes.slower == votes.bad
+                                   : edges.agree && votes.traffic == votes.bad && votes.vehicles == 0;
+  const bool outvoted = (by_places || by_edges) && votes.at_jumps == 0;
   if (votes.bad > 0 && !outvoted) {
     out.trust = votes.wrong > 0 && 2 * votes.wrong >= votes.checked ? Trust::wrong : Trust::doubtful;
     out.problem = problem_of(votes, findings, given);
