@@ -57,8 +57,7 @@ const std::array<ReasonText, kPointSteps> kPointTexts = {{
      "suffice, and its votes {votes} are not below {firmly_static}."},
     {"tangential surface",
      "Its surface slides along itself, or no earlier scan observed it: linked points of the object go on in "
-     "it, so "
-     "its votes ({votes}) are not held against it."},
+     "it, so its votes ({votes}) are not held against it."},
     {"body completed",
      "It lies within the radius of a dynamic object, at most 1.5 m, of one of its points, and its votes "
      "({votes}) are at least those of one scan that saw through it."},

@@ -52,8 +52,8 @@ std::vector<ScanPoint> thinned(const std::vector<ScanPoint>& all) {
 }
 
 // Of `edges` those that are elsewhere in the sensor frame than all `others`.
-std::vector<ScanPoint> without_own_vehicle(const std::vector<ScanPoint>& edges,
-                                           const std::vector<ScanPoint>& others) {
+std::vector<ScanPoint> without_carried_along(const std::vector<ScanPoint>& edges,
+                                             const std::vector<ScanPoint>& others) {
   std::vector<Eigen::Vector3d> positions_v;
   for (const ScanPoint& o : others) positions_v.push_back(o.position_v.cast<double>());
   EdgeGrid grid;
@@ -154,7 +154,8 @@ class PoseEdges {
 
  private:
   struct Pair {
-    Pair(const LidarScan& first_scan, const LidarScan& second_scan);
+    Pair(const LidarScan& first_scan, const std::vector<ScanPoint>& edges_of_first,
+         const LidarScan& second_scan);
     const LidarScan &first, &second;
     std::array<std::vector<ScanPoint>, 2> all, moved;  // of each scan; without those that go with the sensor
   };
@@ -163,16 +164,20 @@ class PoseEdges {
   std::vector<std::array<Pair, 2>> pairs_;  // of each place
 };
 
-PoseEdges::Pair::Pair(const LidarScan& first_scan, const LidarScan& second_scan)
+PoseEdges::Pair::Pair(const LidarScan& first_scan, const std::vector<ScanPoint>& edges_of_first,
+                      const LidarScan& second_scan)
     : first(first_scan), second(second_scan) {
   const std::vector<ScanPoint> edges = select_edges(second, OdometryParameters());
-  all = {select_edges(first, OdometryParameters()), thinned(edges)};
-  moved = {without_own_vehicle(all[0], edges), thinned(without_own_vehicle(edges, all[0]))};
+  all = {edges_of_first, thinned(edges)};
+  moved = {without_carried_along(edges_of_first, edges),
+           thinned(without_carried_along(edges, edges_of_first))};
 }
 
 PoseEdges::PoseEdges(const std::vector<std::shared_ptr<const Place>>& places) {
-  for (const auto& place : places)
-    pairs_.push_back({Pair(place->first, place->next), Pair(place->first, place->last)});
+  for (const auto& place : places) {
+    const std::vector<ScanPoint> first = select_edges(place->first, OdometryParameters());
+    pairs_.push_back({Pair(place->first, first, place->next), Pair(place->first, first, place->last)});
+  }
 }
 
 std::optional<Edges> PoseEdges::under(const Pair& pair, const Motion& motion) {
