@@ -11,6 +11,7 @@
 #include "detection/own_vehicle.hpp"
 #include "detection/segmentation/evidence_growth.hpp"
 #include "detection/segmentation/explain_segmentation.hpp"
+#include "detection/segmentation/slow_surfaces.hpp"
 #include "geometry/sensor_motion.hpp"
 #include <mapless/core/time.hpp>
 
@@ -234,8 +235,10 @@ ObjectProposals VotingPipeline::run_stages(PendingScan query, const std::vector<
     return of_points;
   });
   // 4. Border effects: points whose linked neighbours do not have evidence too.
-  const auto seeds = timed(out.seconds.filter,
-                           [&] { return filter_evidence(*out.scan, query.points, evidence, parameters_); });
+  const auto seeds = timed(out.seconds.filter, [&] {
+    forgive_slow_surfaces(*out.scan, query.points, parameters_, evidence);
+    return filter_evidence(*out.scan, query.points, evidence, parameters_);
+  });
   // 5. Clustering and region growth: whole objects.
   auto regions = timed(out.seconds.region_growth,
                        [&] { return grow_evidence(*out.scan, query.points, evidence, seeds, parameters_); });

@@ -52,6 +52,8 @@ inline std::vector<PointEvidence> query_every_point(const LidarScan& scan, const
       evidence[i].occluder_left = evidence[i].occluder_left || (vote == 2 && !inside);
       evidence[i].surface_seen = evidence[i].surface_seen || vote < 0;
       evidence[i].stood_before = evidence[i].stood_before || (vote < 0 && std::abs(a.gap) > 4);
+      evidence[i].surface_last = evidence[i].surface_last || (vote < 0 && a.gap == 1);
+      evidence[i].surface_next = evidence[i].surface_next || (vote < 0 && a.gap == -1);
       evidence[i].recently_free = evidence[i].recently_free || (vote > 0 && std::abs(a.gap) <= 4);
     }
   }

@@ -52,8 +52,9 @@ export interface PointExplanation {
 const AGREES = 16, NOT_KNOWN = 65535, EDGE = 3, THROUGH = 4;
 const GREY: Colour = [136, 136, 136];
 // Of an ObservationKind, by a function: colours.ts is read after this file.
-const colourOf = (kind: number): Colour | null => [null, null, null, null, MOVING, MOVING, MOVING, MISSED, UNJUDGED, GREY, GREY, HIT, FALSE][kind] ?? null;
-const NOTHING_MET = 6, OWN_VEHICLE = 0;
+const colourOf = (kind: number): Colour | null => [null, null, null, null, MOVING, MOVING, MOVING, MISSED, UNJUDGED, GREY, GREY, HIT, FALSE, MISSED][kind] ?? null;
+const NOTHING_MET = 6, SURFACE = 7, SLOW_SURFACE = 13, OWN_VEHICLE = 0;
+const MAY_BE_SLOW = 128; // in the byte of a step
 const SHOWN_WITHOUT_RETURN_M = 30; // of a ray that met nothing, behind the place
 
 const filledIn = (text: string, figures: Record<string, string>): string => text.replace(/\{(\w+)\}/g, (_, name: string) => figures[name] ?? "?");
@@ -111,25 +112,28 @@ export class ScanExplanation {
   }
 
   of(i: number): PointExplanation {
-    const observations = this.step[i] === OWN_VEHICLE ? [] : this.gaps.map((gap, k) => this.observation(this.seen[k], this.rank[this.source[i]], gap));
+    const step_of = this.step[i] % MAY_BE_SLOW, slow = this.step[i] >= MAY_BE_SLOW;
+    const observations = step_of === OWN_VEHICLE ? [] : this.gaps.map((gap, k) => this.observation(this.seen[k], this.rank[this.source[i]], gap, slow));
     observations.sort((a, b) => a.scan - b.scan);
     const sum = (later: boolean): number => observations.reduce((s, o) => s + ((o.scan > this.scan.header.number) === later ? o.votes : 0), 0);
     const past = sum(false), future = sum(true), support = this.support[i] > 32767 ? this.support[i] - 65536 : this.support[i];
     const figures = { ...this.texts.limits, votes: String(past + future), support: String(support), supporters: String(this.supporters[i]), near: String(this.near[i]) };
-    const step = this.texts.steps[this.step[i]], decision = this.objects[this.proposed[i] - 1];
+    const step = this.texts.steps[step_of], decision = this.objects[this.proposed[i] - 1];
     return { step: { name: step.name, text: filledIn(step.text, figures) }, source: this.source[i], past, future, observations,
              object: decision ? { decision, reason: this.reason(decision) } : null };
   }
 
-  private observation(seen: Seen, at: number, gap: number): Observation {
-    const code = seen.code[at], kind = code & (AGREES - 1), agrees = (code & AGREES) !== 0, number = this.scan.header.number - gap;
+  private observation(seen: Seen, at: number, gap: number, slow: boolean): Observation {
+    const code = seen.code[at], agrees = (code & AGREES) !== 0, number = this.scan.header.number - gap;
+    const coded_kind = code & (AGREES - 1), forgiven = slow && Math.abs(gap) === 1 && coded_kind === SURFACE && !agrees;
+    const kind = forgiven ? SLOW_SURFACE : coded_kind;
     const coded = seen.distance[at], known = coded !== NOT_KNOWN, behind = (coded & 1) === 1, distance = known ? metresText(coded >> 1) : "";
     const off = !known ? "a neighbouring ray ends on it" : `the nearest ray ends ${distance} m ${behind ? "behind it" : "before the point"}`;
     const figures = { ...this.texts.limits, beyond: distance, short: distance, distance, aside: metresText(seen.aside[at]), off };
     const other = this.drive.scans.find((s) => s.number === number), words = this.texts.observations[kind];
     const text = filledIn(words.text, figures) + (agrees ? "; the ranges of the scans change steadily, as of a surface moving along the rays" : "");
     const beyond_m = kind === NOTHING_MET ? SHOWN_WITHOUT_RETURN_M : known ? metres(coded >> 1) * (behind ? 1 : -1) : 0;
-    return { scan: number, votes: seen.votes[code], name: words.name, text, colour: colourOf(kind), beyond_m, agrees,
+    return { scan: number, votes: forgiven ? 0 : seen.votes[code], name: words.name, text, colour: colourOf(kind), beyond_m, agrees,
              after_s: other ? Number(BigInt(other.time_ns) - BigInt(this.scan.header.time_ns)) * 1e-9 : null };
   }
 

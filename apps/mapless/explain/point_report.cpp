@@ -59,15 +59,18 @@ Figures figures_of(const ObjectDecision& d) {
           {"std", number(d.object.velocity_std_0().maxCoeff())}};
 }
 
-Json observation_json(const Observation& o, std::size_t scan, int gap, const Figures& limits,
-                      const DecisionLimits& exact) {
-  const ReasonText& words = kObservationTexts.at(static_cast<std::size_t>(kind_of(o, exact)));
+Json observation_json(const Observation& o, const PointDecision& p, std::size_t scan, int gap,
+                      const Figures& limits, const DecisionLimits& exact) {
+  const ObservationKind kind = kind_of(o, exact);
+  const bool slow = p.may_be_slow && std::abs(gap) == 1 && kind == ObservationKind::surface && !o.agrees;
+  const ReasonText& words =
+      kObservationTexts.at(static_cast<std::size_t>(slow ? ObservationKind::slow_surface : kind));
   std::string text = filled_in(words.text, with(limits, figures_of(o)));
   if (o.agrees) text += "; the ranges of the scans change steadily, as of a surface moving along the rays";
   return {{"scan", static_cast<std::size_t>(static_cast<long>(scan) - gap)},
           {"gap", gap},
           {"kind", words.name},
-          {"votes", o.votes},
+          {"votes", slow ? 0 : o.votes},
           {"short_by_m", o.laser < 0 ? Json(nullptr) : metres(o.short_by_m)},
           {"aside_m", o.laser < 0 ? Json(nullptr) : metres(o.aside_m)},
           {"text", text}};
@@ -83,8 +86,8 @@ Json observations_json(const ExplainedPoint& point, const Figures& limits) {
   Json out = Json::array();
   const auto source = static_cast<std::size_t>(e.source[point.at]);
   for (const std::size_t k : order) {
-    out.push_back(
-        observation_json(e.observations[source * references + k], point.scan, e.gaps[k], limits, e.limits));
+    out.push_back(observation_json(e.observations[source * references + k], e.points[point.at], point.scan,
+                                   e.gaps[k], limits, e.limits));
   }
   return out;
 }

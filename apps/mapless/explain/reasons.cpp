@@ -28,6 +28,7 @@ const std::array<ReasonText, kObservationKinds> kObservationTexts = {{
      "hidden by something {distance} m away that has left, but the next scan sees a surface here: uncovered, "
      "no "
      "vote"},
+    {"slow surface", "a surface here: {off}; no vote, as no older scan saw one: it may be slow"},
 }};
 
 const std::array<ReasonText, kPointSteps> kPointTexts = {{

@@ -24,9 +24,10 @@ enum class ObservationKind : std::uint8_t {
   hidden,
   hider_stays,
   hider_left,
-  hider_contradicted
+  hider_contradicted,
+  slow_surface
 };
-inline constexpr std::size_t kObservationKinds = 13;
+inline constexpr std::size_t kObservationKinds = 14;
 
 /// The step of segmentation that decided about a point.
 enum class PointStep : std::uint8_t {

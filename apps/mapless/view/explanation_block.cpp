@@ -15,7 +15,8 @@ namespace mapless::app {
 namespace {
 
 constexpr std::uint8_t kAgrees = 16;
-constexpr std::size_t kCodes = 32;  // of kinds, with and without agreement
+constexpr std::size_t kCodes = 32;    // of kinds, with and without agreement
+constexpr unsigned kMayBeSlow = 128;  // in the byte of a step
 constexpr std::uint16_t kNotKnown = 65535;
 
 std::uint8_t code_of(const Observation& o, const DecisionLimits& limits) {
@@ -68,7 +69,8 @@ void append_points(std::string& out, const ScanExplanation& e) {
     const PointDecision& p = e.points[i];
     const bool has_support = p.votes() > 0;  // else no text names it
     sources.push_back(static_cast<std::uint32_t>(e.source[i]));
-    steps.push_back(static_cast<char>(step_of(p, e.limits)));
+    steps.push_back(
+        static_cast<char>(static_cast<unsigned>(step_of(p, e.limits)) | (p.may_be_slow ? kMayBeSlow : 0U)));
     proposed.push_back(p.proposed);
     support.push_back(static_cast<std::uint16_t>(has_support ? p.support : 0));
     supporters.push_back(static_cast<char>(has_support ? p.supporters : 0));

@@ -14,7 +14,7 @@ namespace mapless::app {
 /// of encode_scan; differences coded as there where `*`:
 ///
 ///     source      uint32 *, the return whose observations it has
-///     step        uint8, PointStep
+///     step        uint8, PointStep, + 128: PointDecision::may_be_slow
 ///     proposed    uint16 *, number of the proposed object
 ///     support     uint16 *, supporters and near uint8: PointDecision; 0 where no text has them
 ///

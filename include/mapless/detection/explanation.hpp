@@ -39,6 +39,7 @@ struct PointDecision {
   bool seen_through = false;          ///< some scan's rays passed through the point or beside it
   bool surface_seen = false;          ///< some scan observed a surface at the point
   bool occluder_left = false;
+  bool may_be_slow = false;         ///< the votes against it by the scans before and after do not count
   bool own_vehicle = false;         ///< it lies on the sensor's own vehicle and counts as seen by all scans
   std::int16_t support = 0;         ///< its votes and those of its linked neighbours in the 3 x 5 window
   std::uint8_t supporters = 0;      ///< linked neighbours in that window, of 14

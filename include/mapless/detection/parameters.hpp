@@ -157,7 +157,7 @@ struct VotingParameters {
   bool grow = true;
   double min_displacement_m = 0.03;
   double min_speed_mps = 0.2;
-  int min_evidence = 60;
+  int min_evidence = 75;
 
   /// Those of the evidence of points, then those of objects.
   static constexpr auto evidence_declarations() {

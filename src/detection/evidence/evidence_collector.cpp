@@ -221,6 +221,8 @@ void EvidenceCollector::add_answer(const Reference& reference, const FreespacePr
   } else if (answer.verdict == FreespaceVerdict::border) {
     const bool dynamic = reference.probe.dynamic(answer);
     if (!dynamic) add_votes(reference, -reference.surface_votes, evidence);
+    evidence.surface_last = evidence.surface_last || (!dynamic && reference.gap == 1);
+    evidence.surface_next = evidence.surface_next || (!dynamic && reference.gap == -1);
     if (dynamic && reference.recent) add_votes(reference, kSeenDynamicVotes, evidence);
     evidence.seen_dynamic = evidence.seen_dynamic || (dynamic && reference.recent);
     evidence.surface_seen = true;
@@ -283,6 +285,8 @@ void EvidenceCollector::add_range_rate(std::size_t number, Workspace& work) cons
     if (!offset.agrees) continue;
     std::int16_t& sum = offset.gap < 0 ? evidence.future : evidence.past;
     sum = static_cast<std::int16_t>(sum + offset.surface_votes + kRangeRateVotes);
+    if (offset.gap == 1) evidence.surface_last = false;
+    if (offset.gap == -1) evidence.surface_next = false;
     for (const Reference& reference : references_) {
       if (reference.gap != offset.gap) continue;
       if (Observation* const o = recorded(reference, query.i)) {

@@ -21,6 +21,7 @@ void explain_segmentation(const LidarScan& scan, const LocalPoints& points,
     out.seen_through = v.seen_through;
     out.surface_seen = v.surface_seen;
     out.occluder_left = v.occluder_left;
+    out.may_be_slow = v.may_be_slow;
     out.proposed = regions.object[i];
     out.growth = regions.verdict[i];
     int support = v.total();
