@@ -131,6 +131,7 @@ class EvidenceCollector {
   const LidarScan& scan_;
   const std::vector<Eigen::Vector3f>& points_;
   SlopeImage slopes_;
+  double turn_s_;
   float max_occluder_distance_m_, surface_noise_m_;
   FreespaceProbe own_;
   SurfacePlanes planes_;

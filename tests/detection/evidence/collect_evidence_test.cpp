@@ -189,13 +189,15 @@ TEST(CollectEvidence, WhatAnEarlierScanSawStoodThere) {
   EXPECT_FALSE(stood_before(-4, false));
 }
 
+// In a turn of a fifth of a second a slow thing moves on.
 TEST(CollectEvidence, NamesTheSurfacesThatTheScansBesideSaw) {
   const CompensatedScan query = cast(standing({wall_at(7)}));
+  LidarScan scan = *query.scan;
   const auto all_seen = [&](int gap, bool dynamic, bool last, bool next) {
     RayImage image(query);
     if (dynamic) image.mark_dynamic(*query.scan, std::vector<std::uint16_t>(query.points_0.size(), 1));
     for (const PointEvidence& v :
-         collect_evidence(*query.scan, local_points(query), {{&image, gap}}, RayImage(query), {})) {
+         collect_evidence(scan, local_points(query), {{&image, gap}}, RayImage(query), {})) {
       EXPECT_EQ(v.surface_last, last) << gap;
       EXPECT_EQ(v.surface_next, next) << gap;
     }
@@ -204,6 +206,9 @@ TEST(CollectEvidence, NamesTheSurfacesThatTheScansBesideSaw) {
   all_seen(-1, false, false, true);
   all_seen(2, false, false, false);
   all_seen(1, true, false, false);
+  scan.column_period = Duration::from_nanoseconds(2 * scan.column_period.nanoseconds());
+  all_seen(1, false, false, false);
+  all_seen(-1, false, false, false);
 }
 
 test::ToyBody crate_at(double x) { return test::toy_box({x + 0.5, 0, 0}, {0.5, 1, 0.8}); }
