@@ -45,9 +45,8 @@ constexpr float kOffsetStd = 0.5F;
 // range of nearer ones differs by noise.
 constexpr int kRangeRateColumns = 3;
 
-// In this time a thing at walking pace moves by no more than the tolerance. Of a turn of 0.2 s the surfaces
-// that the scans beside saw do tell: forgiven, they cost .005 IoU at 5 Hz (docs/notebook/detection.md, "Slow
-// things").
+// In a longer turn a thing at walking pace moves by more than the tolerance, so what the scans beside saw
+// tells. Measured: docs/notebook/detection.md, "Slow things".
 constexpr double kSlowTurn_s = 0.12;
 
 // The larger one counts, 0 where it is not known.
@@ -97,23 +96,24 @@ EvidenceCollector::EvidenceCollector(const LidarScan& scan, const LocalPoints& p
     : scan_(scan),
       points_(points.points),
       slopes_(scan, points_),
-      turn_s_((scan.end() - scan.start).seconds()),
       max_occluder_distance_m_(static_cast<float>(parameters.max_occluder_distance_m)),
       surface_noise_m_(static_cast<float>(kSurfaceNoise * parameters.tolerance_m)),
       own_(own, points.origin_0, parameters),
       planes_(scan, points_, own_.tolerance_m(0, 0)),
       explanation_(explanation) {
   const int recent = recent_gap(references), next = next_gap(references);
+  const bool slow_turn = (scan.end() - scan.start).seconds() > kSlowTurn_s;
   references_.reserve(references.size());
   for (const ReferenceScan& r : query_order(references)) {
     references_.push_back({FreespaceProbe(*r.image, points.origin_0, parameters),
                            surface_votes(std::abs(r.gap)), r.gap < 0, r.gap == next,
-                           std::abs(r.gap) <= recent, r.gap, references_.size()});
+                           std::abs(r.gap) <= recent, !slow_turn && std::abs(r.gap) == 1, r.gap,
+                           references_.size()});
     if (explanation_) explanation_->gaps.push_back(r.gap);
   }
   for (const ReferenceScan& r : others) {
     others_.push_back({FreespaceProbe(*r.image, points.origin_0, parameters), surface_votes(r.gap), false,
-                       false, r.gap <= recent, r.gap, others_.size()});
+                       false, r.gap <= recent, false, r.gap, others_.size()});
   }
   if (explanation_) explanation_->observations.assign(points_.size() * references_.size(), {});
 }
@@ -227,9 +227,8 @@ void EvidenceCollector::add_answer(const Reference& reference, const FreespacePr
   } else if (answer.verdict == FreespaceVerdict::border) {
     const bool dynamic = reference.probe.dynamic(answer);
     if (!dynamic) add_votes(reference, -reference.surface_votes, evidence);
-    const bool short_turn = turn_s_ <= kSlowTurn_s;
-    evidence.surface_last = evidence.surface_last || (!dynamic && short_turn && reference.gap == 1);
-    evidence.surface_next = evidence.surface_next || (!dynamic && short_turn && reference.gap == -1);
+    evidence.surface_last = evidence.surface_last || (!dynamic && reference.beside && !reference.later);
+    evidence.surface_next = evidence.surface_next || (!dynamic && reference.beside && reference.later);
     if (dynamic && reference.recent) add_votes(reference, kSeenDynamicVotes, evidence);
     evidence.seen_dynamic = evidence.seen_dynamic || (dynamic && reference.recent);
     evidence.surface_seen = true;

@@ -103,6 +103,7 @@ class EvidenceCollector {
     bool later;
     bool next;  // the nearest of the later ones
     bool recent;
+    bool beside;  // the scan before or after, in a turn in which slow things hardly move
     int gap;
     std::size_t order;  // in references_
   };
@@ -131,7 +132,6 @@ class EvidenceCollector {
   const LidarScan& scan_;
   const std::vector<Eigen::Vector3f>& points_;
   SlopeImage slopes_;
-  double turn_s_;
   float max_occluder_distance_m_, surface_noise_m_;
   FreespaceProbe own_;
   SurfacePlanes planes_;

@@ -55,8 +55,8 @@ struct PointEvidence {
   bool seen_dynamic : 1 = false;   ///< a recent scan saw a surface there that was found dynamic
   bool stood_before : 1 = false;   ///< a scan before the recent ones saw a surface there, not a dynamic one
   bool own_vehicle : 1 = false;    ///< a return on the sensor's own vehicle
-  bool surface_last : 1 = false;   ///< the scan before, of a turn of .12 s at most, saw a surface there
-  bool surface_next : 1 = false;   ///< so did the scan after
+  bool surface_last : 1 = false;   ///< voted against by the scan before, in a turn of at most .12 s
+  bool surface_next : 1 = false;   ///< the same by the scan after
   bool may_be_slow : 1 = false;    ///< these two votes do not count (forgive_slow_surfaces)
   std::uint8_t rays_through = 0;   ///< scans of this sensor whose ray went on past the point, within
                                    ///< kSeenThroughWithin_m of it

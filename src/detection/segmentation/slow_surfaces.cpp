@@ -3,15 +3,12 @@
 #include <cstddef>
 #include <cstdint>
 
-#include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/parallel_for.h>
 
 #include "detection/segmentation/linked_neighbours.hpp"
 
 namespace mapless::inline v1 {
 namespace {
-
-constexpr std::size_t kReturnsPerChunk = 4096;  // chosen: many tasks a scan, each of several rows of points
 
 bool was_free(const PointEvidence& v) { return v.seen_through || v.occluder_left; }
 
@@ -33,11 +30,8 @@ void forgive_slow_surfaces(const LidarScan& scan, const LocalPoints& points,
                            const VotingParameters& parameters, std::vector<PointEvidence>& votes) {
   const LinkedNeighbours neighbours(scan, points, parameters);
   std::vector<std::uint8_t> slow(votes.size(), 0);  // as the bits of one PointEvidence share a byte
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, votes.size(), kReturnsPerChunk),
-                    [&](const auto& chunk) {
-                      for (std::size_t i = chunk.begin(); i != chunk.end(); ++i)
-                        slow[i] = may_be_slow(neighbours, votes, i) ? 1 : 0;
-                    });
+  tbb::parallel_for(std::size_t{0}, votes.size(),
+                    [&](std::size_t i) { slow[i] = may_be_slow(neighbours, votes, i) ? 1 : 0; });
   for (std::size_t i = 0; i < votes.size(); ++i) {
     if (slow[i] == 0) continue;
     PointEvidence& v = votes[i];

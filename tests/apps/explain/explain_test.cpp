@@ -72,7 +72,13 @@ void expect_explains(const ResultFolder& result, std::size_t k, const LabelledSc
       ASSERT_EQ(label_number(e.objects[p.proposed - 1U].object.id), labels[record] >> 16U);
       ++moving;
     }
-    slow += p.may_be_slow ? 1 : 0;
+    if (p.may_be_slow && p.proposed == 0) {  // what the report says of the rays sums up, too
+      int said = 0;
+      const Json report = point_json({k, i, &scan, {}}, {});
+      for (const Json& o : report["observations"]) said += o["votes"].get<int>();
+      ASSERT_EQ(said, p.votes());
+      ++slow;
+    }
     if (!p.own_vehicle) {
       ASSERT_EQ(sums(e, i), std::pair(int{p.past}, int{p.future}));
     }
