@@ -62,6 +62,9 @@ const std::array<ReasonText, kPointSteps> kPointTexts = {{
     {"body completed",
      "It lies within the radius of a dynamic object, at most 1.5 m, of one of its points, and its votes "
      "({votes}) are at least those of one scan that saw through it."},
+    {"side completed",
+     "It lies in the plane of the side of a dynamic object, which slides along itself, so its votes "
+     "({votes}) are not held against it: the rear of the side was seen to move."},
 }};
 
 const std::array<ReasonText, kTrackReasons> kTrackTexts = {{
@@ -125,7 +128,8 @@ ObservationKind kind_of(const Observation& o, const DecisionLimits& limits) {
 
 PointStep step_of(const PointDecision& p, const DecisionLimits& limits) {
   using enum PointStep;
-  if (p.completed) return completed;
+  if (p.completed == Completion::body) return body_completed;
+  if (p.completed == Completion::side) return side_completed;
   if (p.growth == GrowthVerdict::too_small) return few_seeds;
   if (p.growth == GrowthVerdict::seed) return seed;
   if (p.proposed != 0) {

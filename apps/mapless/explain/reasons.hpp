@@ -40,9 +40,10 @@ enum class PointStep : std::uint8_t {
   spread,
   filled,
   tangential,
-  completed
+  body_completed,
+  side_completed
 };
-inline constexpr std::size_t kPointSteps = 10;
+inline constexpr std::size_t kPointSteps = 11;
 
 /// A short name, for tables and colours, and a sentence. In braces are figures: {beyond}, {short}, {aside},
 /// {distance} [m], {votes}, {support}, {supporters}, {near}, {reach}; of an object {evidence}, {required},

@@ -33,6 +33,13 @@ struct Observation {
   float occluder_distance_m = 0;  ///< from the point to the occluder, where `occluder` was examined
 };
 
+/// How a point that its votes put in no object came to belong to a dynamic one.
+enum class Completion : std::uint8_t {
+  none,
+  body,  ///< it lies within the object's radius (complete_bodies)
+  side   ///< of the plane of its side, which slides along itself (SlidingSides)
+};
+
 /// What the steps decided about one return.
 struct PointDecision {
   std::int16_t past = 0, future = 0;  ///< sums of the votes of earlier and of later scans
@@ -47,7 +54,7 @@ struct PointDecision {
   std::uint8_t reach_labelled = 0;  ///< linked neighbours in a proposed object in the 5 x 9 window, of 44
   std::uint16_t proposed = 0;       ///< number of the proposed object it belongs to, 0: none
   GrowthVerdict growth = GrowthVerdict::not_reached;
-  bool completed = false;  ///< in no object by these, it was added to the body of a dynamic one, `proposed`
+  Completion completed = Completion::none;  ///< added to a dynamic object, `proposed`, after all of these
 
   [[nodiscard]] int votes() const { return past + future; }
 };

@@ -49,10 +49,10 @@ constexpr int kRangeRateColumns = 3;
 // tells. Measured: docs/notebook/detection.md, "Slow things".
 constexpr double kSlowTurn_s = 0.12;
 
-// The larger one counts, 0 where it is not known.
+// The larger one. Rays pass far beside a point between two lasers only: where neither of the lasers beside
+// has a return, as on the crest of a hill, an offset may be all slope. To the side, unknown counts as 0.
 float steepest(SurfaceSlopes slopes) {
-  const auto known = [](float slope) { return slope < SurfaceSlopes::kUnknown ? slope : 0; };
-  return std::max(known(slopes.up), known(slopes.left));
+  return std::max(slopes.up, slopes.left < SurfaceSlopes::kUnknown ? slopes.left : 0);
 }
 
 std::vector<ReferenceScan> query_order(std::vector<ReferenceScan> references) {

@@ -53,15 +53,11 @@ Detection MovingObjects::classify(ObjectProposals proposed) {
   take_off(proposed.rims, detection);
   std::vector<std::uint32_t> completing =
       complete_bodies(proposed.points, proposed.votes, detection.tracked, motions_, detection.object);
+  explain(completing, Completion::body, detection);
   const std::vector<std::uint32_t> sides =
       sides_.take(*detection.scan, proposed, detection.tracked, motions_, detection.object);
+  explain(sides, Completion::side, detection);
   completing.insert(completing.end(), sides.begin(), sides.end());
-  if (detection.explanation && detection.explanation->points_recorded) {
-    for (const std::uint32_t i : completing) {
-      detection.explanation->points[i].completed = true;
-      detection.explanation->points[i].proposed = detection.object[i];
-    }
-  }
   detection.probability = motion_probabilities(proposed.votes, detection.object, motions_);
   keep_moving(moves, detection);
   movers_ = detection.tracked;
@@ -85,6 +81,15 @@ void MovingObjects::explain(const std::vector<ObjectEvidence>& evidence, const s
     detection.explanation->objects.push_back({object, object.id, state.moves, moved[k], state.reason, e.votes,
                                               state.evidence, state.required, state.clutter,
                                               e.displacement_m});
+  }
+}
+
+void MovingObjects::explain(const std::vector<std::uint32_t>& completing, Completion by,
+                            Detection& detection) {
+  if (!detection.explanation || !detection.explanation->points_recorded) return;
+  for (const std::uint32_t i : completing) {
+    detection.explanation->points[i].completed = by;
+    detection.explanation->points[i].proposed = detection.object[i];
   }
 }
 

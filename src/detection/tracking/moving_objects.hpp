@@ -52,6 +52,7 @@ class MovingObjects {
   /// Makes objects static for which slides_with_sensor() holds.
   void stop_rails(const ObjectProposals& proposed, const std::vector<TrackedObject>& tracked);
   void stop_standing(const ObjectProposals& proposed, const Detection& detection);
+  static void explain(const std::vector<std::uint32_t>& completing, Completion by, Detection& detection);
   void explain(const std::vector<ObjectEvidence>& evidence, const std::vector<bool>& moved,
                Detection& detection) const;
 

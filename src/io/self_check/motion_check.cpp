@@ -22,6 +22,10 @@ constexpr double kBetter = 4, kBetterAtHalf = 2;
 // Vehicles that move along, and the rows of points themselves, which move with the sensor and lie on each
 // other where it rests, speak for less motion: as much for this share of it.
 constexpr double kMuchLess = 0.6;
+// A true scale is a peak: as far beyond it the world is no sharper than under the poses. But where rows of
+// points wander over a curved ground, ever less motion looks ever sharper.
+constexpr double kShorter = 0.91, kLonger = 1.1;
+constexpr double kBeyondShorter = 0.82, kBeyondLonger = 1.21;
 // Distance between two scans that tells positions a tenth too long: 0.4 m of 4 m, and 0.08 m, which is the
 // tolerance of a surface (PosePair), of the least.
 constexpr double kFar_m = 4, kLeastFar_m = 0.8;
@@ -168,8 +172,12 @@ CheckResult result_of(const Dataset& dataset, const Motion& said, const Question
 }
 
 Question scale_question(const Motion& said, Pairs pairs) {
-  Question out{"pose scale", "scale of the poses", std::move(pairs), {scaled(said, kMuchLess)}, {""}};
-  for (const double factor : {0.91, 1.1}) {
+  Question out{"pose scale", "scale of the poses", std::move(pairs), {}, {}};
+  for (const double factor : {kMuchLess, kBeyondShorter, kBeyondLonger}) {
+    out.motions.push_back(scaled(said, factor));
+    out.texts.emplace_back();
+  }
+  for (const double factor : {kShorter, kLonger}) {
     out.motions.push_back(scaled(said, factor));
     out.texts.push_back(
         fmt::format("positions are multiplied by {:.2f}, or points by {:.2f} (yards?)", factor, 1 / factor));

@@ -88,7 +88,7 @@ void expect_explains(const ResultFolder& result, std::size_t k, const LabelledSc
     ASSERT_EQ(p.votes() > 0 && p.support >= VotingParameters{}.seed_score, kept);
     const PointStep step = step_of(p, e.limits);
     ASSERT_EQ(p.proposed != 0, step >= PointStep::seed);
-    if (!p.completed) {
+    if (p.completed == Completion::none) {
       ASSERT_EQ(step == PointStep::seed || step == PointStep::few_seeds, kept);
     }
   }

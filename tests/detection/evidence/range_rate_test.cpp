@@ -100,5 +100,23 @@ TEST(CollectEvidence, AWallThatRecedesSlowlyMoves) {
   EXPECT_LT(lowest_votes(0), 0);
 }
 
+// A sensor that rises by 0.1 m/s sees its lowest ring wander outwards on a table top 1 m below, by 0.039 m
+// a scan, which is 0.010 m beside the rays. No laser beside it meets the table, so no slope tells.
+TEST(CollectEvidence, ARingThatWandersOutOfSightOfOthersDoesNotMove) {
+  test::ToyScene scene = test::standing({test::toy_box({3.75, 0, -2}, {0.55, 0.3, 1})}, "VLP-16");
+  Vector6d varpi = Vector6d::Zero();
+  varpi.z() = -0.1;
+  scene.trajectory = std::make_shared<test::SteadyTrajectory>(SE3(), varpi);
+  constexpr int kScan = 12;
+  const CompensatedScan query = test::cast(scene, kScan);
+  std::vector<RayImage> images;
+  const std::vector<int> gaps = {12, 8, 6, 4, 3, 2, 1, -1};
+  for (const int gap : gaps) images.emplace_back(test::cast(scene, kScan - gap));
+  const auto votes = collect_evidence(*query.scan, test::local_points(query), test::references(images, gaps),
+                                      RayImage(query), {});
+  EXPECT_GT(votes.size(), 30U);
+  for (const PointEvidence& one : votes) EXPECT_LE(one.total(), 0);
+}
+
 }  // namespace MAPLESS_FILE
 }  // namespace mapless
