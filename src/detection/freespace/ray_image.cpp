@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "detection/dynamic_returns.hpp"
+#include "detection/freespace/open_sky.hpp"
 
 namespace mapless::inline v1 {
 namespace {
@@ -60,6 +61,11 @@ RayImage::RayImage(const CompensatedScan& scan, const RayImage* before)
                    scan.scan->cells.begin() + static_cast<std::ptrdiff_t>((l + 1) * columns),
                    ranges_m_.begin() + static_cast<std::ptrdiff_t>(l * (columns + kBeside) + kBeside),
                    [&](std::int32_t cell) { return range_of_cell(*scan.scan, cell); });
+  }
+  const std::vector<bool> open = open_sky(*scan.scan);
+  const auto max_range_m = static_cast<float>(model_->max_range_m);
+  for (std::size_t cell = 0; cell < open.size(); ++cell) {
+    if (open[cell]) ranges_m_[cell + (cell / columns + 1) * kBeside] = max_range_m;
   }
 }
 

@@ -35,8 +35,8 @@ class RayImage {
   [[nodiscard]] const BeamFan& fan() const { return *fan_; }
   [[nodiscard]] int rows() const { return static_cast<int>(model_->lasers.size()); }
   [[nodiscard]] int columns() const { return static_cast<int>(poses_.size()); }
-  /// Length of the cell's ray [m]: to its return, or the maximum range where nothing was within range; NaN
-  /// where the firing is faulty or absent.
+  /// Length of the cell's ray [m]: to its return, or the maximum range where nothing was within range, as the
+  /// recording says or open_sky finds; NaN where the firing is faulty or absent.
   [[nodiscard]] float range_m(int laser, int column) const { return row_m(laser)[column]; }
   /// range_m of all columns of a laser, and NaN for kBeside columns before the first and after the last.
   [[nodiscard]] const float* row_m(int laser) const {
