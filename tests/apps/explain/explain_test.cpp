@@ -94,6 +94,15 @@ void expect_explains(const ResultFolder& result, std::size_t k, const LabelledSc
   }
 }
 
+TEST(StepOf, TellsWhatCompletedAnObject) {
+  PointDecision p;
+  p.proposed = 1;
+  p.completed = Completion::body;
+  EXPECT_EQ(step_of(p, {}), PointStep::body_completed);
+  p.completed = Completion::side;
+  EXPECT_EQ(step_of(p, {}), PointStep::side_completed);
+}
+
 TEST_F(Explain, SaysOfEveryPointWhatTheDetectorDecided) {
   const auto dataset = open_dataset(street());
   for (const char* motion : {"poses", "odometry"}) {
