@@ -7,6 +7,7 @@
 #include "detection/detection_pipeline.hpp"
 #include "detection/evidence/collect_evidence.hpp"
 #include "detection/evidence/reference_gaps.hpp"
+#include "detection/freespace/open_sky.hpp"
 #include "detection/freespace/range_noise.hpp"
 #include "detection/own_vehicle.hpp"
 #include "detection/segmentation/evidence_growth.hpp"
@@ -105,6 +106,7 @@ class VotingPipeline final : public DetectionPipeline {
 
   VotingParameters parameters_;
   OwnVehicle own_vehicle_;
+  OpenSky open_sky_;
   std::vector<std::size_t> gaps_;                       // of the earlier scans, increasing
   std::size_t forward_gap_;                             // of the first later one
   std::deque<std::shared_ptr<RayImage>> images_;        // consecutive scans, oldest first
@@ -114,6 +116,7 @@ class VotingPipeline final : public DetectionPipeline {
 };
 
 void VotingPipeline::learn_own_vehicle(const LidarScan& scan, const Trajectory& trajectory) {
+  (void)open_sky_.of_next(scan);
   const SensorMotion motion(scan, trajectory);  // the pose to the bit as in `add`
   if (motion.column_states.empty()) return;
   const double tolerance_m = with_tolerance_for_noise(parameters_, scan).tolerance_m;
@@ -127,8 +130,8 @@ void VotingPipeline::add(std::shared_ptr<const LidarScan> scan, const Trajectory
       timed(pending.seconds.compensation, [&] { return compensate_locally(std::move(scan), trajectory); });
   pending.scan = compensated.scan;
   pending.points = std::move(points);
-  images_.push_back(
-      std::make_shared<RayImage>(compensated, images_.empty() ? nullptr : images_.back().get()));
+  images_.push_back(std::make_shared<RayImage>(compensated, images_.empty() ? nullptr : images_.back().get(),
+                                               open_sky_.of_next(*compensated.scan)));
   pending.column_states = std::move(compensated.column_states);
   pending.parameters = with_tolerance_for_noise(parameters_, *pending.scan);
   if (!pending.column_states.empty()) {

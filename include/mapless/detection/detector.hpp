@@ -33,9 +33,10 @@ class Detector {
   Detector(Detector&&) noexcept;
   Detector& operator=(Detector&&) noexcept;
 
-  /// Learns the own vehicle from a scan before the first one that is processed, which is not labelled. It is
-  /// the one thing that a detector knows of scans long ago: of a drive that is labelled from its middle on,
-  /// the detections are those of the whole once the references have come around.
+  /// Learns the own vehicle, and which rays return at all, from a scan before the first one that is
+  /// processed, which is not labelled. That is all that a detector knows of scans long ago: of a drive that
+  /// is labelled from its middle on, the detections are those of the whole once the references have come
+  /// around.
   void learn_own_vehicle(const LidarScan& scan, const Trajectory& trajectory);
 
   /// Adds the next scan. `trajectory` gives the pose of the sensor (T_v0, world 0 to sensor v) and is used

@@ -4,7 +4,6 @@
 #include <limits>
 
 #include "detection/dynamic_returns.hpp"
-#include "detection/freespace/open_sky.hpp"
 
 namespace mapless::inline v1 {
 namespace {
@@ -33,7 +32,7 @@ float range_of_cell(const LidarScan& scan, std::int32_t cell) {
 
 }  // namespace
 
-RayImage::RayImage(const CompensatedScan& scan, const RayImage* before)
+RayImage::RayImage(const CompensatedScan& scan, const RayImage* before, const std::vector<bool>& open)
     : model_(scan.scan->model),
       fan_(before != nullptr && before->model_ == model_ ? before->fan_
                                                          : std::make_shared<const BeamFan>(*model_)),
@@ -62,7 +61,6 @@ RayImage::RayImage(const CompensatedScan& scan, const RayImage* before)
                    ranges_m_.begin() + static_cast<std::ptrdiff_t>(l * (columns + kBeside) + kBeside),
                    [&](std::int32_t cell) { return range_of_cell(*scan.scan, cell); });
   }
-  const std::vector<bool> open = open_sky(*scan.scan);
   const auto max_range_m = static_cast<float>(model_->max_range_m);
   for (std::size_t cell = 0; cell < open.size(); ++cell) {
     if (open[cell]) ranges_m_[cell + (cell / columns + 1) * kBeside] = max_range_m;

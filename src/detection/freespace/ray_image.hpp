@@ -18,7 +18,9 @@ namespace mapless::inline v1 {
 class RayImage {
  public:
   /// `before`: an image of an earlier scan. Of the same sensor, both share one BeamFan.
-  explicit RayImage(const CompensatedScan& scan, const RayImage* before = nullptr);
+  /// `open`: cells without a return whose ray met nothing all the same (OpenSky), or empty.
+  explicit RayImage(const CompensatedScan& scan, const RayImage* before = nullptr,
+                    const std::vector<bool>& open = {});
 
   /// The hub at one instant, in single precision.
   struct Pose {
@@ -36,7 +38,7 @@ class RayImage {
   [[nodiscard]] int rows() const { return static_cast<int>(model_->lasers.size()); }
   [[nodiscard]] int columns() const { return static_cast<int>(poses_.size()); }
   /// Length of the cell's ray [m]: to its return, or the maximum range where nothing was within range, as the
-  /// recording says or open_sky finds; NaN where the firing is faulty or absent.
+  /// recording says or OpenSky finds; NaN where the firing is faulty or absent.
   [[nodiscard]] float range_m(int laser, int column) const { return row_m(laser)[column]; }
   /// range_m of all columns of a laser, and NaN for kBeside columns before the first and after the last.
   [[nodiscard]] const float* row_m(int laser) const {
