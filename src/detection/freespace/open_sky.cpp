@@ -22,10 +22,10 @@ struct SkyWindow {
 // beside what is wide, the paint about them is taken for sky.
 constexpr SkyWindow kWide{7.5 * kDegree, 2 * kDegree, 1}, kBesideWide{3 * kDegree, 1 * kDegree, 0};
 
-// A ray is not covered if one of its laser returned before within this angle: lasers jitter.
+// A ray is not covered if a ray of its laser within this angle has returned before: firings jitter.
 constexpr double kUncovered_rad = 1 * kDegree;
 
-// A laser that has returned in less than this part of the turn looks at the sky: nothing covers the rest.
+// A laser that has returned in less than this part of the turn looks at the sky: a cover would span the rest.
 // Measured: with a half, there are false objects where half of the view is covered.
 constexpr double kSkyRing = 0.25;
 
