@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "support/small_scan.hpp"
+#include "support/detection/run_detector.hpp"
 #include "support/toy_scene.hpp"
 #include <mapless/detection/detector.hpp>
 
@@ -279,21 +280,15 @@ std::size_t moving_points(test::ToyBody own, double speed_mps, int first, bool l
   scene.world = {test::toy_ground(-1.5), test::toy_box({40, 0, 0}, {1, 20, 5}), own};
   Detector detector;
   std::size_t moving = 0;
-  const auto count = [&](const std::vector<Detection>& detections) {
-    for (const Detection& d : detections)
-      moving += static_cast<std::size_t>(
-          std::count_if(d.object.begin(), d.object.end(), [](auto o) { return o > 0; }));
-  };
   for (int k = 0; k < 26; ++k) {
     const auto scan = test::cast_scan(scene, k).scan;
     if (k >= first) {
-      count(detector.process(scan, *scene.trajectory));
+      moving += test::moving_points(detector.process(scan, *scene.trajectory));
     } else if (learn) {
       detector.learn_own_vehicle(*scan, *scene.trajectory);
     }
   }
-  count(detector.flush());
-  return moving;
+  return moving + test::moving_points(detector.flush());
 }
 
 const test::ToyBody kBox = test::toy_box({2, 0, -0.2}, {0.2, 0.4, 0.3});        // before the sensor

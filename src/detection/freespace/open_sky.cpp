@@ -147,22 +147,30 @@ bool looks_at_sky(const std::vector<bool>& returned_once) {
          kSkyRing * columns;
 }
 
+// The azimuth of a column of the aligned image, in columns of the turn: scans may begin anywhere.
+std::size_t azimuth_column(const LidarModel& model, int column) {
+  const double turns = model.hub_angle(column) / (2 * std::numbers::pi);
+  const auto nearest = std::lround((turns - std::floor(turns)) * model.columns);
+  return static_cast<std::size_t>(nearest % model.columns);
+}
+
 // Learns from the scan which rays return at all. Then the cells that are not covered, as far as is known.
 Cells uncovered(const LidarScan& scan, const Cells& returned, std::vector<std::vector<bool>>& returned_once) {
   const Cells returns_now = beside_returns(scan, returned, kUncovered_rad);
   Cells out(scan);
-  std::vector<bool> returned_below(static_cast<std::size_t>(scan.columns));
+  std::vector<std::size_t> azimuth;
+  for (int c = 0; c < scan.columns; ++c) azimuth.push_back(azimuth_column(*scan.model, c));
+  std::vector<bool> returned_below(azimuth.size());
   for (int l = 0; l < scan.rows(); ++l) {
     std::vector<bool>& once = returned_once[static_cast<std::size_t>(l)];
-    const int columns = std::min(scan.columns, static_cast<int>(once.size()));
-    for (int c = 0; c < columns; ++c) {
-      if (returns_now.at(l, c)) once[static_cast<std::size_t>(c)] = true;
+    for (int c = 0; c < scan.columns; ++c) {
+      if (returns_now.at(l, c)) once[azimuth[static_cast<std::size_t>(c)]] = true;
     }
     const bool sky = looks_at_sky(once);
-    for (int c = 0; c < columns; ++c) {
+    for (int c = 0; c < scan.columns; ++c) {
       const auto column = static_cast<std::size_t>(c);
       if (returned.at(l, c)) returned_below[column] = true;
-      out.set(l, c, returned_below[column] && (sky || once[column]));
+      out.set(l, c, returned_below[column] && (sky || once[azimuth[column]]));
     }
   }
   return out;
@@ -176,11 +184,9 @@ std::vector<bool> OpenSky::of_next(const LidarScan& scan) {
   if (scan.columns == 0 || told_) return open;
   const AlignedImage image(scan);
   const Cells returned = returns_of(scan, image);
-  if (model_ != scan.model) {
-    model_ = scan.model;
-    returned_once_.assign(model_->lasers.size(),
-                          std::vector<bool>(static_cast<std::size_t>(model_->columns)));
-  }
+  const std::vector<bool> never(static_cast<std::size_t>(scan.model->columns));
+  if (returned_once_.size() != scan.model->lasers.size() || returned_once_.front().size() != never.size())
+    returned_once_.assign(scan.model->lasers.size(), never);
   const Cells candidates = uncovered(scan, returned, returned_once_);
   const Cells free = reached(empty_about(scan, returned, candidates, kWide),
                              empty_about(scan, returned, candidates, kBesideWide));

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <memory>
 #include <vector>
 
 #include <mapless/lidar/lidar_scan.hpp>
@@ -26,9 +25,8 @@ class OpenSky {
 
  private:
   bool told_ = false;  // why returns are missing
-  std::shared_ptr<const LidarModel> model_;
-  // By laser and column of the aligned image, which has one azimuth in all scans: whether a ray within a
-  // degree of it has returned, in this scan or one before.
+  // By laser and azimuth, in columns of the turn: whether a ray within a degree of it has returned, in this
+  // scan or one before. Scans of point clouds begin anywhere, each with a model of its own.
   std::vector<std::vector<bool>> returned_once_;
 };
 

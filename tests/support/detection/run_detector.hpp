@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <iterator>
 #include <vector>
 
@@ -31,6 +32,14 @@ inline std::vector<std::shared_ptr<const LidarScan>> scans_of(const std::vector<
   std::vector<std::shared_ptr<const LidarScan>> scans;
   for (const ToyScan& scan : toy) scans.push_back(scan.scan);
   return scans;
+}
+
+/// Points of moving objects, of all the scans.
+inline std::size_t moving_points(const std::vector<Detection>& detections) {
+  std::ptrdiff_t moving = 0;
+  for (const Detection& d : detections)
+    moving += std::ranges::count_if(d.object, [](auto object) { return object > 0; });
+  return static_cast<std::size_t>(moving);
 }
 
 }  // namespace mapless::test
