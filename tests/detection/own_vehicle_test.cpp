@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "support/small_scan.hpp"
 #include "support/detection/run_detector.hpp"
+#include "support/small_scan.hpp"
 #include "support/toy_scene.hpp"
 #include <mapless/detection/detector.hpp>
 
